@@ -1,0 +1,80 @@
+"""Where a fault is, what it is, and what to do about it."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass, field
+from functools import cached_property
+
+
+@dataclass(frozen=True)
+class Source:
+    """A model text and the name it is shown under."""
+
+    name: str
+    text: str
+
+    @cached_property
+    def line_starts(self) -> tuple[int, ...]:
+        starts = [0]
+        for offset, char in enumerate(self.text):
+            if char == "\n":
+                starts.append(offset + 1)
+        return tuple(starts)
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """1-based line and column (in characters) of `offset`."""
+        line = bisect_right(self.line_starts, offset)
+        return line, offset - self.line_starts[line - 1] + 1
+
+    def line(self, number: int) -> str:
+        start = self.line_starts[number - 1]
+        end = self.text.find("\n", start)
+        return self.text[start : len(self.text) if end < 0 else end].rstrip("\r")
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Characters start..end (end excluded) of a source."""
+
+    source: Source = field(repr=False)
+    start: int
+    end: int
+
+    @property
+    def line(self) -> int:
+        return self.source.place(self.start)[0]
+
+    @property
+    def column(self) -> int:
+        return self.source.place(self.start)[1]
+
+    def to(self, other: Span) -> Span:
+        return Span(self.source, self.start, max(self.end, other.end))
+
+    def __str__(self) -> str:
+        return f"{self.source.name}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One thing that is wrong, in the user's terms.
+
+    `code` is stable (`LAG0123`) and listed in `lagc.diagnostics.catalogue`; `related`
+    are the other places that the message speaks of, each with a short label.
+    """
+
+    code: str
+    message: str
+    span: Span | None = None
+    related: tuple[tuple[Span, str], ...] = ()
+    remedy: str | None = None
+    severity: str = "error"  # or "warning"
+
+
+class Refused(Exception):
+    """The model is refused; `faults` says why, all of it."""
+
+    def __init__(self, faults: list[Fault] | tuple[Fault, ...]):
+        self.faults = tuple(faults)
+        super().__init__("; ".join(f"{f.code}: {f.message}" for f in self.faults))

@@ -1,0 +1,394 @@
+"""The expression graph: interned nodes and the smart constructors that make them.
+
+Every node belongs to one `Graph`.  Two expressions that are built alike *are* the
+same object, so equality is identity and a shared sub-expression is stored once.
+A node is made after its arguments, hence `index` order is a topological order and
+every walk in this room is a loop, never a recursion.
+
+Normal form (kept by the constructors, cheap on purpose):
+
+* `scale` c*x holds a numeric coefficient, never nested, never around a constant;
+* `mul` is a monomial: distinct bases sorted by index with non-zero integer exponents;
+  x^2 is `mul` with one base, a quotient is a negative exponent;
+* `add` is binary; like terms, and c*x*sin(u)^2 + c*x*cos(u)^2, are collected when they
+  meet.  Long sums are not flattened: the prefix sums of a chain stay shared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TypeAlias
+
+UNARY: dict[str, object] = {
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "asin": math.asin,
+    "acos": math.acos,
+    "atan": math.atan,
+    "sinh": math.sinh,
+    "cosh": math.cosh,
+    "tanh": math.tanh,
+    "exp": math.exp,
+    "log": math.log,
+    "sqrt": math.sqrt,
+    "abs": math.fabs,
+    "floor": math.floor,
+    "sign": lambda x: (x > 0) - (x < 0),
+}
+BINARY = ("atan2", "min", "max", "pow")
+COMPARE = ("lt", "le", "eq")
+LOGIC = ("and", "or", "not")
+
+Number: TypeAlias = "float | int"
+
+
+class Node:
+    """One interned expression.  `op` says what it is, `args` of what, `value` the rest.
+
+    op        args            value
+    const     ()              float
+    symbol    ()              (kind, name)
+    add       (a, b)          None
+    scale     (x,)            float coefficient
+    mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
+    sin ...   (x,)            None          every name of UNARY
+    atan2 ... (x, y)          None          every name of BINARY, COMPARE; and, or; not (x,)
+    select    (c, x, y)       None          x where c holds, else y
+    """
+
+    __slots__ = ("graph", "op", "args", "value", "index")
+
+    graph: Graph
+    op: str
+    args: tuple[Node, ...]
+    value: object
+    index: int
+
+    def __add__(self, other: Node | Number) -> Node:
+        return self.graph.add(self, self.graph.lift(other))
+
+    def __radd__(self, other: Number) -> Node:
+        return self.graph.add(self.graph.lift(other), self)
+
+    def __sub__(self, other: Node | Number) -> Node:
+        return self.graph.sub(self, self.graph.lift(other))
+
+    def __rsub__(self, other: Number) -> Node:
+        return self.graph.sub(self.graph.lift(other), self)
+
+    def __mul__(self, other: Node | Number) -> Node:
+        return self.graph.mul(self, self.graph.lift(other))
+
+    def __rmul__(self, other: Number) -> Node:
+        return self.graph.mul(self.graph.lift(other), self)
+
+    def __truediv__(self, other: Node | Number) -> Node:
+        return self.graph.div(self, self.graph.lift(other))
+
+    def __rtruediv__(self, other: Number) -> Node:
+        return self.graph.div(self.graph.lift(other), self)
+
+    def __neg__(self) -> Node:
+        return self.graph.scale(-1.0, self)
+
+    def __pow__(self, other: Node | Number) -> Node:
+        return self.graph.pow(self, self.graph.lift(other))
+
+    def __repr__(self) -> str:
+        from lagc.expr.text import text
+
+        return text(self)
+
+    @property
+    def is_zero(self) -> bool:
+        return self.op == "const" and self.value == 0.0
+
+    @property
+    def is_const(self) -> bool:
+        return self.op == "const"
+
+
+class Graph:
+    """Maker and owner of nodes.  Not shared between threads."""
+
+    def __init__(self) -> None:
+        self._table: dict[tuple[object, ...], Node] = {}
+        self.nodes: list[Node] = []
+        self.zero = self.const(0.0)
+        self.one = self.const(1.0)
+
+    # -- leaves ---------------------------------------------------------------
+
+    def _intern(self, op: str, args: tuple[Node, ...], value: object) -> Node:
+        key = (op, args, value)
+        node = self._table.get(key)
+        if node is None:
+            node = Node()
+            node.graph = self
+            node.op = op
+            node.args = args
+            node.value = value
+            node.index = len(self.nodes)
+            self.nodes.append(node)
+            self._table[key] = node
+        return node
+
+    def const(self, value: Number) -> Node:
+        """The constant `value`; -0.0 is taken as 0.0 (no expression here tells them apart)."""
+        return self._intern("const", (), float(value) + 0.0)
+
+    def symbol(self, kind: str, name: str) -> Node:
+        """The leaf called `name`; `kind` keeps name spaces apart (parameter, coordinate, ...)."""
+        return self._intern("symbol", (), (kind, name))
+
+    def lift(self, value: Node | Number) -> Node:
+        return value if isinstance(value, Node) else self.const(value)
+
+    # -- arithmetic -----------------------------------------------------------
+
+    def scale(self, c: float, x: Node) -> Node:
+        """c*x for a number c."""
+        op = x.op
+        if op == "const":
+            return self.const(c * x.value)  # type: ignore[operator]
+        if op == "scale":
+            c = c * x.value  # type: ignore[operator]
+            x = x.args[0]
+        if c == 1.0:
+            return x
+        if c == 0.0:
+            return self.zero
+        return self._intern("scale", (x,), c)
+
+    def add(self, a: Node, b: Node) -> Node:
+        if a.op == "const":
+            if a.value == 0.0:
+                return b
+            if b.op == "const":
+                return self.const(a.value + b.value)  # type: ignore[operator]
+        elif b.op == "const" and b.value == 0.0:
+            return a
+        met = self._meet(a, b)
+        if met is not None:
+            return met
+        if a.op == "add":  # one level deep, so that J.J of a rotating arm folds
+            x, y = a.args
+            met = self._meet(y, b)
+            if met is not None:
+                return self.add(x, met)
+            met = self._meet(x, b)
+            if met is not None:
+                return self.add(met, y)
+        if b.op == "add":
+            x, y = b.args
+            met = self._meet(a, x)
+            if met is not None:
+                return self.add(met, y)
+            met = self._meet(a, y)
+            if met is not None:
+                return self.add(x, met)
+        if a.index > b.index:
+            a, b = b, a
+        return self._intern("add", (a, b), None)
+
+    def _meet(self, a: Node, b: Node) -> Node | None:
+        """a + b where the two terms are alike (or sin^2 meets cos^2), else None."""
+        ca, xa = (a.value, a.args[0]) if a.op == "scale" else (1.0, a)
+        cb, xb = (b.value, b.args[0]) if b.op == "scale" else (1.0, b)
+        if xa is xb:
+            return self.scale(ca + cb, xa)  # type: ignore[operator]
+        if xa.op == "const" and xb.op == "const":
+            return self.const(ca * xa.value + cb * xb.value)  # type: ignore[operator]
+        if ca != cb or xa.op != "mul" or xb.op != "mul":
+            return None
+        swap = {"sin": "cos", "cos": "sin"}
+        for base, exponent in zip(xa.args, xa.value):  # type: ignore[call-overload]
+            if exponent == 2 and base.op in swap:
+                twin = self._intern(swap[base.op], base.args, None)
+                rest = self.div(xa, self.mul(base, base))
+                if self.mul(rest, self.mul(twin, twin)) is xb:
+                    return self.scale(ca, rest)  # type: ignore[arg-type]
+        return None
+
+    def sub(self, a: Node, b: Node) -> Node:
+        return self.add(a, self.scale(-1.0, b))
+
+    def sum(self, terms: Iterable[Node]) -> Node:
+        total = self.zero
+        for term in terms:
+            total = self.add(total, term)
+        return total
+
+    def mul(self, a: Node, b: Node) -> Node:
+        if a.op == "const":
+            return self.scale(a.value, b)  # type: ignore[arg-type]
+        if b.op == "const":
+            return self.scale(b.value, a)  # type: ignore[arg-type]
+        c = 1.0
+        if a.op == "scale":
+            c, a = a.value, a.args[0]  # type: ignore[assignment]
+        if b.op == "scale":
+            c, b = c * b.value, b.args[0]  # type: ignore[operator]
+        return self.scale(c, self._merge(a, b, 1))
+
+    def div(self, a: Node, b: Node) -> Node:
+        """a/b.  Division by the constant zero is the caller's to refuse (ZeroDivisionError)."""
+        c = 1.0
+        if b.op == "const":
+            return self.scale(1.0 / b.value, a)  # type: ignore[operator]
+        if b.op == "scale":
+            c, b = 1.0 / b.value, b.args[0]  # type: ignore[operator]
+        if a.op == "const":
+            return self.scale(c * a.value, self._merge(self.one, b, -1))  # type: ignore[operator]
+        if a.op == "scale":
+            c, a = c * a.value, a.args[0]  # type: ignore[operator]
+        return self.scale(c, self._merge(a, b, -1))
+
+    def _merge(self, a: Node, b: Node, sign: int) -> Node:
+        """The monomial a * b^sign; neither is a scale, b is no constant."""
+        powers: dict[Node, int] = {}
+        if a.op == "mul":
+            powers.update(zip(a.args, a.value))  # type: ignore[call-overload]
+        elif a.op != "const":
+            powers[a] = 1
+        pairs = zip(b.args, b.value) if b.op == "mul" else ((b, 1),)  # type: ignore[call-overload]
+        for base, exponent in pairs:
+            powers[base] = powers.get(base, 0) + sign * exponent
+        return self._monomial(powers)
+
+    def _monomial(self, powers: dict[Node, int]) -> Node:
+        roots = [b for b, e in powers.items() if b.op == "sqrt" and e not in (1, -1, 0)]
+        if roots:  # sqrt(u)^2 = u wherever sqrt(u) is a number
+            rest = self.one
+            for root in roots:
+                e = powers.pop(root)
+                half = e // 2 if e > 0 else -(-e // 2)
+                rest = self.mul(rest, self.power(root.args[0], half))
+                if e - 2 * half:
+                    powers[root] = e - 2 * half
+            return self.mul(self._monomial(powers), rest)
+        items = sorted([(b, e) for b, e in powers.items() if e], key=_by_index)
+        if not items:
+            return self.one
+        if len(items) == 1 and items[0][1] == 1:
+            return items[0][0]
+        return self._intern("mul", tuple([b for b, _ in items]), tuple([e for _, e in items]))
+
+    def power(self, x: Node, n: int) -> Node:
+        """x^n for an integer n; 0^n with n < 0 raises ZeroDivisionError."""
+        if n == 0:
+            return self.one
+        if x.op == "const":
+            return self.const(x.value**n)  # type: ignore[operator]
+        c = 1.0
+        if x.op == "scale":
+            c, x = x.value**n, x.args[0]  # type: ignore[operator]
+        if x.op == "mul":
+            powers = {b: e * n for b, e in zip(x.args, x.value)}  # type: ignore[call-overload]
+        else:
+            powers = {x: n}
+        return self.scale(c, self._monomial(powers))
+
+    def pow(self, x: Node, y: Node) -> Node:
+        if y.op == "const":
+            n = y.value
+            if n == int(n) and abs(n) <= 64:  # type: ignore[call-overload, arg-type]
+                return self.power(x, int(n))  # type: ignore[call-overload]
+            if n == 0.5:
+                return self.unary("sqrt", x)
+            if x.op == "const":
+                folded = _fold(math.pow, x.value, n)
+                if folded is not None:
+                    return self.const(folded)
+        return self._intern("pow", (x, y), None)
+
+    # -- functions ------------------------------------------------------------
+
+    def unary(self, op: str, x: Node) -> Node:
+        if x.op == "const":
+            folded = _fold(UNARY[op], x.value)
+            if folded is not None:
+                return self.const(folded)
+        elif x.op == "scale" and x.value < 0:  # type: ignore[operator]
+            if op in ("cos", "cosh", "abs"):
+                return self.unary(op, -x)
+            if op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign"):
+                return -self.unary(op, -x)
+        return self._intern(op, (x,), None)
+
+    def sin(self, x: Node) -> Node:
+        return self.unary("sin", x)
+
+    def cos(self, x: Node) -> Node:
+        return self.unary("cos", x)
+
+    def sqrt(self, x: Node) -> Node:
+        return self.unary("sqrt", x)
+
+    def binary(self, op: str, x: Node, y: Node) -> Node:
+        """atan2, min, max, pow, the comparisons lt le eq, and the connectives and, or."""
+        if op == "pow":
+            return self.pow(x, y)
+        if x.op == "const" and y.op == "const":
+            folded = _fold(_BINARY_FOLD[op], x.value, y.value)
+            if folded is not None:
+                return self.const(folded)
+        return self._intern(op, (x, y), None)
+
+    def logical_not(self, x: Node) -> Node:
+        if x.op == "const":
+            return self.const(0.0 if x.value else 1.0)
+        return self._intern("not", (x,), None)
+
+    def select(self, condition: Node, x: Node, y: Node) -> Node:
+        if condition.op == "const":
+            return x if condition.value else y
+        return x if x is y else self._intern("select", (condition, x, y), None)
+
+    def rebuild(self, node: Node, args: tuple[Node, ...]) -> Node:
+        """`node` with other arguments, through the constructors."""
+        op = node.op
+        if op in ("const", "symbol"):
+            return node
+        if op == "add":
+            return self.add(*args)
+        if op == "scale":
+            return self.scale(node.value, args[0])  # type: ignore[arg-type]
+        if op == "mul":
+            product = self.one
+            for base, exponent in zip(args, node.value):  # type: ignore[call-overload]
+                product = self.mul(product, self.power(base, exponent))
+            return product
+        if op == "select":
+            return self.select(*args)
+        if op == "not":
+            return self.logical_not(args[0])
+        if len(args) == 1:
+            return self.unary(op, args[0])
+        return self.binary(op, *args)
+
+
+def _by_index(item: tuple[Node, int]) -> int:
+    return item[0].index
+
+
+def _fold(function: object, *values: object) -> float | None:
+    try:
+        result = float(function(*values))  # type: ignore[operator]
+    except (ValueError, OverflowError, ZeroDivisionError):
+        return None
+    return result if math.isfinite(result) else None
+
+
+_BINARY_FOLD: dict[str, object] = {
+    "atan2": math.atan2,
+    "min": min,
+    "max": max,
+    "lt": lambda x, y: x < y,
+    "le": lambda x, y: x <= y,
+    "eq": lambda x, y: x == y,
+    "and": lambda x, y: bool(x and y),
+    "or": lambda x, y: bool(x or y),
+}

@@ -1,0 +1,269 @@
+"""The Model: one scene of a file with every name resolved and every number in SI.
+
+All expressions are nodes of `Model.graph`.  Its leaves are symbols `(kind, name)`:
+
+kind            name                 stands for
+parameter       "l", "a.b[2].m"      a parameter, kept symbolic to the end
+input           "u"                  a quantity given from outside, a function of time
+time            "time"               the time t
+coordinate      "theta", "o.w"       q_i; an orientation o brings o.w o.x o.y o.z (unit quaternion)
+rate            "der(theta)"         q'_i of a scalar coordinate
+rate            "o.rate.x"           body-axes angular velocity of an orientation (rad/s)
+speed           "u1"                 a declared generalized speed
+acceleration    "der(der(theta))"    the time derivative of the rate above; "der(o.rate.x)"; outputs only
+multiplier      "string", "roll[2]"  multiplier of a constraint's row; outputs only
+quantity        "energy()", ...      a whole-system quantity, filled in by `mechanics`; outputs only:
+                                     energy() kinetic() potential() power(F) momentum(theta)
+                                     momentum().x|y|z (total linear) angular_momentum().x|y|z (about the origin)
+
+A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
+`meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
+
+A name is the user's, with instance path and subscripts: `a.bob[3]`.  `effect` is the effect
+a thing was declared in, or None.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+from lagc.diagnostics.faults import Span
+from lagc.expr.graph import Graph, Node
+
+Vector: TypeAlias = tuple[Node, Node, Node]
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]  # rows
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    name: str
+    symbol: Node
+    unit: str  # SI unit text, "" for pure numbers
+    display_unit: str
+    value: float | None  # SI; None: the run must give it
+    minimum: float
+    maximum: float
+    span: Span
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    name: str
+    symbol: Node
+    unit: str
+    default: float
+    span: Span
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A scalar generalized coordinate.  `start` and `rate` are expressions in parameters."""
+
+    name: str
+    symbol: Node
+    rate_symbol: Node
+    unit: str
+    display_unit: str
+    start: Node
+    rate: Node
+    start_fixed: bool
+    rate_fixed: bool
+    span: Span
+    description: str = ""
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Orientation:
+    """A unit quaternion (w, x, y, z), body to world; its speeds are the body rates."""
+
+    name: str
+    symbols: tuple[Node, Node, Node, Node]
+    rate_symbols: Vector
+    start: tuple[Node, Node, Node, Node]
+    rate: Vector
+    start_fixed: bool
+    rate_fixed: bool
+    span: Span
+    description: str = ""
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Speed:
+    """A declared generalized speed: `expression` is linear in the rates."""
+
+    name: str
+    symbol: Node
+    expression: Node
+    unit: str
+    span: Span
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """`axes[i][j]`: component i (world) of unit vector j, so x_world = axes . x_frame.
+
+    `angular_velocity` in the frame's own axes, in terms of rates.
+    """
+
+    name: str
+    parent: str
+    axes: Matrix
+    angular_velocity: Vector
+    span: Span | None
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    name: str
+    position: Vector  # world axes, m
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A particle (`frame` and `inertia` None) or a solid.
+
+    `position` is the centre of mass in world axes; `inertia` about the centre of mass in the
+    axes of `frame`.
+    """
+
+    name: str
+    mass: Node
+    position: Vector
+    velocity: Vector  # d(position)/dt in terms of rates
+    frame: Frame | None
+    inertia: Matrix | None
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Potential:
+    """`energy` V(q, t), as in T - V."""
+
+    name: str
+    energy: Node
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Force:
+    """`vector` (world) applied at a point whose velocity is `velocity` (world, in rates)."""
+
+    name: str
+    vector: Vector
+    velocity: Vector
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Torque:
+    """`vector` (world) on `frame`, its opposite on `reaction` where not None (None: the ground)."""
+
+    name: str
+    vector: Vector
+    frame: Frame
+    reaction: Frame | None
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Dissipation:
+    """Rayleigh function D(q, rates, t): generalized force -dD/d(rate)."""
+
+    name: str
+    function: Node
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Lagrangian:
+    """A free term L(q, rates, t) added to the Lagrangian; `kinetic` adds one to K instead."""
+
+    name: str
+    function: Node
+    is_kinetic: bool
+    span: Span
+    effect: str | None = None
+
+
+Action: TypeAlias = Potential | Force | Torque | Dissipation | Lagrangian
+
+
+@dataclass(frozen=True, slots=True)
+class Constraint:
+    """`residuals` = lhs - rhs, a row each, in coordinates, rates, parameters, time.
+
+    `labels` names the rows: the constraint's name, or `name[1]` ... for a vector (world axes
+    x y z).  A row whose residual is identically zero is not listed.
+    """
+
+    name: str
+    labels: tuple[str, ...]
+    residuals: tuple[Node, ...]
+    units: tuple[str, ...]  # SI unit of each residual
+    span: Span
+    left_span: Span
+    right_span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InitialCondition:
+    """One scalar condition: residual(q, rates, parameters) = 0 at the start."""
+
+    residual: Node
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    name: str
+    expression: Node  # may hold acceleration, multiplier and quantity symbols
+    unit: str
+    display_unit: str
+    span: Span
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    name: str
+    description: str
+    used: bool
+
+
+@dataclass(frozen=True)
+class Model:
+    name: str
+    scene: str
+    description: str
+    graph: Graph
+    time: Node
+    parameters: tuple[Parameter, ...]
+    inputs: tuple[Input, ...]
+    coordinates: tuple[Coordinate | Orientation, ...]  # in order of declaration
+    speeds: tuple[Speed, ...]
+    frames: tuple[Frame, ...]
+    points: tuple[Point, ...]
+    bodies: tuple[Body, ...]
+    actions: tuple[Action, ...]
+    constraints: tuple[Constraint, ...]
+    initial_conditions: tuple[InitialCondition, ...]
+    outputs: tuple[Output, ...]
+    effects: tuple[Effect, ...]
+    scenes: tuple[str, ...]
+    simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
+    notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"

@@ -1,0 +1,104 @@
+"""EquationsOfMotion: the noun that `derive` returns.
+
+    qdot = N(t,q) v + n(t,q)
+    M(t,q) a + h(t,q,v) = tau(t,q,v) + G(t,q,v)^T lam
+    phi(t,q) = 0      psi(t,q,v) = 0      G a = gamma
+
+All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `lam` and
+`a` appear in `outputs` and `power` only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Span
+from lagc.expr.graph import Graph, Node
+from lagc.meaning.model import Model
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One scalar equality constraint.
+
+    kind "holonomic": residual = phi(t,q), rate = d(phi)/dt (in v).
+    kind "velocity":  residual = rate = psi(t,q,v).
+    jacobian = {column of v: d(rate)/d(v)}; gamma as in G a = gamma.
+    """
+
+    label: str  # the constraint's row label, unique
+    constraint: str
+    kind: str
+    residual: Node
+    rate: Node
+    jacobian: dict[int, Node]
+    gamma: Node
+    unit: str
+    time_dependent: bool
+    linear: bool  # affine in v (holonomic rows are)
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Contribution:
+    """What one body or action brings: its generalized force, a node a speed.
+
+    For a body: {} (its share is in M and h).  kind: potential force torque dissipation
+    lagrangian.  `conservative` contributions are in `potential`; others do `power`.
+    """
+
+    name: str
+    kind: str
+    effect: str | None
+    forces: dict[int, Node]
+    power: Node  # of this action along the motion, in v
+    conservative: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OutputEquation:
+    name: str
+    expression: Node  # in t q v a lam parameters
+    unit: str
+    display_unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class StartValue:
+    """A state's start: `q` or `v` index, its expression in parameters, held or a guess."""
+
+    value: Node
+    fixed: bool
+
+
+@dataclass(frozen=True)
+class EquationsOfMotion:
+    model: Model
+    graph: Graph
+    time: Node
+    q: tuple[Node, ...]  # symbols
+    v: tuple[Node, ...]  # symbols: rates, or declared speeds
+    a: tuple[Node, ...]  # symbols: d(v)/dt
+    lam: tuple[Node, ...]  # symbols, one a row
+    q_names: tuple[str, ...]
+    v_names: tuple[str, ...]  # "der(theta)", "u1", "o.rate.x"
+    q_units: tuple[str, ...]
+    v_units: tuple[str, ...]
+    qdot: tuple[Node, ...]
+    quaternions: tuple[int, ...]  # first q index of each unit quaternion
+    mass_matrix: dict[tuple[int, int], Node]  # (i, j) with i >= j, zeros left out
+    bias_forces: tuple[Node, ...]
+    given_forces: tuple[Node, ...]
+    rows: tuple[Row, ...]  # holonomic first
+    contributions: tuple[Contribution, ...]
+    kinetic: Node
+    potential: Node  # of the conservative actions
+    energy: Node  # the quantity whose balance is kept: K2 - K0 + V (K + V when scleronomic)
+    power: Node  # d(energy)/dt: of non-conservative actions, drives and rheonomic rows (may use lam)
+    starts_q: tuple[StartValue, ...]
+    starts_v: tuple[StartValue, ...]
+    initial_conditions: tuple[tuple[Node, Span], ...]  # residual in q, v, parameters
+    outputs: tuple[OutputEquation, ...]
+    rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
+    dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason

@@ -1,0 +1,142 @@
+"""Program: straight-line functions of binary operations, in the order they are executed.
+
+This is the last form that is free of any target.  A printer turns it into text without
+taking a decision that changes a floating-point result: every printer writes the same
+operations on the same operands in the same order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+# op -> number of operands.  `load` and `const` have none.  Integer powers are products by now,
+# x*x, never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only.
+OPERANDS: dict[str, int] = {
+    "const": 0, "load": 0,
+    "neg": 1, "add": 2, "sub": 2, "mul": 2, "div": 2,
+    "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1,
+    "sinh": 1, "cosh": 1, "tanh": 1, "exp": 1, "log": 1, "sqrt": 1,
+    "abs": 1, "floor": 1, "sign": 1,
+    "atan2": 2, "min": 2, "max": 2, "pow": 2,
+    "lt": 2, "le": 2, "eq": 2, "and": 2, "or": 2, "not": 1, "select": 3,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """Value number k of a function is the result of its operation number k.
+
+    `const`: payload is the float.  `load`: payload is (array, index), e.g. ("q", 3), ("t", 0).
+    """
+
+    op: str
+    operands: tuple[int, ...] = ()
+    payload: float | tuple[str, int] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """array[index] = value."""
+
+    array: str
+    index: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A straight-line function.  `comments` maps an operation or store position to the
+    formula or source line that starts there."""
+
+    name: str
+    inputs: tuple[str, ...]  # arrays read, in signature order: p t q v a lam u w r
+    outputs: tuple[tuple[str, int], ...]  # (array, length), in signature order
+    operations: tuple[Operation, ...]
+    stores: tuple[Store, ...]
+    description: str = ""
+    comments: dict[int, str] = field(default_factory=dict)
+
+    @property
+    def cost(self) -> int:
+        """Arithmetic operations and function calls (loads, constants, negations not counted)."""
+        free = ("const", "load", "neg")
+        return sum(1 for o in self.operations if o.op not in free)
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A parameter or input as the generated code knows it."""
+
+    name: str  # the user's
+    value: float | None
+    minimum: float
+    maximum: float
+    unit: str
+    display_unit: str
+    place: str  # "pendulum.lag:3"
+    description: str
+
+
+@dataclass(frozen=True)
+class Program:
+    """Everything a target prints, and everything a run needs to know of the model.
+
+    State x = (q, v, z): nq coordinates, nv speeds, nz work integrals (0 or 1: z' = power).
+    Multipliers: nc rows, the first nh holonomic.
+
+    functions (absent ones do not exist for the model):
+      rhs         (p,u,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only
+      system      (p,u,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
+                                       M packed by rows of the lower triangle, r = tau - h,
+                                       G dense by rows
+      assemble    (p,u,t,x)         -> KKT entries into w            "straight" and nc > 0
+      factor      (w)               -> w                             L and D after the entries
+      solve       (w, r)            -> s[nv+nc]                      r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
+      displace    (p,u,t,x,d)       -> dq[nq]                        dq = N(t,q) d      where N is not the identity
+      position    (p,u,t,x)         -> phi[nh]
+      velocity    (p,u,t,x)         -> psi[nc]                       rates of all rows
+      energies    (p,u,t,x)         -> e[3]                          kinetic, potential, energy of the balance
+      power       (p,u,t,x,a,lam)   -> e[1]                          d(energy)/dt
+      outputs     (p,u,t,x,a,lam)   -> y[ny]
+      start       (p)               -> x[nx]                         start values and guesses
+      initial     (p,u,t,x)         -> c[ni], J[ni*(nq+nv)]          conditions of the initial section
+      scales      (p,u,t,x)         -> s[nc]                         size of each row's terms, for scaled residuals
+    health = (smallest pivot ratio, largest residual after refinement, scaled).
+    """
+
+    model: str
+    scene: str
+    source_name: str
+    model_hash: str
+    nq: int
+    nv: int
+    nz: int
+    nc: int
+    nh: int
+    q_names: tuple[str, ...]
+    v_names: tuple[str, ...]
+    q_units: tuple[str, ...]
+    v_units: tuple[str, ...]
+    row_labels: tuple[str, ...]
+    row_units: tuple[str, ...]
+    quaternions: tuple[int, ...]
+    parameters: tuple[Field, ...]
+    inputs: tuple[Field, ...]
+    outputs: tuple[Field, ...]
+    start_fixed: tuple[bool, ...]  # of x[:nq+nv]
+    initial_places: tuple[str, ...]  # source line of each initial condition
+    solve: str  # "straight": rhs holds the LDL^T;  "looped": rhs = system + dense LDL^T of the support code
+    work_size: int  # doubles of w
+    functions: dict[str, Function]
+    effects: tuple[str, ...]
+    simulate: dict[str, float]
+    notes: tuple[str, ...]
+
+    @property
+    def nx(self) -> int:
+        return self.nq + self.nv + self.nz
+
+    @property
+    def operations(self) -> int:
+        """Operations of one right-hand side (straight-line part)."""
+        return self.functions["rhs" if self.solve == "straight" else "system"].cost
