@@ -26,7 +26,7 @@ OPERANDS: dict[str, int] = {
 class Operation:
     """Value number k of a function is the result of its operation number k.
 
-    `const`: payload is the float.  `load`: payload is (array, index), e.g. ("q", 3), ("t", 0).
+    `const`: payload is the float.  `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1).
     """
 
     op: str
@@ -49,7 +49,7 @@ class Function:
     formula or source line that starts there."""
 
     name: str
-    inputs: tuple[str, ...]  # arrays read, in signature order: p t q v a lam u w r
+    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam d w r
     outputs: tuple[tuple[str, int], ...]  # (array, length), in signature order
     operations: tuple[Operation, ...]
     stores: tuple[Store, ...]
@@ -78,30 +78,11 @@ class Field:
 
 
 @dataclass(frozen=True)
-class Program:
-    """Everything a target prints, and everything a run needs to know of the model.
+class Interface:
+    """What a run, a file header and a cache need to know of a compiled model; plain data.
 
     State x = (q, v, z): nq coordinates, nv speeds, nz work integrals (0 or 1: z' = power).
-    Multipliers: nc rows, the first nh holonomic.
-
-    functions (absent ones do not exist for the model):
-      rhs         (p,u,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only
-      system      (p,u,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
-                                       M packed by rows of the lower triangle, r = tau - h,
-                                       G dense by rows
-      assemble    (p,u,t,x)         -> KKT entries into w            "straight" and nc > 0
-      factor      (w)               -> w                             L and D after the entries
-      solve       (w, r)            -> s[nv+nc]                      r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
-      displace    (p,u,t,x,d)       -> dq[nq]                        dq = N(t,q) d      where N is not the identity
-      position    (p,u,t,x)         -> phi[nh]
-      velocity    (p,u,t,x)         -> psi[nc]                       rates of all rows
-      energies    (p,u,t,x)         -> e[3]                          kinetic, potential, energy of the balance
-      power       (p,u,t,x,a,lam)   -> e[1]                          d(energy)/dt
-      outputs     (p,u,t,x,a,lam)   -> y[ny]
-      start       (p)               -> x[nx]                         start values and guesses
-      initial     (p,u,t,x)         -> c[ni], J[ni*(nq+nv)]          conditions of the initial section
-      scales      (p,u,t,x)         -> s[nc]                         size of each row's terms, for scaled residuals
-    health = (smallest pivot ratio, largest residual after refinement, scaled).
+    Multipliers: nc rows, the first nh holonomic.  Parameter array p: `parameters`, then `inputs`.
     """
 
     model: str
@@ -119,15 +100,16 @@ class Program:
     v_units: tuple[str, ...]
     row_labels: tuple[str, ...]
     row_units: tuple[str, ...]
-    quaternions: tuple[int, ...]
+    quaternions: tuple[int, ...]  # first index in q of each unit quaternion
     parameters: tuple[Field, ...]
     inputs: tuple[Field, ...]
     outputs: tuple[Field, ...]
     start_fixed: tuple[bool, ...]  # of x[:nq+nv]
     initial_places: tuple[str, ...]  # source line of each initial condition
     solve: str  # "straight": rhs holds the LDL^T;  "looped": rhs = system + dense LDL^T of the support code
-    work_size: int  # doubles of w
-    functions: dict[str, Function]
+    work_size: int  # doubles of w that assemble/factor/solve use
+    operations: int  # of one right-hand side
+    functions: tuple[str, ...]  # the names that exist
     effects: tuple[str, ...]
     simulate: dict[str, float]
     notes: tuple[str, ...]
@@ -136,7 +118,30 @@ class Program:
     def nx(self) -> int:
         return self.nq + self.nv + self.nz
 
-    @property
-    def operations(self) -> int:
-        """Operations of one right-hand side (straight-line part)."""
-        return self.functions["rhs" if self.solve == "straight" else "system"].cost
+
+@dataclass(frozen=True)
+class Program:
+    """The interface and its functions.
+
+    (absent ones do not exist for the model):
+      rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only
+      system      (p,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
+                                     M packed by rows of the lower triangle, r = tau - h,
+                                     G dense by rows
+      assemble    (p,t,x)         -> w    KKT entries M and G into w       "straight" and nc > 0
+      factor      (w)             -> w, health[2]   L and D after the entries
+      solve       (w,r)           -> s[nv+nc]   r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
+      displace    (p,t,x,d)       -> dq[nq]     dq = N(t,q) d      where N is not the identity
+      position    (p,t,x)         -> phi[nh]
+      velocity    (p,t,x)         -> psi[nc]    rates of all rows
+      scales      (p,t,x)         -> s[nc]      size of each row's terms, for scaled residuals
+      energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance
+      power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
+      outputs     (p,t,x,a,lam)   -> y[ny]
+      start       (p)             -> x[nx]      start values and guesses
+      initial     (p,t,x)         -> c[ni], J[ni*(nq+nv)]   conditions of the initial section
+    health = (smallest pivot ratio |d_k|/|a_kk|, largest scaled residual after refinement).
+    """
+
+    interface: Interface
+    functions: dict[str, Function]
