@@ -1,3 +1,37 @@
-"""lagc: from a mechanical system to its motion."""
+"""lagc: from a mechanical system to its motion.
+
+    import lagc
+    model = lagc.load("pendulum.lag")
+    system = model.compile(scene="room")
+    run = system.simulate(stop=10, accuracy=1e-8)
+
+The names below are loaded when they are first used, so that `import lagc` costs nothing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
+
+__all__ = ["CompiledModel", "ModelFile", "Refused", "load", "loads"]
+
+if TYPE_CHECKING:
+    from lagc.api import CompiledModel, ModelFile, load, loads
+    from lagc.diagnostics.faults import Refused
+
+
+def __getattr__(name: str) -> object:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name == "Refused":
+        from lagc.diagnostics.faults import Refused as found
+
+        return found
+    from lagc import api
+
+    return getattr(api, name)
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -1,0 +1,68 @@
+"""The faults of model files, all of them."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from lagc.cli.exits import DONE, REFUSED
+from lagc.cli.options import add_general_options
+from lagc.cli.output import print_faults, print_json, say
+from lagc.diagnostics.faults import Fault, Refused
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", metavar="FILE", nargs="*", help="model files, models of the library, or - for standard input")
+    parser.add_argument("--format", choices=("text", "json"), default="text", help="how the faults are printed")
+    parser.add_argument("--scene", metavar="S", help="check this scene only; without it, every scene")
+    parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    parser.add_argument("--explain", metavar="CODE", help="what a fault's code means, with an example")
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    if options.explain:
+        return explain(options.explain)
+    if not options.files:
+        from lagc.cli.exits import Usage
+
+        raise Usage("which file? `lagc check FILE...`")
+    faults: list[Fault] = []
+    for name in options.files:
+        faults += faults_of(name, options)
+    wrong = any(f.severity == "error" for f in faults)
+    if options.json or options.format == "json":
+        from lagc.diagnostics.report import to_json
+
+        print_json({"status": "refused" if wrong else "ok", "faults": [to_json(f) for f in faults]})
+    elif faults:
+        print_faults(faults, color=False if options.no_color else None, stream=sys.stdout)
+    elif not options.quiet:
+        say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
+    return REFUSED if wrong else DONE
+
+
+def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
+    from lagc import compiler, library
+
+    try:
+        source = library.read(name)
+    except Refused as refused:
+        return list(refused.faults)
+    return compiler.check(source, compiler.Choice(model=options.model, scene=options.scene))
+
+
+def explain(code: str) -> int:
+    """Print the catalogue's entry of a fault code."""
+    from lagc.cli.exits import Usage
+    from lagc.diagnostics.catalogue import ENTRIES
+
+    code = code.upper()
+    entry = ENTRIES.get(code)
+    if entry is None:
+        raise Usage(f"there is no fault `{code}`")
+    print(f"{code}: {entry.title}\n\n{entry.explanation}")
+    for title, text in (("wrong", entry.wrong), ("right", entry.right)):
+        if text:
+            print(f"\n{title}:\n\n" + "\n".join("    " + line for line in text.strip("\n").splitlines()))
+    return DONE

@@ -1,0 +1,57 @@
+"""Lay model files out in the one way; comments are kept.
+
+Files are rewritten in place; `-` formats standard input to standard output.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+
+from lagc import library
+from lagc.cli.exits import DONE, REFUSED, Usage
+from lagc.cli.options import add_general_options
+from lagc.cli.output import say
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("files", metavar="FILE", nargs="+", help="model files, or - for standard input")
+    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 where a file is laid out otherwise")
+    add_general_options(parser, json=False)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc.frontend.format import format_source
+
+    differs = False
+    for name in options.files:
+        if name != "-" and not os.path.exists(name):
+            raise Usage(f"there is no file `{name}`")
+        source = library.read(name)
+        text = format_source(source)
+        if name == "-" and not options.check:
+            sys.stdout.write(text)
+        elif text != source.text:
+            differs = True
+            if options.check:
+                say(f"{name} would be laid out otherwise", options.quiet)
+            else:
+                replace(name, text)
+                say(f"{name} laid out", options.quiet)
+    return REFUSED if options.check and differs else DONE
+
+
+def replace(path: str, text: str) -> None:
+    """Write `text` over `path`, whole or not at all, keeping its mode."""
+    folder, base = os.path.split(os.path.realpath(path))
+    try:
+        mode = os.stat(path).st_mode
+        handle, temporary = tempfile.mkstemp(prefix=f".{base}.", dir=folder)
+        with open(handle, "w", encoding="utf-8", newline="") as file:
+            file.write(text)
+        os.chmod(temporary, mode & 0o7777)
+        os.replace(temporary, os.path.join(folder, base))
+    except OSError as error:
+        raise Usage(f"`{path}` cannot be written: {error.strerror}") from None

@@ -1,0 +1,69 @@
+"""Write a model to start from: NAME.lag, valid and formatted, with a comment where to go on."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+
+from lagc.cli.exits import DONE, Usage
+from lagc.cli.options import add_general_options
+from lagc.cli.output import say
+
+TEMPLATE = '''\
+model {name} "A mass on a massless string"
+  // What is given, with units.  `-p l=0.7` changes it without compiling again.
+  parameter Mass m(min = 0) = 1 [kg];
+  parameter Length l(min = 0) = 0.5 [m] "string length";
+
+  // The coordinates describe every posture of the system.
+  coordinate Angle theta(start = 60 [deg]) "from the downward vertical";
+
+  // Where things are, as functions of the coordinates.
+  body bob = Particle(mass = m, at = l*{{sin(theta), 0, -cos(theta)}});
+
+  // An effect that the scene does not use does not exist for the compiler.
+  effect gravity
+    Gravity field(g = 9.81 [m/s2], direction = {{0, 0, -1}});
+  end gravity;
+
+  effect air "quadratic drag"
+    parameter Real[kg/m] k = 1e-3;
+    force drag = -k*norm(velocity(bob))*velocity(bob) at bob;
+  end air;
+
+  scene vacuum uses gravity
+    simulate(stop = 10 [s]);
+  end vacuum;
+
+  scene room uses gravity, air
+    simulate(stop = 10 [s]);
+  end room;
+
+  output Energy E = energy();
+end {name};
+'''
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="the model's name, as in `Pendulum`; a folder may stand before it")
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_general_options(parser, json=False)
+
+
+def run(options: argparse.Namespace) -> int:
+    folder, base = os.path.split(options.name)
+    base = base.removesuffix(".lag")
+    if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", base):
+        raise Usage(f"`{base}` cannot be the name of a model: letters, digits and _ only, a letter first")
+    path = os.path.join(folder, f"{base}.lag")
+    name = "".join(part[:1].upper() + part[1:] for part in base.split("_")) or base
+    try:
+        with open(path, "w" if options.force else "x", encoding="utf-8") as file:
+            file.write(TEMPLATE.format(name=name))
+    except FileExistsError:
+        raise Usage(f"`{path}` is there already; --force replaces it") from None
+    except OSError as error:
+        raise Usage(f"`{path}` cannot be written: {error.strerror}") from None
+    say(f"{path} written; `lagc sim {path}` simulates it", options.quiet)
+    return DONE

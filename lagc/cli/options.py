@@ -1,0 +1,71 @@
+"""Options that mean the same in every command."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+from lagc.cli.exits import Usage
+
+_ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
+
+
+def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> None:
+    """`--json -q -v --no-color`."""
+    if json:
+        parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.add_argument("-q", "--quiet", action="store_true", help="print the result only")
+    parser.add_argument("-v", "--verbose", action="store_true", help="say more")
+    parser.add_argument("--no-color", action="store_true", help="no colours (also: NO_COLOR in the environment)")
+
+
+def add_model_options(parser: argparse.ArgumentParser) -> None:
+    """FILE, and what of it is meant: `--scene --with --without --model -p`."""
+    parser.add_argument("file", metavar="FILE", help="a model file, a model of the library, or - for standard input")
+    parser.add_argument("--scene", metavar="S", help="the scene; without it the first of the file")
+    parser.add_argument("--with", metavar="E", dest="with_effects", action="append", default=[], help="use effect E too")
+    parser.add_argument("--without", metavar="E", dest="without_effects", action="append", default=[], help="leave effect E out")
+    parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    parser.add_argument("-p", "--parameter", metavar="NAME=VALUE[UNIT]", dest="parameters", action="append", default=[],
+                        help="the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'")  # fmt: skip
+
+
+def add_backend_option(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--backend", choices=("auto", "c", "numpy"), default="auto",
+                        help="auto: C where a compiler is found and it pays, else NumPy")  # fmt: skip
+
+
+def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | None]]:
+    """`name=value[unit]` as {name: (value, unit)}; `unit` None where none is written.
+
+    Raises Usage where a word is not of that form.
+    """
+    found: dict[str, tuple[float, str | None]] = {}
+    for word in words:
+        match = _ASSIGNMENT.fullmatch(word)
+        value = _number(match[2]) if match else None
+        if match is None or value is None:
+            raise Usage(f"`{option} {word}` is not of the form name=value or name=value[unit]")
+        found[match[1]] = (value, match[3])
+    return found
+
+
+def quantity(word: str | None, unit: str, option: str) -> float | None:
+    """A number with an optional unit, `20`, `20[s]`, `20 [ms]`, in SI; None stays None."""
+    if word is None:
+        return None
+    value, given = assignments([f"value={word}"], option)["value"] if "=" not in word else (0.0, "=")
+    if given == "=":
+        raise Usage(f"`{option} {word}` is not a number")
+    if given is None:
+        return value
+    from lagc.units import to_si
+
+    return to_si(value, given, unit, f"{option} {word}")
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
