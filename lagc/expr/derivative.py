@@ -1,0 +1,130 @@
+"""Derivatives on the graph: one forward sweep (`tangent`) or one reverse sweep (`gradient`).
+
+A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM 2008, chapter 3.  Only nodes that
+depend on the seeds are visited; piecewise functions are differentiated branch by branch,
+with the value 0 for the derivative of a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import depends, reachable
+
+
+def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
+    """d(node)/d(argument), one an argument."""
+    op, args = node.op, node.args
+    if op == "add":
+        return (graph.one, graph.one)
+    if op == "scale":
+        return (graph.const(node.value),)  # type: ignore[arg-type]
+    if op == "mul":
+        return tuple(
+            [graph.scale(float(e), graph.div(node, b)) for b, e in zip(args, node.value)]  # type: ignore[call-overload]
+        )
+    if len(args) == 1:
+        return (_unary(graph, node, args[0]),)
+    if op == "pow":
+        x, y = args
+        dx = graph.mul(y, graph.pow(x, y - 1.0))
+        return (dx, graph.zero if y.is_const else graph.mul(node, graph.unary("log", x)))
+    if op == "atan2":
+        y, x = args
+        square = x * x + y * y
+        return (x / square, -y / square)
+    if op in ("min", "max"):
+        first = graph.binary("le" if op == "min" else "lt", *(args if op == "min" else args[::-1]))
+        return (
+            graph.select(first, graph.one, graph.zero),
+            graph.select(first, graph.zero, graph.one),
+        )
+    if op == "select":
+        c = args[0]
+        return (
+            graph.zero,
+            graph.select(c, graph.one, graph.zero),
+            graph.select(c, graph.zero, graph.one),
+        )
+    return (graph.zero,) * len(args)  # comparisons and connectives are steps
+
+
+def _unary(graph: Graph, node: Node, x: Node) -> Node:
+    op = node.op
+    if op == "sin":
+        return graph.cos(x)
+    if op == "cos":
+        return -graph.sin(x)
+    if op == "tan":
+        return node * node + 1.0
+    if op == "asin":
+        return 1.0 / graph.sqrt(1.0 - x * x)
+    if op == "acos":
+        return -1.0 / graph.sqrt(1.0 - x * x)
+    if op == "atan":
+        return 1.0 / (x * x + 1.0)
+    if op == "sinh":
+        return graph.unary("cosh", x)
+    if op == "cosh":
+        return graph.unary("sinh", x)
+    if op == "tanh":
+        return 1.0 - node * node
+    if op == "exp":
+        return node
+    if op == "log":
+        return 1.0 / x
+    if op == "sqrt":
+        return 0.5 / node
+    if op == "abs":
+        return graph.unary("sign", x)
+    return graph.zero  # floor, sign, not
+
+
+def tangent(graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node]) -> list[Node]:
+    """d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed stand still."""
+    rates: dict[Node, Node] = {leaf: rate for leaf, rate in seeds.items() if not rate.is_zero}
+    zero = graph.zero
+    for node in reachable(outputs):
+        if node in rates or not node.args:
+            continue
+        moving = [k for k, a in enumerate(node.args) if a in rates]
+        if not moving:
+            continue
+        local = partials(graph, node)
+        total = zero
+        for k in moving:
+            total = graph.add(total, graph.mul(local[k], rates[node.args[k]]))
+        if total is not zero:
+            rates[node] = total
+    return [rates.get(node, zero) for node in outputs]
+
+
+def gradient(
+    graph: Graph, seeds: Mapping[Node, Node], wrt: Sequence[Node]
+) -> dict[Node, Node]:
+    """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero."""
+    adjoint: dict[Node, Node] = {}
+    live = depends(seeds, wrt)
+    for node, weight in seeds.items():
+        if node in live and not weight.is_zero:
+            adjoint[node] = weight
+    for node in sorted(live, key=_index, reverse=True):
+        weight = adjoint.get(node)
+        if weight is None or weight.is_zero:
+            continue
+        args = node.args
+        if not any(a in live for a in args):
+            continue
+        local = partials(graph, node)
+        for k, argument in enumerate(args):
+            if argument in live:
+                share = graph.mul(weight, local[k])
+                held = adjoint.get(argument)
+                adjoint[argument] = share if held is None else graph.add(held, share)
+    found = {w: adjoint[w] for w in wrt if w in adjoint}
+    return {w: node for w, node in found.items() if not node.is_zero}
+
+
+def _index(node: Node) -> int:
+    return node.index

@@ -1,0 +1,62 @@
+"""Reference evaluation of nodes on floats (or on anything that `functions` knows)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from lagc.expr.graph import UNARY, Node
+from lagc.expr.walk import reachable
+
+
+def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]:
+    """The values of `nodes`, given those of their symbols.
+
+    Outside a function's domain the value is NaN, as in C; KeyError for a symbol without value.
+    """
+    known: dict[Node, float] = dict(values)
+    for node in reachable(nodes):
+        if node not in known:
+            known[node] = _value(node, known)
+    return [known[node] for node in nodes]
+
+
+def _value(node: Node, known: Mapping[Node, float]) -> float:
+    op = node.op
+    if op == "const":
+        return node.value  # type: ignore[return-value]
+    if op == "symbol":
+        raise KeyError(node.value)
+    x = [known[a] for a in node.args]
+    try:
+        if op == "add":
+            return x[0] + x[1]
+        if op == "scale":
+            return node.value * x[0]  # type: ignore[operator, no-any-return]
+        if op == "mul":
+            product = 1.0
+            for base, exponent in zip(x, node.value):  # type: ignore[call-overload]
+                product *= base**exponent
+            return product
+        if op == "select":
+            return x[1] if x[0] else x[2]
+        if op in _BINARY:
+            return float(_BINARY[op](x[0], x[1]))  # type: ignore[operator]
+        if op == "not":
+            return float(not x[0])
+        return float(UNARY[op](x[0]))  # type: ignore[operator]
+    except (ValueError, ZeroDivisionError, OverflowError):
+        return math.nan
+
+
+_BINARY: dict[str, object] = {
+    "atan2": math.atan2,
+    "pow": math.pow,
+    "min": min,
+    "max": max,
+    "lt": lambda x, y: x < y,
+    "le": lambda x, y: x <= y,
+    "eq": lambda x, y: x == y,
+    "and": lambda x, y: x and y,
+    "or": lambda x, y: x or y,
+}

@@ -1,0 +1,71 @@
+"""Stable text of an expression, for people, comments and golden files."""
+
+from __future__ import annotations
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+
+_SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
+_INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+
+
+def number(value: float) -> str:
+    """`value` as short as it reads back exactly; integers without a point."""
+    return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+
+
+def text(node: Node) -> str:
+    """`node` in the model language, e.g. `m*l^2*der(theta) - 2*cos(theta)`."""
+    done: dict[Node, tuple[str, int]] = {}
+    for below in reachable([node]):
+        done[below] = _write(below, done)
+    return done[node][0]
+
+
+def _wrap(part: tuple[str, int], level: int) -> str:
+    return part[0] if part[1] >= level else f"({part[0]})"
+
+
+def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
+    op, parts = node.op, [done[a] for a in node.args]
+    if op == "const":
+        value: float = node.value  # type: ignore[assignment]
+        return number(value), _ATOM if value >= 0 else _SUM
+    if op == "symbol":
+        return node.value[1], _ATOM  # type: ignore[index]
+    if op == "add":
+        left, right = parts
+        if right[0].startswith("-") and right[1] != _ATOM:
+            return f"{left[0]} - {right[0][1:]}", _SUM
+        return f"{left[0]} + {right[0]}", _SUM
+    if op == "scale":
+        factor = _wrap(parts[0], _PRODUCT)
+        if node.value == -1.0:
+            return f"-{factor}", _SUM
+        sign = "-" if node.value < 0 else ""  # type: ignore[operator]
+        return f"{sign}{number(abs(node.value))}*{factor}", _SUM if sign else _PRODUCT  # type: ignore[arg-type]
+    if op == "mul":
+        return _monomial(parts, node.value)  # type: ignore[arg-type]
+    if op == "select":
+        return f"if {parts[0][0]} then {parts[1][0]} else {parts[2][0]}", 0
+    if op in _INFIX:
+        return f"({parts[0][0]} {_INFIX[op]} {parts[1][0]})", _ATOM
+    if op == "pow":
+        return f"{_wrap(parts[0], _ATOM)}^{_wrap(parts[1], _ATOM)}", _POWER
+    return f"{op}({', '.join(p[0] for p in parts)})", _ATOM
+
+
+def _monomial(parts: list[tuple[str, int]], exponents: tuple[int, ...]) -> tuple[str, int]:
+    over = [_factor(p, e) for p, e in zip(parts, exponents) if e > 0]
+    under = [_factor(p, -e) for p, e in zip(parts, exponents) if e < 0]
+    top = "*".join(over) or "1"
+    if not under:
+        return top, _PRODUCT
+    bottom = under[0] if len(under) == 1 else f"({'*'.join(under)})"
+    return f"{top}/{bottom}", _PRODUCT
+
+
+def _factor(part: tuple[str, int], exponent: int) -> str:
+    if exponent == 1:
+        return _wrap(part, _POWER)
+    return f"{_wrap(part, _ATOM)}^{exponent}"

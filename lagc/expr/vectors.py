@@ -1,0 +1,60 @@
+"""Vectors and 3x3 matrices of nodes, as plain tuples (matrices by rows)."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from lagc.expr.graph import Node
+
+Vector: TypeAlias = tuple[Node, Node, Node]
+Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+
+
+def add(a: Vector, b: Vector) -> Vector:
+    return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+
+
+def sub(a: Vector, b: Vector) -> Vector:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def scale(c: Node | float, a: Vector) -> Vector:
+    return (a[0] * c, a[1] * c, a[2] * c)
+
+
+def dot(a: Vector, b: Vector) -> Node:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    return (
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    )
+
+
+def norm(a: Vector) -> Node:
+    square = dot(a, a)
+    return square.graph.sqrt(square)
+
+
+def matvec(m: Matrix, a: Vector) -> Vector:
+    return (dot(m[0], a), dot(m[1], a), dot(m[2], a))
+
+
+def transpose(m: Matrix) -> Matrix:
+    return (
+        (m[0][0], m[1][0], m[2][0]),
+        (m[0][1], m[1][1], m[2][1]),
+        (m[0][2], m[1][2], m[2][2]),
+    )
+
+
+def matmul(a: Matrix, b: Matrix) -> Matrix:
+    columns = transpose(b)
+    return (
+        (dot(a[0], columns[0]), dot(a[0], columns[1]), dot(a[0], columns[2])),
+        (dot(a[1], columns[0]), dot(a[1], columns[1]), dot(a[1], columns[2])),
+        (dot(a[2], columns[0]), dot(a[2], columns[1]), dot(a[2], columns[2])),
+    )

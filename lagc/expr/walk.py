@@ -1,0 +1,52 @@
+"""Walks over the expression graph: what is reachable, what depends on what, substitution.
+
+All are loops: `index` order is a topological order, so depth never matters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from lagc.expr.graph import Graph, Node
+
+
+def reachable(nodes: Iterable[Node]) -> list[Node]:
+    """Every node below `nodes`, they included, arguments before users."""
+    seen: dict[Node, None] = {}
+    stack = list(nodes)
+    while stack:
+        node = stack.pop()
+        if node not in seen:
+            seen[node] = None
+            stack.extend(node.args)
+    return sorted(seen, key=_index)
+
+
+def symbols(nodes: Iterable[Node]) -> set[Node]:
+    """The symbols that `nodes` are made of."""
+    return {node for node in reachable(nodes) if node.op == "symbol"}
+
+
+def depends(nodes: Iterable[Node], leaves: Iterable[Node]) -> set[Node]:
+    """Those nodes below `nodes`, they included, that any of `leaves` can change."""
+    touched = set(leaves)
+    found: set[Node] = set()
+    for node in reachable(nodes):
+        if node in touched or not touched.isdisjoint(node.args):
+            touched.add(node)
+            found.add(node)
+    return found
+
+
+def substitute(graph: Graph, nodes: Sequence[Node], mapping: Mapping[Node, Node]) -> list[Node]:
+    """`nodes` with every key of `mapping` replaced by its value, all at once."""
+    replaced: dict[Node, Node] = dict(mapping)
+    touched = depends(nodes, mapping)
+    for node in sorted(touched, key=_index):
+        if node not in replaced:
+            replaced[node] = graph.rebuild(node, tuple([replaced.get(a, a) for a in node.args]))
+    return [replaced.get(node, node) for node in nodes]
+
+
+def _index(node: Node) -> int:
+    return node.index

@@ -1,0 +1,64 @@
+"""The peers' figures, measured in the same run on the same machine.
+
+The peer harness is a folder of scripts outside this project (`worker_a.py`, `case_c_workprec.py`).
+Name it, and a Python that has the peers installed, with
+
+    LAGC_PEERS=DIR LAGC_PEERS_PYTHON=PYTHON python -m tests.benchmarks.double_pendulum
+
+Without them the tables hold lagc's own rows only; nothing is filled in from memory.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+
+def available() -> bool:
+    return "LAGC_PEERS" in os.environ
+
+
+def _run(script: str, *arguments: str, limit: float) -> dict[str, Any] | None:
+    folder = Path(os.environ["LAGC_PEERS"])
+    root = Path(tempfile.gettempdir()) / "lagc-peers"
+    (root / "build").mkdir(parents=True, exist_ok=True)
+    environment = dict(
+        os.environ,
+        PEERS_ROOT=str(root),
+        PEERS_T0=repr(time.monotonic()),
+        OMP_NUM_THREADS="1",
+        OPENBLAS_NUM_THREADS="1",
+    )
+    python = os.environ.get("LAGC_PEERS_PYTHON", sys.executable)
+    try:
+        done = subprocess.run(
+            [python, str(folder / script), *arguments],
+            capture_output=True,
+            text=True,
+            env=environment,
+            timeout=limit,
+        )
+    except subprocess.TimeoutExpired:
+        return {"note": f"gave up after {limit:g} s"}
+    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    if not lines:
+        why = done.stderr.strip().splitlines()[-1:] or ["no answer"]
+        return {"note": why[0][:60]}
+    result: dict[str, Any] = json.loads(lines[-1])
+    return result
+
+
+def chain(peer: str, n: int, limit: float = 100.0) -> dict[str, Any] | None:
+    """Planar chain of n links, cold process: {"t_cold": s, "t_rhs": s, "ops": int, ...}."""
+    return _run("worker_a.py", peer, str(n), limit=limit) if available() else None
+
+
+def work_precision(peer: str, limit: float = 150.0) -> dict[str, Any] | None:
+    """Double pendulum over 10 s: {"runs": [{"tol", "err", "t", "nfev"}, ...]}."""
+    return _run("case_c_workprec.py", "--worker", peer, limit=limit) if available() else None

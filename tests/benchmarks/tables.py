@@ -1,0 +1,64 @@
+"""Tables of benchmark scripts."""
+
+from __future__ import annotations
+
+import os
+import platform
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from statistics import median
+
+Cell = str | float | int | None
+
+
+def machine() -> str:
+    cpu = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        names = [line for line in info.read_text().splitlines() if line.startswith("model name")]
+        if names:
+            cpu = names[0].split(":", 1)[1].strip()
+    load = f", load {os.getloadavg()[0]:.2f}" if hasattr(os, "getloadavg") else ""
+    return f"{cpu}, {os.cpu_count()} cores, Python {platform.python_version()}{load}"
+
+
+def show(value: Cell) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, float):
+        return f"{value:.3g}"
+    return str(value)
+
+
+def table(title: str, head: Sequence[str], rows: Sequence[Sequence[Cell]]) -> None:
+    """Print an aligned table."""
+    cells = [list(head), *[[show(c) for c in row] for row in rows]]
+    widths = [max(len(row[k]) for row in cells) for k in range(len(head))]
+    print(f"\n{title}\n")
+    for number, row in enumerate(cells):
+        print("  " + "  ".join(c.ljust(w) if k == 0 else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths))))
+        if number == 0:
+            print("  " + "  ".join("-" * w for w in widths))
+    print(flush=True)
+
+
+def cpu_seconds(action: Callable[[], object], repeats: int = 7, least: float = 0.02) -> float:
+    """Median CPU seconds of one call; CPU, not wall: a shared machine's neighbours must not count."""
+    action()
+    count = 1
+    while True:
+        start = time.process_time()
+        for _ in range(count):
+            action()
+        spent = time.process_time() - start
+        if spent > least:
+            break
+        count = max(2 * count, int(1.2 * count * least / max(spent, 1e-9)))
+    samples = []
+    for _ in range(repeats):
+        start = time.process_time()
+        for _ in range(count):
+            action()
+        samples.append((time.process_time() - start) / count)
+    return median(samples)
