@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import argparse
 import re
+from typing import TYPE_CHECKING
 
 from lagc.cli.exits import Usage
+
+if TYPE_CHECKING:
+    from lagc.compiler import Choice
 
 _ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
 
@@ -28,6 +32,19 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
     parser.add_argument("-p", "--parameter", metavar="NAME=VALUE[UNIT]", dest="parameters", action="append", default=[],
                         help="the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'")  # fmt: skip
+
+
+def choice_of(options: argparse.Namespace) -> Choice:
+    """What of the file is meant, by the options of `add_model_options`."""
+    from lagc.compiler import Choice
+
+    return Choice(
+        model=options.model,
+        scene=options.scene,
+        with_effects=tuple(options.with_effects),
+        without_effects=tuple(options.without_effects),
+        parameters=assignments(options.parameters, "-p"),
+    )
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:

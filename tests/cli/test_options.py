@@ -1,0 +1,52 @@
+"""The words of a command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from lagc.cli.exits import Usage
+from lagc.cli.main import COMMANDS, main
+from lagc.cli.options import assignments
+
+
+@pytest.mark.parametrize(
+    "word, name, value, unit",
+    [
+        ("l=0.7", "l", 0.7, None),
+        ("l=70[cm]", "l", 70.0, "cm"),
+        ("l = -7e-1 [m]", "l", -0.7, "m"),
+        ("a.b[2].m=3[kg]", "a.b[2].m", 3.0, "kg"),
+        ("der(theta)=1 [rad/s]", "der(theta)", 1.0, "rad/s"),
+        ("r=1[]", "r", 1.0, ""),
+    ],
+)
+def test_an_assignment_is_read(word: str, name: str, value: float, unit: str | None) -> None:
+    assert assignments([word], "-p") == {name: (value, unit)}
+
+
+@pytest.mark.parametrize("word", ["l", "=1", "l=", "l=x", "l=1[m", "l=1]", "l=1 2", "l==2"])
+def test_what_is_no_assignment_is_wrong_usage(word: str) -> None:
+    with pytest.raises(Usage, match="name=value"):
+        assignments([word], "-p")
+
+
+def test_every_command_has_help(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in COMMANDS:
+        assert main([name, "--help"]) == 0
+        assert "usage: lagc " + name in capsys.readouterr().out
+
+
+def test_the_overview_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--help"]) == 0
+    shown = capsys.readouterr().out
+    assert all(f"  {name} " in shown for name in COMMANDS)
+
+
+def test_an_unknown_command_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["smi"]) == 2
+    assert "did you mean `sim`" in capsys.readouterr().err
+
+
+def test_an_unknown_option_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--nonsense"]) == 2
+    assert "--nonsense" in capsys.readouterr().err
