@@ -1,0 +1,242 @@
+"""Dimensions and units: what `[kg.m2/s]` means.
+
+A dimension is a tuple of exponents of kg m s A K mol cd, counted in twelfths so that roots
+stay integers.  Angles are numbers: rad is 1.  Factors to SI are exact ratios of integers (and
+pi for degrees), so that 70 [cm] is 0.7 and not its neighbour.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeAlias
+
+Dimension: TypeAlias = tuple[int, ...]
+
+PARTS = 12
+BASE = ("kg", "m", "s", "A", "K", "mol", "cd")
+NONE: Dimension = (0,) * len(BASE)
+
+
+def dimension(**exponents: int) -> Dimension:
+    return tuple(PARTS * exponents.get(base, 0) for base in BASE)
+
+
+KG, M, S, AMPERE, KELVIN = (dimension(**{base: 1}) for base in BASE[:5])
+
+
+def times(a: Dimension, b: Dimension) -> Dimension:
+    return tuple([x + y for x, y in zip(a, b)])
+
+
+def over(a: Dimension, b: Dimension) -> Dimension:
+    return tuple([x - y for x, y in zip(a, b)])
+
+
+def raised(a: Dimension, exponent: float) -> Dimension | None:
+    """a^exponent; None where that has no name (a root finer than a twelfth)."""
+    scaled = [x * exponent for x in a]
+    rounded = [round(x) for x in scaled]
+    if any(abs(x - r) > 1e-9 for x, r in zip(scaled, rounded)):
+        return None
+    return tuple(rounded)
+
+
+ENERGY = dimension(kg=1, m=2, s=-2)
+POWER = dimension(kg=1, m=2, s=-3)
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """num/den * pi^pi of the SI unit of `dimension`."""
+
+    num: int
+    den: int
+    pi: int
+    dimension: Dimension
+
+    @property
+    def factor(self) -> float:
+        return self.num / self.den * math.pi**self.pi
+
+    def to_si(self, value: float) -> float:
+        """`value` (its shortest decimal form taken as exact) in SI."""
+        if not math.isfinite(value):
+            return value
+        mantissa, _, exponent = repr(value).partition("e")
+        whole, _, decimals = mantissa.partition(".")
+        power = int(exponent or 0) - len(decimals)
+        num, den = int(whole + decimals) * self.num, self.den
+        if power >= 0:
+            num *= 10**power
+        else:
+            den *= 10**-power
+        try:
+            return num / den * math.pi**self.pi
+        except OverflowError:
+            return math.inf
+
+    def from_si(self, value: float) -> float:
+        return value / self.factor
+
+
+class UnknownUnit(ValueError):
+    """A unit text that says nothing: `reason` in the user's words, `close` a known symbol like it."""
+
+    def __init__(self, reason: str, close: str | None = None):
+        super().__init__(reason)
+        self.reason = reason
+        self.close = close
+
+
+def _si(**exponents: int) -> Dimension:
+    return dimension(**exponents)
+
+
+# symbol -> (num, den, power of pi, dimension); these take prefixes
+_PREFIXED: dict[str, tuple[int, int, int, Dimension]] = {
+    "g": (1, 1000, 0, _si(kg=1)), "m": (1, 1, 0, _si(m=1)), "s": (1, 1, 0, _si(s=1)),
+    "A": (1, 1, 0, _si(A=1)), "K": (1, 1, 0, _si(K=1)), "mol": (1, 1, 0, _si(mol=1)),
+    "cd": (1, 1, 0, _si(cd=1)), "rad": (1, 1, 0, NONE), "Hz": (1, 1, 0, _si(s=-1)),
+    "N": (1, 1, 0, _si(kg=1, m=1, s=-2)), "J": (1, 1, 0, ENERGY), "W": (1, 1, 0, POWER),
+    "Pa": (1, 1, 0, _si(kg=1, m=-1, s=-2)), "bar": (100000, 1, 0, _si(kg=1, m=-1, s=-2)),
+    "C": (1, 1, 0, _si(A=1, s=1)), "V": (1, 1, 0, _si(kg=1, m=2, s=-3, A=-1)),
+    "F": (1, 1, 0, _si(kg=-1, m=-2, s=4, A=2)), "Ohm": (1, 1, 0, _si(kg=1, m=2, s=-3, A=-2)),
+    "T": (1, 1, 0, _si(kg=1, s=-2, A=-1)), "Wb": (1, 1, 0, _si(kg=1, m=2, s=-2, A=-1)),
+    "H": (1, 1, 0, _si(kg=1, m=2, s=-2, A=-2)), "L": (1, 1000, 0, _si(m=3)), "l": (1, 1000, 0, _si(m=3)),
+    "eV": (1602176634, 10**28, 0, ENERGY),
+}  # fmt: skip
+# these do not
+_PLAIN: dict[str, tuple[int, int, int, Dimension]] = {
+    "1": (1, 1, 0, NONE), "%": (1, 100, 0, NONE), "deg": (1, 180, 1, NONE), "rev": (2, 1, 1, NONE),
+    "rpm": (1, 30, 1, _si(s=-1)), "min": (60, 1, 0, _si(s=1)), "h": (3600, 1, 0, _si(s=1)),
+    "d": (86400, 1, 0, _si(s=1)), "day": (86400, 1, 0, _si(s=1)), "t": (1000, 1, 0, _si(kg=1)),
+    "ft": (3048, 10000, 0, _si(m=1)), "inch": (254, 10000, 0, _si(m=1)),
+    "lb": (45359237, 10**8, 0, _si(kg=1)), "au": (149597870700, 1, 0, _si(m=1)),
+}  # fmt: skip
+_PREFIXES = {
+    "da": (10, 1), "Y": (10**24, 1), "T": (10**12, 1), "G": (10**9, 1), "M": (10**6, 1), "k": (1000, 1),
+    "h": (100, 1), "d": (1, 10), "c": (1, 100), "m": (1, 1000), "u": (1, 10**6), "µ": (1, 10**6),
+    "n": (1, 10**9), "p": (1, 10**12),
+}  # fmt: skip
+_TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?\(?([+-]?\d{1,2})\)?)?|([./*()]))")
+
+
+@lru_cache(maxsize=512)
+def unit(text: str) -> Unit:
+    """The meaning of a unit text.  Raises UnknownUnit."""
+    tokens = _tokens(text)
+    position, result = _product(tokens, 0, text)
+    if position != len(tokens):
+        raise UnknownUnit(f"`{text}` is not a unit")
+    return result
+
+
+def _tokens(text: str) -> list[tuple[str, int]]:
+    """(symbol, exponent) for a unit, (sign, 0) for one of . / * ( )."""
+    found: list[tuple[str, int]] = []
+    at, stripped = 0, text.rstrip()
+    if not stripped:
+        raise UnknownUnit("an empty unit")
+    while at < len(stripped):
+        match = _TOKEN.match(stripped, at)
+        if match is None:
+            raise UnknownUnit(f"`{text}` is not a unit")
+        found.append((match[3], 0) if match[3] else (match[1], int(match[2] or 1)))
+        at = match.end()
+    if len(found) > 64:
+        raise UnknownUnit("a unit of more than 64 factors")
+    return found
+
+
+def _product(tokens: list[tuple[str, int]], position: int, text: str) -> tuple[int, Unit]:
+    result, sign = Unit(1, 1, 0, NONE), 1
+    while True:
+        if position >= len(tokens):
+            raise UnknownUnit(f"`{text}` is not a unit")
+        symbol, exponent = tokens[position]
+        if symbol == "(":
+            position, factor = _product(tokens, position + 1, text)
+            if position >= len(tokens) or tokens[position][0] != ")":
+                raise UnknownUnit(f"`{text}` is not a unit")
+            result = _times(result, factor, sign)
+        elif symbol in "./*)":
+            raise UnknownUnit(f"`{text}` is not a unit")
+        else:
+            result = _times(result, _symbol(symbol), sign * exponent)
+        position += 1
+        if position >= len(tokens) or tokens[position][0] not in ("/", ".", "*"):
+            return position, result
+        # a/b.c is a/(b.c), as in Modelica and ISO 80000
+        sign = -1 if tokens[position][0] == "/" or sign < 0 else 1
+        position += 1
+
+
+def _times(a: Unit, b: Unit, exponent: int) -> Unit:
+    num, den = (b.num, b.den) if exponent >= 0 else (b.den, b.num)
+    power = abs(exponent)
+    dim = tuple([x + exponent * y for x, y in zip(a.dimension, b.dimension)])
+    return Unit(a.num * num**power, a.den * den**power, a.pi + exponent * b.pi, dim)
+
+
+def _symbol(symbol: str) -> Unit:
+    entry = _PLAIN.get(symbol) or _PREFIXED.get(symbol)
+    if entry is not None:
+        return Unit(*entry)
+    for prefix, (num, den) in _PREFIXES.items():
+        base = _PREFIXED.get(symbol[len(prefix) :]) if symbol.startswith(prefix) else None
+        if base is not None:
+            return Unit(base[0] * num, base[1] * den, base[2], base[3])
+    import difflib
+
+    close = difflib.get_close_matches(symbol, [*_PREFIXED, *_PLAIN, "kg", "mm", "cm", "km", "ms"], n=1, cutoff=0.5)
+    raise UnknownUnit(f"`{symbol}` is not a unit", close[0] if close else None)
+
+
+def si_text(dim: Dimension) -> str:
+    """The SI unit of a dimension, `kg.m2/s2`; "" for a number."""
+    named = _NAMED.get(dim)
+    if named is not None:
+        return named
+    over_line = [f"{b}{_exponent(x)}" for b, x in zip(BASE, dim) if x > 0]
+    under = [f"{b}{_exponent(-x)}" for b, x in zip(BASE, dim) if x < 0]
+    if not under:
+        return ".".join(over_line)
+    bottom = under[0] if len(under) == 1 else f"({'.'.join(under)})"
+    return f"{'.'.join(over_line) or '1'}/{bottom}"
+
+
+def _exponent(twelfths: int) -> str:
+    if twelfths == PARTS:
+        return ""
+    if twelfths % PARTS == 0:
+        return str(twelfths // PARTS)
+    common = math.gcd(twelfths, PARTS)
+    return f"^({twelfths // common}/{PARTS // common})"
+
+
+_NAMED: dict[Dimension, str] = {
+    NONE: "",
+    _si(kg=1, m=1, s=-2): "N",
+    _si(kg=1, m=2, s=-2): "J",
+    _si(kg=1, m=2, s=-3): "W",
+    _si(kg=1, m=-1, s=-2): "Pa",
+    _si(A=1, s=1): "C",
+    _si(kg=1, m=2, s=-3, A=-1): "V",
+    _si(kg=1, s=-2, A=-1): "T",
+    _si(kg=1, s=-2): "N/m",
+    _si(kg=1, s=-1): "N.s/m",
+}
+
+
+def to_si(value: float, given: str, wanted: str) -> float:
+    """`value` [given] in SI, where `wanted` is a unit of the quantity that is meant.
+
+    Raises UnknownUnit, also where the two have different dimensions.
+    """
+    written, expected = unit(given), unit(wanted or "1")
+    if written.dimension != expected.dimension:
+        raise UnknownUnit(f"`{given}` cannot be converted to `{wanted or '1'}`")
+    return written.to_si(value)
