@@ -1,0 +1,77 @@
+"""States at which questions of rank are asked: seeded, near the defaults and the starts.
+
+An identity that holds at a few states chosen at random holds everywhere, up to a set of measure
+zero (Schwartz-Zippel for analytic functions); numbers that cancel leave about 1e-16, others do not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.meaning.model import Coordinate, Model, Parameter
+
+_TRIES = 8  # states tried for every one wanted, where expressions leave their domain
+
+
+@dataclass
+class Chance:
+    """A small generator of numbers in (-1, 1): the same on every machine and version.
+
+    G. Marsaglia's multiply-with-carry family is more than enough here: only genericity matters.
+    """
+
+    state: int = 20011
+
+    def draw(self) -> float:
+        self.state = (self.state * 6364136223846793005 + 1442695040888963407) % (1 << 64)
+        return (self.state >> 11) / (1 << 52) - 1.0
+
+
+def samples(model: Model, count: int, vary: bool = True) -> Iterator[dict[Node, float]]:
+    """`count` states (fewer where starts are outside a domain): symbol -> value.
+
+    With `vary` False the parameters keep their defaults.
+    """
+    chance = Chance()
+    given = 0
+    for _ in range(count * _TRIES):
+        state = _draw(model, chance, vary)
+        if all(math.isfinite(x) for x in state.values()):
+            yield state
+            given += 1
+        if given == count:
+            return
+
+
+def _draw(model: Model, chance: Chance, vary: bool) -> dict[Node, float]:
+    state: dict[Node, float] = {p.symbol: _parameter(p, chance, vary) for p in model.parameters}
+    for given in model.inputs:
+        state[given.symbol] = given.default + chance.draw()
+    starts: dict[Node, float] = dict(state)
+    state[model.time] = 0.5 + 0.4 * chance.draw()
+    for c in model.coordinates:
+        if isinstance(c, Coordinate):
+            start = evaluate([c.start], starts)[0]
+            state[c.symbol] = start + 0.3 * max(1.0, abs(start)) * chance.draw()
+            state[c.rate_symbol] = chance.draw()
+        else:
+            turned = [0.3 + chance.draw() for _ in range(4)]
+            size = math.sqrt(sum(x * x for x in turned))
+            state.update(zip(c.symbols, [x / size for x in turned]))
+            state.update((symbol, chance.draw()) for symbol in c.rate_symbols)
+    for speed in model.speeds:
+        state[speed.symbol] = chance.draw()
+    return state
+
+
+def _parameter(p: Parameter, chance: Chance, vary: bool) -> float:
+    step = chance.draw()
+    if p.value is not None and not vary:
+        return p.value
+    centre = 1.0 if p.value is None else p.value
+    value = centre + 0.2 * step * (abs(centre) or 0.0)
+    return min(max(value, p.minimum), p.maximum)
