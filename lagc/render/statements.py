@@ -1,0 +1,174 @@
+"""Functions of a Program as lines of text, in any language with C's expressions.
+
+Values that are used once are written where they are used, as long as lines stay readable; the
+rest get names.  Neither changes an operation, its operands or the result.  Every operand that
+would bind differently is parenthesised, so that no operation is re-associated by the text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.optimize.program import Function
+
+# How tightly an expression binds, in C and in Python alike.
+OR, AND, COMPARISON, SUM, PRODUCT, SIGN, ATOM = range(1, 8)
+
+_INFIX = {
+    "add": (" + ", SUM),
+    "sub": (" - ", SUM),
+    "mul": (" * ", PRODUCT),
+    "div": (" / ", PRODUCT),
+    "lt": (" < ", COMPARISON),
+    "le": (" <= ", COMPARISON),
+    "eq": (" == ", COMPARISON),
+}
+TRUTH = frozenset({"lt", "le", "eq", "and", "or", "not"})
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """What differs between target languages.
+
+    `calls`: operation -> name of the function.  `infix`: further operators with their binding.
+    `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
+    temporary, `store`: an assignment to an output, `load`: an entry of an input array.
+    """
+
+    calls: Mapping[str, str]
+    infix: Mapping[str, tuple[str, int]]
+    select: str
+    number: str
+    truth: str
+    store: str
+    comment: Callable[[str], str]
+    load: Callable[[str, int], str]
+    width: int = 88
+
+
+def literal(value: float) -> str:
+    """A finite number, so that reading it gives the same bits.  Refused: infinity and NaN."""
+    if value != value or value in (float("inf"), float("-inf")):
+        message = "a constant of the model is not a finite number"
+        raise Refused((Fault("LAG0501", message, None),))
+    return repr(float(value))
+
+
+def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> list[str]:
+    """The body of `function`, without indentation.
+
+    `locals_`: the names of entries of input arrays, used where an entry is read more than once.
+    """
+    return _Body(function, dialect, locals_).run()
+
+
+class _Body:
+    def __init__(self, function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> None:
+        self.function = function
+        self.dialect = dialect
+        self.locals = locals_
+        self.infix = {**_INFIX, **dialect.infix}
+        self.uses = [0] * len(function.operations)
+        for operation in function.operations:
+            for k in operation.operands:
+                self.uses[k] += 1
+        for store in function.stores:
+            self.uses[store.value] += 1
+        self.text: list[str] = [""] * len(function.operations)
+        self.binds: list[int] = [ATOM] * len(function.operations)
+        self.out: list[str] = []
+        self.temporaries = 0
+        self.pending: list[str] = []
+
+    def run(self) -> list[str]:
+        function = self.function
+        stores: dict[int, list[int]] = {}
+        for position, store in enumerate(function.stores):
+            stores.setdefault(store.value, []).append(position)
+        comments = function.comments
+        count = len(function.operations)
+        for k, operation in enumerate(function.operations):
+            if k in comments:
+                self.pending.append(comments[k])
+            if operation.op == "const":
+                assert isinstance(operation.payload, float | int)
+                self.text[k] = literal(operation.payload)
+                if self.text[k].startswith("-"):
+                    self.binds[k] = SIGN
+            elif operation.op == "load":
+                self._load(k)
+            else:
+                self._expression(k)
+                if self.uses[k] > 1 and not (self.uses[k] == len(stores.get(k, ())) == 1):
+                    self._name(k)
+            for position in stores.get(k, ()):
+                if count + position in comments:
+                    self.pending.append(comments[count + position])
+                store = function.stores[position]
+                self._statement(
+                    self.dialect.store.format(array=store.array, index=store.index, value=self.text[k])
+                )
+        return self.out
+
+    def _load(self, k: int) -> None:
+        payload = self.function.operations[k].payload
+        assert isinstance(payload, tuple)
+        self.text[k] = self.dialect.load(*payload)
+        if self.uses[k] > 1 and payload in self.locals:
+            name = self.locals[payload]
+            self._statement(self.dialect.number.format(name=name, value=self.text[k]))
+            self.text[k] = name
+
+    def _expression(self, k: int) -> None:
+        """Write value k in terms of its operands; name the longest of them while it is too long."""
+        operation = self.function.operations[k]
+        while True:
+            text, binds = self._compose(operation.op, operation.operands)
+            if len(text) <= self.dialect.width:
+                break
+            longest = max(operation.operands, key=lambda i: len(self.text[i]))
+            if self.function.operations[longest].op in ("const", "load") or self.text[longest].isidentifier():
+                break
+            self._name(longest)
+        self.text[k], self.binds[k] = text, binds
+
+    def _compose(self, op: str, operands: tuple[int, ...]) -> tuple[str, int]:
+        text = self.text
+        if op in self.infix:
+            symbol, binds = self.infix[op]
+            strict = binds in (OR, AND, COMPARISON)
+            left = self._bound(operands[0], binds + 1 if not strict else SUM)
+            right = self._bound(operands[1], binds + 1 if not strict else SUM, right=True)
+            if not strict and self.binds[operands[0]] == binds:
+                left = text[operands[0]]
+            return left + symbol + right, binds
+        if op == "neg":
+            return "-" + self._bound(operands[0], ATOM), SIGN
+        if op == "select":
+            return self.dialect.select.format(*(text[k] for k in operands)), ATOM
+        arguments = ", ".join(text[k] for k in operands)
+        return f"{self.dialect.calls[op]}({arguments})", ATOM
+
+    def _bound(self, k: int, least: int, right: bool = False) -> str:
+        binds = self.binds[k]
+        if binds < least or (right and binds == SIGN):
+            return f"({self.text[k]})"
+        return self.text[k]
+
+    def _name(self, k: int) -> None:
+        if self.text[k].isidentifier():
+            return
+        truth = self.function.operations[k].op in TRUTH
+        name = f"{'c' if truth else 't'}{self.temporaries}"
+        self.temporaries += 1
+        form = self.dialect.truth if truth else self.dialect.number
+        self._statement(form.format(name=name, value=self.text[k]))
+        self.text[k], self.binds[k] = name, ATOM
+
+    def _statement(self, line: str) -> None:
+        for comment in self.pending:
+            self.out.append(self.dialect.comment(comment))
+        self.pending.clear()
+        self.out.append(line)
