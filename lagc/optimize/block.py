@@ -1,0 +1,137 @@
+"""Block: the operations of one function while it is being built, with value numbering.
+
+A *reference* is an integer: `k` for value number k and `~k` for its negative, so that a sign
+costs nothing until it must be stored; sums with negative terms become differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.optimize.program import Function, Operation, Store
+
+ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r")  # inputs, in the order of a signature
+
+
+class Block:
+    """Maker of one function.  Two operations that are alike are one value."""
+
+    def __init__(self) -> None:
+        self.operations: list[Operation] = []
+        self.stores: list[Store] = []
+        self._numbers: dict[tuple[object, ...], int] = {}
+        self.zero = self.const(0.0)
+        self.one = self.const(1.0)
+
+    # -- values ---------------------------------------------------------------
+
+    def _value(self, op: str, operands: tuple[int, ...], payload: object = None) -> int:
+        key = (op, operands, payload)
+        number = self._numbers.get(key)
+        if number is None:
+            number = self._numbers[key] = len(self.operations)
+            self.operations.append(Operation(op, operands, payload))  # type: ignore[arg-type]
+        return number
+
+    def load(self, array: str, index: int) -> int:
+        return self._value("load", (), (array, index))
+
+    def const(self, value: float) -> int:
+        if value < 0.0:
+            return ~self._value("const", (), -value)
+        return self._value("const", (), value + 0.0)
+
+    def plain(self, a: int) -> int:
+        """The value number that holds `a`, sign and all."""
+        return a if a >= 0 else self._value("neg", (~a,))
+
+    def apply(self, op: str, *operands: int) -> int:
+        """A function or comparison of the language: `op` of `Operation`."""
+        plain = tuple([a if a >= 0 else self._value("neg", (~a,)) for a in operands])
+        if op in ("min", "max") and plain[0] == plain[1]:
+            return plain[0]
+        return self._value(op, plain)
+
+    # -- arithmetic -----------------------------------------------------------
+
+    def add(self, a: int, b: int) -> int:
+        zero = self.zero
+        if a == zero or a == ~zero:
+            return b
+        if b == zero or b == ~zero or a == ~b:
+            return a if a != ~b else zero
+        if (a < 0) != (b < 0):
+            return self._value("sub", (a, ~b)) if b < 0 else self._value("sub", (b, ~a))
+        if a < 0:
+            return ~self.add(~a, ~b)
+        return self._value("add", (a, b) if a <= b else (b, a))
+
+    def sub(self, a: int, b: int) -> int:
+        return self.add(a, ~b)
+
+    def mul(self, a: int, b: int) -> int:
+        if (a < 0) != (b < 0):
+            return ~self.mul(a if a >= 0 else ~a, b if b >= 0 else ~b)
+        if a < 0:
+            a, b = ~a, ~b
+        if a == self.zero or b == self.zero:
+            return self.zero
+        if a == self.one:
+            return b
+        if b == self.one:
+            return a
+        return self._value("mul", (a, b) if a <= b else (b, a))
+
+    def div(self, a: int, b: int) -> int:
+        if (a < 0) != (b < 0):
+            return ~self.div(a if a >= 0 else ~a, b if b >= 0 else ~b)
+        if a < 0:
+            a, b = ~a, ~b
+        if b == self.one or a == self.zero:
+            return a
+        return self._value("div", (a, b))
+
+    def abs(self, a: int) -> int:
+        return self._value("abs", (a if a >= 0 else ~a,))
+
+    def is_zero(self, a: int) -> bool:
+        return a == self.zero or a == ~self.zero
+
+    # -- the result -----------------------------------------------------------
+
+    def store(self, array: str, index: int, a: int) -> None:
+        self.stores.append(Store(array, index, self.plain(a)))
+
+    def function(
+        self, name: str, inputs: tuple[str, ...], outputs: Sequence[tuple[str, int]], description: str
+    ) -> Function:
+        """What is needed for the stores, each operation close before its first use."""
+        order = _schedule(self.operations, [s.value for s in self.stores])
+        number = {old: new for new, old in enumerate(order)}
+        operations = []
+        for old in order:
+            o = self.operations[old]
+            operations.append(Operation(o.op, tuple([number[k] for k in o.operands]), o.payload))
+        stores = tuple([Store(s.array, s.index, number[s.value]) for s in self.stores])
+        return Function(name, inputs, tuple(outputs), tuple(operations), stores, description)
+
+
+def _schedule(operations: Sequence[Operation], roots: Sequence[int]) -> list[int]:
+    """Value numbers in depth-first postorder from `roots`."""
+    order: list[int] = []
+    state = bytearray(len(operations))  # 1: operands asked for, 2: placed
+    for root in roots:
+        stack = [root]
+        while stack:
+            value = stack[-1]
+            if state[value]:
+                stack.pop()
+                if state[value] == 1:
+                    state[value] = 2
+                    order.append(value)
+                continue
+            state[value] = 1
+            for operand in reversed(operations[value].operands):
+                if not state[operand]:
+                    stack.append(operand)
+    return order

@@ -1,0 +1,96 @@
+"""Nodes of the expression graph -> operations of a block.
+
+A monomial becomes one product over another; which factors are multiplied first is a `Plan`
+(see `factors`), so that monomials share their sub-products.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+from lagc.optimize.block import Block
+
+Product = tuple[tuple[Node, int], ...]  # a numerator or a denominator: bases with exponents > 0
+Plan = Mapping[Product, tuple[Product, Product]]  # a product -> the two that it is made of
+
+
+class Lowering:
+    """Lowers nodes into one block; `known` maps symbols (or any node) to references."""
+
+    def __init__(self, block: Block, known: Mapping[Node, int], plan: Plan | None = None) -> None:
+        self.block = block
+        self.known: dict[Node, int] = dict(known)
+        self.plan: Plan = plan or {}
+        self._products: dict[Product, int] = {}
+
+    def __call__(self, nodes: Sequence[Node]) -> list[int]:
+        """References to the values of `nodes`.  KeyError for a symbol that is not known."""
+        known = self.known
+        for node in reachable(nodes):
+            if node not in known:
+                known[node] = self._lower(node)
+        return [known[node] for node in nodes]
+
+    def _lower(self, node: Node) -> int:
+        op, known, block = node.op, self.known, self.block
+        if op == "mul":
+            over, under = split(node)
+            if not under:
+                return self._product(over)
+            return block.div(self._product(over) if over else block.one, self._product(under))
+        if op == "add":
+            a, b = node.args
+            return block.add(known[a], known[b])
+        if op == "scale":
+            return block.mul(block.const(node.value), known[node.args[0]])  # type: ignore[arg-type]
+        if op == "const":
+            return block.const(node.value)  # type: ignore[arg-type]
+        if op == "symbol":
+            raise KeyError(node.value)
+        return self._function(op, [known[a] for a in node.args])
+
+    def _function(self, op: str, operands: list[int]) -> int:
+        if op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign") and operands[0] < 0:
+            return ~self.block.apply(op, ~operands[0])
+        if op in ("cos", "cosh", "abs") and operands[0] < 0:
+            return self.block.apply(op, ~operands[0])
+        return self.block.apply(op, *operands)
+
+    def _product(self, product: Product) -> int:
+        found = self._products.get(product)
+        if found is not None:
+            return found
+        stack = [product]
+        while stack:
+            top = stack[-1]
+            if top in self._products:
+                stack.pop()
+                continue
+            if len(top) == 1 and top[0][1] == 1:
+                self._products[top] = self.known[top[0][0]]
+                continue
+            left, right = self.plan.get(top) or halves(top)
+            missing = [part for part in (left, right) if part not in self._products]
+            if missing:
+                stack.extend(missing)
+                continue
+            self._products[top] = self.block.mul(self._products[left], self._products[right])
+        return self._products[product]
+
+
+def split(node: Node) -> tuple[Product, Product]:
+    """Numerator and denominator of a monomial."""
+    pairs = list(zip(node.args, node.value))  # type: ignore[call-overload]
+    over = tuple([(b, e) for b, e in pairs if e > 0])
+    under = tuple([(b, -e) for b, e in pairs if e < 0])
+    return over, under
+
+
+def halves(product: Product) -> tuple[Product, Product]:
+    """The two parts of a product that no plan speaks of: squares first, then left to right."""
+    if len(product) == 1:
+        base, exponent = product[0]
+        return ((base, exponent // 2),), ((base, exponent - exponent // 2),)
+    return product[:-1], product[-1:]
