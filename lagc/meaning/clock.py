@@ -1,0 +1,69 @@
+"""Time derivatives in terms of the rates, and what kinds of symbols a node is made of.
+
+Both are remembered node by node, so that a chain of n points costs n and not n^2.
+"""
+
+from __future__ import annotations
+
+from lagc.expr.derivative import partials
+from lagc.expr.graph import Graph, Node
+
+KINDS = ("parameter", "input", "time", "coordinate", "rate", "speed", "acceleration", "multiplier", "quantity")
+BIT = {kind: 1 << k for k, kind in enumerate(KINDS)}
+MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"]
+LATE = BIT["acceleration"] | BIT["multiplier"] | BIT["quantity"]  # known once the equations are solved
+VELOCITY = BIT["rate"] | BIT["speed"]
+
+
+class Clock:
+    """d/dt of nodes.  Each moving symbol is told with `runs`."""
+
+    def __init__(self, graph: Graph):
+        self.graph = graph
+        self._rate: dict[Node, Node] = {}
+        self._mask: dict[Node, int] = {}
+
+    def runs(self, symbol: Node, rate: Node) -> None:
+        """d(symbol)/dt = rate."""
+        self._rate[symbol] = rate
+
+    def derivative(self, node: Node) -> Node:
+        """d(node)/dt; inputs, multipliers and the like have none (check `mask` first)."""
+        known, graph = self._rate, self.graph
+        stack = [node]
+        while stack:
+            top = stack[-1]
+            if top in known:
+                stack.pop()
+                continue
+            missing = [a for a in top.args if a not in known]
+            if missing:
+                stack.extend(missing)
+                continue
+            stack.pop()
+            total = graph.zero
+            if any(not known[a].is_zero for a in top.args):
+                for local, argument in zip(partials(graph, top), top.args):
+                    total = total + local * known[argument]
+            known[top] = total
+        return known[node]
+
+    def mask(self, node: Node) -> int:
+        """The kinds of symbols below `node`, a bit each."""
+        known = self._mask
+        stack = [node]
+        while stack:
+            top = stack[-1]
+            if top in known:
+                stack.pop()
+                continue
+            missing = [a for a in top.args if a not in known]
+            if missing:
+                stack.extend(missing)
+                continue
+            stack.pop()
+            found = BIT[top.value[0]] if top.op == "symbol" else 0  # type: ignore[index]
+            for argument in top.args:
+                found |= known[argument]
+            known[top] = found
+        return known[node]
