@@ -1,0 +1,227 @@
+"""Mechanical systems written by hand, for the runner's tests: no stage of the compiler is used."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import sqrt
+
+from lagc.optimize.program import Field, Interface
+from lagc.run.problem import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
+
+ORDER = 4  # of the stand-in integrator
+
+
+def interface(**given: object) -> Interface:
+    values: dict[str, object] = {
+        "model": "m", "scene": "room", "source_name": "m.lag", "model_hash": "0", "nq": 1, "nv": 1, "nz": 0,
+        "nc": 0, "nh": 0, "q_names": ("x",), "v_names": ("der(x)",), "q_units": ("m",), "v_units": ("m/s",),
+        "row_labels": (), "row_units": (), "quaternions": (), "parameters": (), "inputs": (), "outputs": (),
+        "start_fixed": (False, False), "initial_places": (), "solve": "straight", "work_size": 0,
+        "operations": 4, "functions": (), "effects": (), "simulate": {}, "notes": (),
+    }  # fmt: skip
+    return Interface(**{**values, **given})  # type: ignore[arg-type]
+
+
+def field(name: str, value: float | None = None, unit: str = "") -> Field:
+    return Field(name, value, -float("inf"), float("inf"), unit, unit, "m.lag:1", "")
+
+
+class Handmade:
+    """What the systems below share: sizes, and a fixed-step Runge-Kutta method of order 4 whose step
+    follows the tolerance (error = tolerance, up to a constant)."""
+
+    backend = "hand"
+    culprit = -1
+
+    def __init__(self, interface: Interface):
+        self.interface = interface
+        self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
+        self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        self.parameters = [f.value or 0.0 for f in interface.parameters]
+        self.runs: list[Options] = []
+
+    @property
+    def nx(self) -> int:
+        return self.nq + self.nv + self.nz
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
+        return list(d)
+
+    def position(self, t: float, x: Vector) -> list[float]:
+        return []
+
+    def velocity(self, t: float, x: Vector) -> list[float]:
+        return []
+
+    def scales(self, t: float, x: Vector) -> list[float]:
+        return []
+
+    def assemble(self, t: float, x: Vector) -> int:
+        return OK
+
+    def solve(self, r: Vector) -> list[float]:
+        return list(r)
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        return [0.0, 0.0, 0.0]
+
+    def outputs(self, t: float, x: Vector) -> list[float]:
+        return []
+
+    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        return [], []
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        raise NotImplementedError
+
+    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
+        self.rhs(t, x, xdot, lam)
+        return xdot[self.nq : self.nq + self.nv], lam
+
+    def integrate(
+        self,
+        options: Options,
+        t0: float,
+        x0: Vector,
+        times: Sequence[float],
+        progress: Callable[[float], None] | None = None,
+    ) -> Trajectory:
+        self.runs.append(options)
+        x, t = list(x0), t0
+        result = Trajectory([], [], t, x)
+        largest = options.step or 0.2 * options.rtol ** (1 / ORDER)
+        lam = [0.0] * self.nc
+        for end in times:
+            n = max(1, int((end - t) / largest + 0.999999)) if end > t else 0
+            for _ in range(n):
+                h = (end - t) / n
+                rates: list[list[float]] = []
+                for a in (0.0, 0.5, 0.5, 1.0):
+                    xdot = [0.0] * self.nx
+                    at = [b + a * h * c for b, c in zip(x, rates[-1])] if rates else x
+                    self.rhs(t + a * h, at, xdot, lam)
+                    rates.append(xdot)
+                new = [b + h / 6 * (p + 2 * q + 2 * r + s) for b, p, q, r, s in zip(x, *rates)]
+                if any(v - v != 0.0 for v in new):
+                    result.status, result.culprit = NOT_FINITE, 0
+                    result.t, result.x = t, x
+                    return result
+                x, result.steps, result.rhs = new, result.steps + 1, result.rhs + 4
+            t = end
+            result.t, result.x = t, x
+            result.times.append(t)
+            result.states.append(x)
+            if progress is not None:
+                try:
+                    progress(t)
+                except KeyboardInterrupt:
+                    result.status = INTERRUPTED
+                    return result
+        return result
+
+
+class Oscillator(Handmade):
+    """x'' = -k x, with an output 2 x.  x = cos(sqrt(k) t) from x = 1."""
+
+    def __init__(self, **given: object):
+        super().__init__(
+            interface(
+                **{"parameters": (field("k", 1.0, "N/m"),), "outputs": (field("double", None, "m"),), **given}
+            )
+        )
+
+    def start(self) -> list[float]:
+        return [1.0, 0.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        xdot[0], xdot[1] = x[1], -self.parameters[0] * x[0]
+        return OK
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        kinetic, potential = 0.5 * x[1] * x[1], 0.5 * self.parameters[0] * x[0] * x[0]
+        return [kinetic, potential, kinetic + potential]
+
+    def outputs(self, t: float, x: Vector) -> list[float]:
+        return [2.0 * x[0]]
+
+
+class Pendulum(Handmade):
+    """Unit mass at (x, y), x^2 + y^2 = l^2, in gravity g; the guess is off the circle."""
+
+    def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: object):
+        super().__init__(
+            interface(
+                **{
+                    "nq": 2,
+                    "nv": 2,
+                    "nc": 1,
+                    "nh": 1,
+                    "q_names": ("x", "y"),
+                    "v_names": ("der(x)", "der(y)"),
+                    "q_units": ("m", "m"),
+                    "v_units": ("m/s", "m/s"),
+                    "row_labels": ("string",),
+                    "row_units": ("m2",),
+                    "start_fixed": (False,) * 4,
+                    "parameters": (field("l", 1.0, "m"), field("g", 9.81, "m/s2")),
+                    **given,
+                }
+            )
+        )
+        self.guess = list(guess)
+
+    def start(self) -> list[float]:
+        return list(self.guess)
+
+    def position(self, t: float, x: Vector) -> list[float]:
+        return [x[0] * x[0] + x[1] * x[1] - self.parameters[0] ** 2]
+
+    def velocity(self, t: float, x: Vector) -> list[float]:
+        return [2.0 * (x[0] * x[2] + x[1] * x[3])]
+
+    def scales(self, t: float, x: Vector) -> list[float]:
+        return [max(1e-30, x[0] * x[0] + x[1] * x[1] + self.parameters[0] ** 2)]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        a, b, u, v = x[:4]
+        lam[0] = (self.parameters[1] * b - u * u - v * v) / (2.0 * (a * a + b * b))
+        xdot[:4] = [u, v, 2.0 * a * lam[0], 2.0 * b * lam[0] - self.parameters[1]]
+        return OK
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        kinetic, potential = 0.5 * (x[2] ** 2 + x[3] ** 2), self.parameters[1] * x[1]
+        return [kinetic, potential, kinetic + potential]
+
+
+class Spun(Handmade):
+    """A free orientation `o` turning at constant body rates: a quaternion and three speeds."""
+
+    def __init__(self, guess: Sequence[float]):
+        super().__init__(
+            interface(
+                nq=4,
+                nv=3,
+                q_names=("o.w", "o.x", "o.y", "o.z"),
+                v_names=("o.rate.x", "o.rate.y", "o.rate.z"),
+                q_units=("",) * 4,
+                v_units=("rad/s",) * 3,
+                quaternions=(0,),
+                start_fixed=(False,) * 7,
+            )
+        )
+        self.guess = list(guess)
+
+    def start(self) -> list[float]:
+        return list(self.guess)
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        w, i, j, k, a, b, c = x
+        xdot[:4] = [0.5 * r for r in (-i * a - j * b - k * c, w * a + j * c - k * b,
+                                      w * b + k * a - i * c, w * c + i * b - j * a)]  # fmt: skip
+        xdot[4:] = [0.0, 0.0, 0.0]
+        return OK
+
+
+def norm(values: Sequence[float]) -> float:
+    return sqrt(sum(v * v for v in values))

@@ -1,0 +1,108 @@
+"""Consistent starts: held values are held, guesses move as little as the conditions demand."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import pytest
+
+from lagc.run.leastnorm import least_norm
+from lagc.run.problem import Vector
+from lagc.run.start import consistent_start
+from tests.run.systems import Oscillator, Pendulum, Spun, norm
+
+
+def test_least_norm_is_the_pseudo_inverse():
+    import numpy
+
+    rows = [[1.0, 2.0, 3.0, 0.5], [2.0, 4.0, 6.0, 1.0], [0.0, 1.0, -1.0, 2.0]]
+    right = [1.0, 2.0, -0.5]
+    assert least_norm(rows, right) == pytest.approx(list(numpy.linalg.pinv(rows) @ right), abs=1e-13)
+
+
+def test_large_systems_give_the_same_as_small_ones(monkeypatch):
+    from lagc.run import leastnorm
+
+    rows = [[float((3 * i + 5 * j) % 7) + (4.0 if i == j else 0.0) for j in range(9)] for i in range(5)]
+    small = least_norm(rows, [1.0, -2.0, 0.5, 3.0, 1.0])
+    monkeypatch.setattr(leastnorm, "_LARGE", 0)
+    assert least_norm(rows, [1.0, -2.0, 0.5, 3.0, 1.0]) == pytest.approx(small, rel=1e-12)
+
+
+def test_without_conditions_nothing_changes():
+    assert consistent_start(Oscillator()).x == [1.0, 0.0]
+    assert consistent_start(Oscillator(), given={"x": 3.0}).x == [3.0, 0.0]
+
+
+def test_guesses_go_to_the_circle_and_its_tangent():
+    start = consistent_start(Pendulum())
+    x, y, u, v = start.x
+    assert not start.missed
+    assert abs(x * x + y * y - 1.0) < 1e-14 and abs(x * u + y * v) < 1e-14
+    # with equal weights the nearest point is along the radius, and speeds lose their radial part;
+    # steps of minimum norm end within the square of the change of it
+    scale = norm((0.6, -0.9))
+    assert x == pytest.approx(0.6 / scale, abs=0.01) and y == pytest.approx(-0.9 / scale, abs=0.01)
+    radial = 0.5 * x + 0.5 * y
+    assert (u, v) == (pytest.approx(0.5 - radial * x, abs=1e-12), pytest.approx(0.5 - radial * y, abs=1e-12))
+    assert {c.name for c in start.changes} == {"x", "y", "der(x)", "der(y)"}
+    assert "instead of 0.6 m" in str(start.changes[0])
+
+
+def test_fixed_values_stay():
+    start = consistent_start(Pendulum(start_fixed=(True, False, False, False)))
+    assert start.x[:2] == [0.6, pytest.approx(-0.8, abs=1e-15)]
+
+
+def test_given_values_are_held_where_they_can():
+    assert consistent_start(Pendulum(), given={"x": 0.8}, held=("x",)).x[:2] == [
+        0.8,
+        pytest.approx(-0.6, abs=1e-14),
+    ]
+    start = consistent_start(Pendulum(), given={"x": 3.0}, held=("x",))
+    assert not start.missed and norm(start.x[:2]) == pytest.approx(1.0)
+    assert "x" in {c.name for c in start.changes}
+
+
+def test_a_guess_in_a_singular_posture_is_left():
+    start = consistent_start(Pendulum(guess=(0.0, 0.0, 1.0, 0.0)))
+    assert not start.missed
+    assert norm(start.x[:2]) == pytest.approx(1.0)
+
+
+def test_contradicting_values_are_named():
+    start = consistent_start(Pendulum(start_fixed=(True, True, False, False)))
+    assert [m.name for m in start.missed] == ["constraint `string`"]
+    assert start.missed[0].amount == pytest.approx(0.6**2 + 0.9**2 - 1.0)
+    assert start.held == ("x", "y")
+
+
+class Aimed(Pendulum):
+    """A pendulum whose start is given by conditions: y = -x of positions, and x der(x) = 1/4 mixed."""
+
+    def __init__(self, wanted: float = 0.25, **given: object):
+        super().__init__(**{"initial_places": ("m.lag:7", "m.lag:8"), **given})
+        self.wanted = wanted
+
+    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        return [x[0] + x[1], x[0] * x[2] - self.wanted], [1.0, 1.0, 0.0, 0.0, x[2], 0.0, x[0], 0.0]
+
+
+def test_initial_conditions():
+    start = consistent_start(Aimed())
+    r = sqrt(0.5)
+    assert start.x == pytest.approx([r, -r, 0.25 / r, 0.25 / r], abs=1e-13)
+
+
+def test_a_condition_on_speeds_may_move_positions():
+    """der(x) is held, so that x der(x) can be met by moving x alone; y = -x is then broken."""
+    fixed = (False, False, True, False)
+    start = consistent_start(Aimed(start_fixed=fixed))
+    assert "the condition at m.lag:8" in {m.name for m in start.missed} or "m.lag:7" in str(start.missed)
+    assert consistent_start(Aimed(wanted=0.5 * sqrt(0.5), start_fixed=fixed)).missed == ()
+
+
+def test_quaternions_are_normalised():
+    start = consistent_start(Spun((2.0, 0.0, 2.0, 0.0, 1.0, 0.0, 0.0)))
+    assert start.x[:4] == pytest.approx([sqrt(0.5), 0.0, sqrt(0.5), 0.0], abs=1e-15)
+    assert {c.name for c in start.changes} == {"o.w", "o.y"}
