@@ -59,7 +59,9 @@ def literal(value: float) -> str:
 def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> list[str]:
     """The body of `function`, without indentation.
 
-    `locals_`: the names of entries of input arrays, used where an entry is read more than once.
+    A comment stands under the position of its operation, or under the number of operations plus
+    the position of its store.  `locals_`: the names of entries of input arrays, used where an
+    entry is read more than once.
     """
     return _Body(function, dialect, locals_).run()
 
@@ -81,6 +83,10 @@ class _Body:
         self.out: list[str] = []
         self.temporaries = 0
         self.pending: list[str] = []
+        self.declared: set[str] = set()
+        written = {(store.array, store.index) for store in function.stores}
+        loaded = {operation.payload for operation in function.operations if operation.op == "load"}
+        self.overwritten = written & loaded  # entries of an in-out array: read first, stored last
 
     def run(self) -> list[str]:
         function = self.function
@@ -88,7 +94,6 @@ class _Body:
         for position, store in enumerate(function.stores):
             stores.setdefault(store.value, []).append(position)
         comments = function.comments
-        count = len(function.operations)
         for k, operation in enumerate(function.operations):
             if k in comments:
                 self.pending.append(comments[k])
@@ -103,22 +108,33 @@ class _Body:
                 self._expression(k)
                 if self.uses[k] > 1 and not (self.uses[k] == len(stores.get(k, ())) == 1):
                     self._name(k)
-            for position in stores.get(k, ()):
-                if count + position in comments:
-                    self.pending.append(comments[count + position])
-                store = function.stores[position]
-                self._statement(
-                    self.dialect.store.format(array=store.array, index=store.index, value=self.text[k])
-                )
+            if not self.overwritten:
+                for position in stores.get(k, ()):
+                    self._store(position)
+        if self.overwritten:
+            for position in range(len(function.stores)):
+                self._store(position)
         return self.out
+
+    def _store(self, position: int) -> None:
+        comment = self.function.comments.get(len(self.function.operations) + position)
+        if comment is not None:
+            self.pending.append(comment)
+        store = self.function.stores[position]
+        value = self.text[store.value]
+        self._statement(self.dialect.store.format(array=store.array, index=store.index, value=value))
 
     def _load(self, k: int) -> None:
         payload = self.function.operations[k].payload
         assert isinstance(payload, tuple)
         self.text[k] = self.dialect.load(*payload)
-        if self.uses[k] > 1 and payload in self.locals:
+        if payload in self.overwritten:
+            self._name(k)
+        elif self.uses[k] > 1 and payload in self.locals:
             name = self.locals[payload]
-            self._statement(self.dialect.number.format(name=name, value=self.text[k]))
+            if name not in self.declared:
+                self.declared.add(name)
+                self._statement(self.dialect.number.format(name=name, value=self.text[k]))
             self.text[k] = name
 
     def _expression(self, k: int) -> None:
