@@ -73,5 +73,5 @@ def _parameter(p: Parameter, chance: Chance, vary: bool) -> float:
     if p.value is not None and not vary:
         return p.value
     centre = 1.0 if p.value is None else p.value
-    value = centre + 0.2 * step * (abs(centre) or 0.0)
+    value = centre + 0.2 * step * (abs(centre) or 1.0)
     return min(max(value, p.minimum), p.maximum)

@@ -1,0 +1,122 @@
+"""Free terms of the Lagrangian: `lagrangian` and `kinetic`, by Euler-Lagrange in the rates.
+
+With p_i = dL/d(rate_i):   E_i = d(p_i)/dt - dL/d(position)_i   for a scalar coordinate,
+                           E   = d(p)/dt + w x p - dL/d(rotation) for the body rates w of an
+orientation (Euler-Poincare; both are Boltzmann-Hamel equations: A. M. Bloch, *Nonholonomic
+Mechanics and Control*, 2015, sec. 3.8).  E is then taken to the speeds by virtual power.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.derivative import gradient, tangent
+from lagc.expr.graph import Graph, Node
+from lagc.expr.vectors import cross
+from lagc.expr.walk import depends
+from lagc.meaning.model import Coordinate, Lagrangian, Model
+from lagc.mechanics.states import States, quaternion_rate
+
+
+@dataclass(frozen=True, slots=True)
+class FreeTerms:
+    """What the free terms bring: to M (i >= j), to h, to the momenta and to the energies."""
+
+    mass_matrix: dict[tuple[int, int], Node]
+    bias: dict[int, Node]
+    momenta: dict[Node, Node]  # rate symbol -> dL/d(rate), in v
+    kinetic: Node  # L less its value at rest
+    potential: Node  # minus the value at rest of what is not `kinetic`
+    jacobi: Node  # sum of rate_i p_i - L
+    explicit: Node  # dL/dt with coordinates and rates held
+
+
+def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
+    """Raises Refused: LAG0406 a free term that depends on an input."""
+    graph = states.graph
+    _check(states.model, terms)
+    total = graph.sum(term.function for term in terms)
+    rates = list(states.rates)
+    momenta = gradient(graph, {total: graph.one}, rates)
+    at_rest = states.at_rest([term.function for term in terms])
+    jacobi = graph.sum(rate * p for rate, p in momenta.items()) - total
+    explicit = tangent(graph, [total], {states.model.time: graph.one})[0]
+    matrix, bias = _equations(states, total, momenta)
+    moved = states.in_speeds([total, jacobi, explicit, *momenta.values()])
+    return FreeTerms(
+        mass_matrix=matrix,
+        bias=bias,
+        momenta=dict(zip(momenta, moved[3:])),
+        kinetic=moved[0] - graph.sum(r for r, t in zip(at_rest, terms) if not t.is_kinetic),
+        potential=-graph.sum(r for r, t in zip(at_rest, terms) if not t.is_kinetic),
+        jacobi=moved[1],
+        explicit=moved[2],
+    )
+
+
+def _equations(
+    states: States, total: Node, momenta: dict[Node, Node]
+) -> tuple[dict[tuple[int, int], Node], dict[int, Node]]:
+    graph, model = states.graph, states.model
+    rates = list(states.rates)
+    moved = [states.rates[r] for r in rates]
+    slopes = _displacement_slopes(graph, model, total)
+    in_v = dict(zip(momenta, states.in_speeds(list(momenta.values()))))
+    changes = dict(zip(in_v, tangent(graph, list(in_v.values()), states.drift)))
+    left = {rate: changes.get(rate, graph.zero) - slopes.get(rate, graph.zero) for rate in rates}
+    for c in model.coordinates:
+        if not isinstance(c, Coordinate):
+            p = (in_v.get(c.rate_symbols[0], graph.zero), in_v.get(c.rate_symbols[1], graph.zero),
+                 in_v.get(c.rate_symbols[2], graph.zero))  # fmt: skip
+            w = (states.rates[c.rate_symbols[0]], states.rates[c.rate_symbols[1]],
+                 states.rates[c.rate_symbols[2]])  # fmt: skip
+            for rate, x in zip(c.rate_symbols, cross(w, p)):
+                left[rate] = left[rate] + x
+    forces = states.in_speeds([left[r] for r in rates])
+    weights = {x: f for x, f in zip(moved, forces) if not f.is_zero}
+    matrix: dict[tuple[int, int], Node] = {}
+    for i, speed in enumerate(states.v):
+        partial = tangent(graph, list(in_v.values()), {speed: graph.one})
+        seeds = {states.rates[r]: x for r, x in zip(in_v, partial) if not x.is_zero}
+        row = gradient(graph, seeds, states.v[: i + 1]) if seeds else {}
+        matrix.update(((i, j), row[v]) for j, v in enumerate(states.v[: i + 1]) if v in row)
+    return matrix, states.to_speeds(weights)
+
+
+def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, Node]:
+    """dL along the displacement that each rate makes, the rates held: rate -> slope, in rates."""
+    places = [x for c in model.coordinates for x in _symbols(c)]
+    slopes = gradient(graph, {total: graph.one}, places)
+    found: dict[Node, Node] = {}
+    for c in model.coordinates:
+        if isinstance(c, Coordinate):
+            if c.symbol in slopes:
+                found[c.rate_symbol] = slopes[c.symbol]
+        else:
+            turned = quaternion_rate(c.symbols, c.rate_symbols)
+            seeds = {x: slopes[e] for x, e in zip(turned, c.symbols) if e in slopes}
+            found.update(gradient(graph, seeds, c.rate_symbols))
+    return found
+
+
+def _symbols(c: object) -> tuple[Node, ...]:
+    return (c.symbol,) if isinstance(c, Coordinate) else c.symbols  # type: ignore[attr-defined, no-any-return]
+
+
+def _check(model: Model, terms: Sequence[Lagrangian]) -> None:
+    inputs = [given.symbol for given in model.inputs]
+    driven = depends([term.function for term in terms], inputs)
+    faults = [
+        Fault(
+            "LAG0406",
+            f"the term `{term.name}` of the Lagrangian depends on an input, whose time derivative is not known",
+            term.span,
+            remedy="write the input's share as a force, a torque or a function of `time`",
+        )
+        for term in terms
+        if term.function in driven
+    ]
+    if faults:
+        raise Refused(faults)

@@ -1,0 +1,161 @@
+"""Mass matrix and bias forces of the bodies, by the principle of virtual power.
+
+For every admissible virtual motion v*, the power of the quantities of acceleration is
+sum of m a_C . v_C* + (I w' + w x I w) . w*  (angular terms in the body's axes), hence with
+the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j)
+
+    M_ij = sum of m dv_C/dv_i . dv_C/dv_j + dw/dv_i . I dw/dv_j
+    h_j  = sum of m a_0 . dv_C/dv_j + (I w'_0 + w x I w) . dw/dv_j
+
+where a_0, w'_0 are the accelerations that are left when v' = 0.  The sums over the bodies are
+reverse sweeps over the graph of the velocities, so a chain of n links costs O(n^2) nodes, and
+prefix sums along it are shared.  Kane & Levinson, *Dynamics: Theory and Applications*, 1985, ch. 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.derivative import gradient, tangent
+from lagc.expr.graph import Graph, Node
+from lagc.expr.vectors import Matrix, Vector, add, cross, matvec, scale
+from lagc.expr.walk import depends
+from lagc.meaning.model import Body
+from lagc.mechanics.states import States
+
+
+@dataclass(frozen=True, slots=True)
+class Moving:
+    """The velocity of a centre of mass, or an angular velocity in body axes, and its inertia."""
+
+    body: Body
+    velocity: Vector  # in v
+    at_rest: Vector  # what is left of it when every rate is zero: the drive's share
+    mass: Node | Matrix
+
+    def momentum(self, velocity: Vector) -> Vector:
+        """The linear or angular momentum that goes with `velocity`."""
+        if isinstance(self.mass, tuple):
+            return matvec(self.mass, velocity)
+        return scale(self.mass, velocity)
+
+
+def moving_parts(states: States) -> list[Moving]:
+    """Every velocity that carries inertia.
+
+    Raises Refused: LAG0404 a mass or an inertia that changes with the motion, LAG0405 a body
+    placed by an input, whose derivative is not known.
+    """
+    bodies = states.model.bodies
+    _check(states, bodies)
+    raw: list[Vector] = []
+    masses: list[tuple[Body, Node | Matrix]] = []
+    for body in bodies:
+        if not body.mass.is_zero:
+            raw.append(body.velocity)
+            masses.append((body, body.mass))
+        if body.frame is not None and body.inertia is not None:
+            raw.append(body.frame.angular_velocity)
+            masses.append((body, body.inertia))
+    flat = [x for vector in raw for x in vector]
+    moved, still = _triples(states.in_speeds(flat)), _triples(states.at_rest(flat))
+    return [Moving(body, v, r, mass) for (body, mass), v, r in zip(masses, moved, still)]
+
+
+def _triples(flat: Sequence[Node]) -> list[Vector]:
+    return [(flat[k], flat[k + 1], flat[k + 2]) for k in range(0, len(flat), 3)]
+
+
+def weigh(graph: Graph, parts: Sequence[Moving], weights: Sequence[Vector]) -> dict[Node, Node]:
+    """Seeds of the sum of weights . velocities; velocities that are the same node share one."""
+    seeds: dict[Node, Node] = {}
+    for part, weight in zip(parts, weights):
+        for x, w in zip(part.velocity, weight):
+            if not w.is_zero:
+                held = seeds.get(x)
+                seeds[x] = w if held is None else graph.add(held, w)
+    return seeds
+
+
+def mass_matrix(states: States, parts: Sequence[Moving]) -> dict[tuple[int, int], Node]:
+    """M_ij with i >= j, zeros left out."""
+    graph = states.graph
+    flat = [x for part in parts for x in part.velocity]
+    index = {v: i for i, v in enumerate(states.v)}
+    zero = graph.zero
+    matrix: dict[tuple[int, int], Node] = {}
+    for i, speed in enumerate(states.v):
+        partial = tangent(graph, flat, {speed: graph.one})
+        seeds: dict[Node, Node] = {}
+        for k, part in enumerate(parts):
+            x, y, z = partial[3 * k : 3 * k + 3]
+            if x is zero and y is zero and z is zero:
+                continue
+            for velocity, weight in zip(part.velocity, part.momentum((x, y, z))):
+                if weight is not zero:
+                    held = seeds.get(velocity)
+                    seeds[velocity] = weight if held is None else graph.add(held, weight)
+        if seeds:
+            row = gradient(graph, seeds, states.v[: i + 1])
+            matrix.update(((i, index[v]), node) for v, node in row.items())
+    return matrix
+
+
+def bias_forces(states: States, parts: Sequence[Moving]) -> dict[int, Node]:
+    """h_j, zeros left out."""
+    graph = states.graph
+    flat = [x for part in parts for x in part.velocity]
+    accelerations = _triples(tangent(graph, flat, states.drift))
+    weights: list[Vector] = []
+    for part, acceleration in zip(parts, accelerations):
+        weight = part.momentum(acceleration)
+        if isinstance(part.mass, tuple):
+            weight = add(weight, cross(part.velocity, part.momentum(part.velocity)))
+        weights.append(weight)
+    return states.to_speeds(weigh(graph, parts, weights))
+
+
+def _check(states: States, bodies: Sequence[Body]) -> None:
+    model = states.model
+    inputs = [given.symbol for given in model.inputs]
+    motion = [*states.q, *states.rates, *states.v, model.time, *inputs]
+    scalars = [x for body in bodies for x in _inertia_nodes(body)]
+    changing = depends(scalars, motion)
+    placed = depends([x for body in bodies for x in _placing_nodes(body)], inputs)
+    faults: list[Fault] = []
+    for body in bodies:
+        if not changing.isdisjoint(_inertia_nodes(body)):
+            faults.append(_changing(body))
+        if not placed.isdisjoint(_placing_nodes(body)):
+            faults.append(_driven_by_input(body))
+    if faults:
+        raise Refused(faults)
+
+
+def _inertia_nodes(body: Body) -> list[Node]:
+    return [body.mass, *(x for row in body.inertia or () for x in row)]
+
+
+def _placing_nodes(body: Body) -> list[Node]:
+    axes = () if body.frame is None else body.frame.axes
+    return [*body.position, *(x for row in axes for x in row)]
+
+
+def _changing(body: Body) -> Fault:
+    return Fault(
+        "LAG0404",
+        f"the mass or the inertia of `{body.name}` changes with the motion or with an input",
+        body.span,
+        remedy="make it an expression of parameters (inertia in the axes of the body's own frame)",
+    )
+
+
+def _driven_by_input(body: Body) -> Fault:
+    return Fault(
+        "LAG0405",
+        f"the place of `{body.name}` depends on an input, whose time derivative is not known",
+        body.span,
+        remedy="write the drive as a function of `time`, or let the input act through a force",
+    )

@@ -1,0 +1,175 @@
+"""States of the motion: q, v, a, how q moves, and the rates in terms of the speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from lagc.expr.derivative import gradient
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import substitute, symbols
+from lagc.meaning.model import Coordinate, Model, Orientation
+from lagc.mechanics.equations import StartValue
+from lagc.mechanics.speeds import choose_speeds
+
+
+@dataclass(frozen=True)
+class States:
+    """The symbols of the motion.
+
+    `rates` maps every rate symbol to its expression in v; it is the identity when no speed is
+    declared, and `plain` says so.
+    """
+
+    model: Model
+    q: tuple[Node, ...]
+    v: tuple[Node, ...]
+    a: tuple[Node, ...]
+    q_names: tuple[str, ...]
+    v_names: tuple[str, ...]
+    q_units: tuple[str, ...]
+    v_units: tuple[str, ...]
+    qdot: tuple[Node, ...]
+    quaternions: tuple[int, ...]
+    rates: dict[Node, Node]
+    starts_q: tuple[StartValue, ...]
+    starts_v: tuple[StartValue, ...]
+
+    @property
+    def graph(self) -> Graph:
+        return self.model.graph
+
+    @cached_property
+    def plain(self) -> bool:
+        return not self.model.speeds
+
+    @cached_property
+    def drift(self) -> dict[Node, Node]:
+        """Seeds of d/dt with the speeds held: q -> qdot, t -> 1."""
+        return {**dict(zip(self.q, self.qdot)), self.model.time: self.graph.one}
+
+    @cached_property
+    def flow(self) -> dict[Node, Node]:
+        """Seeds of d/dt along the motion: `drift` and v -> a."""
+        return {**self.drift, **dict(zip(self.v, self.a))}
+
+    @cached_property
+    def rest(self) -> dict[Node, Node]:
+        """Every rate and declared speed -> 0, in expressions that still hold rates."""
+        still: dict[Node, Node] = dict.fromkeys(self.rates, self.graph.zero)
+        for speed in self.model.speeds:  # one may be declared in terms of those before it
+            still[speed.symbol] = substitute(self.graph, [speed.expression], still)[0]
+        return still
+
+    def in_speeds(self, nodes: Sequence[Node]) -> list[Node]:
+        """Rates replaced by their expressions in v."""
+        return list(nodes) if self.plain else substitute(self.graph, nodes, self.rates)
+
+    def at_rest(self, nodes: Sequence[Node]) -> list[Node]:
+        """`nodes` (in rates) where every rate is zero: the part that drives bring."""
+        return substitute(self.graph, nodes, self.rest)
+
+    def to_speeds(self, weights: dict[Node, Node]) -> dict[int, Node]:
+        """Generalized forces on v of the virtual power sum of weights[x] * x, x affine in v."""
+        found = gradient(self.graph, weights, self.v)
+        return {j: found[v] for j, v in enumerate(self.v) if v in found}
+
+    def force_of(self, slopes: dict[Node, Node]) -> dict[int, Node]:
+        """Generalized forces on v of the forces slopes[q_i] on the q_i: N^T slopes."""
+        weights: dict[Node, Node] = {}
+        for q, qdot in zip(self.q, self.qdot):
+            if q in slopes:
+                weights[qdot] = self.graph.add(weights.get(qdot, self.graph.zero), slopes[q])
+        return self.to_speeds(weights)
+
+
+def build_states(model: Model) -> States:
+    """Lay out q and v in the order of declaration.  Raises Refused as `choose_speeds` does."""
+    graph = model.graph
+    rate_symbols = [r for c in model.coordinates for r in _rate_symbols(c)]
+    chosen = choose_speeds(model, rate_symbols)
+    v: list[Node] = []
+    v_names: list[str] = []
+    v_units: list[str] = []
+    units = [u for c in model.coordinates for u in _rate_units(c)]
+    for i, rate in enumerate(rate_symbols):
+        speed = chosen.replaces.get(i)
+        v.append(rate if speed is None else speed.symbol)
+        v_names.append(rate.value[1] if speed is None else speed.name)  # type: ignore[index]
+        v_units.append(units[i] if speed is None else speed.unit)
+    rates = {r: chosen.solved.get(r, r) for r in rate_symbols}
+    q: list[Node] = []
+    q_units: list[str] = []
+    qdot: list[Node] = []
+    quaternions: list[int] = []
+    for c in model.coordinates:
+        if isinstance(c, Coordinate):
+            q.append(c.symbol)
+            q_units.append(c.unit)
+            qdot.append(rates[c.rate_symbol])
+        else:
+            quaternions.append(len(q))
+            q.extend(c.symbols)
+            q_units.extend(["", "", "", ""])
+            qdot.extend(quaternion_rate(c.symbols, [rates[r] for r in c.rate_symbols]))
+    return States(
+        model=model,
+        q=tuple(q),
+        v=tuple(v),
+        a=tuple([graph.symbol("acceleration", f"der({name})") for name in v_names]),
+        q_names=tuple([x.value[1] for x in q]),  # type: ignore[index]
+        v_names=tuple(v_names),
+        q_units=tuple(q_units),
+        v_units=tuple(v_units),
+        qdot=tuple(qdot),
+        quaternions=tuple(quaternions),
+        rates=rates,
+        starts_q=tuple(_position_starts(model)),
+        starts_v=tuple(_speed_starts(model, v)),
+    )
+
+
+def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
+    """q' = 1/2 q * (0, w) with w in body axes."""
+    ew, ex, ey, ez = e
+    return [
+        -0.5 * (ex * w[0] + ey * w[1] + ez * w[2]),
+        0.5 * (ew * w[0] + ey * w[2] - ez * w[1]),
+        0.5 * (ew * w[1] + ez * w[0] - ex * w[2]),
+        0.5 * (ew * w[2] + ex * w[1] - ey * w[0]),
+    ]
+
+
+def _rate_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
+    return (c.rate_symbol,) if isinstance(c, Coordinate) else c.rate_symbols
+
+
+def _rate_units(c: Coordinate | Orientation) -> tuple[str, ...]:
+    if isinstance(c, Orientation):
+        return ("rad/s", "rad/s", "rad/s")
+    return (f"{c.unit}/s" if c.unit else "1/s",)
+
+
+def _position_starts(model: Model) -> list[StartValue]:
+    found: list[StartValue] = []
+    for c in model.coordinates:
+        starts = (c.start,) if isinstance(c, Coordinate) else c.start
+        found.extend([StartValue(start, c.start_fixed) for start in starts])
+    return found
+
+
+def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
+    """A rate's own start; a declared speed's from those of the rates it is made of (t = 0)."""
+    at_start: dict[Node, Node] = {model.time: model.graph.zero}
+    fixed: dict[Node, bool] = {}
+    for c in model.coordinates:
+        if isinstance(c, Coordinate):
+            at_start.update({c.symbol: c.start, c.rate_symbol: c.rate})
+        else:
+            at_start.update([*zip(c.symbols, c.start), *zip(c.rate_symbols, c.rate)])
+        fixed.update((rate, c.rate_fixed) for rate in _rate_symbols(c))
+    for speed in model.speeds:
+        fixed[speed.symbol] = all(fixed[x] for x in symbols([speed.expression]) if x in fixed)
+        at_start[speed.symbol] = substitute(model.graph, [speed.expression], at_start)[0]
+    return [StartValue(at_start[symbol], fixed[symbol]) for symbol in v]
