@@ -238,6 +238,11 @@ class Output:
     description: str = ""
 
 
+Noun: TypeAlias = (
+    Parameter | Input | Coordinate | Orientation | Speed | Frame | Point | Body | Action | Constraint | Output
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Effect:
     name: str
@@ -266,4 +271,6 @@ class Model:
     effects: tuple[Effect, ...]
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
+    built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
+    imports: tuple[tuple[str, str], ...] = ()  # path and SHA-256 of every imported file
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"

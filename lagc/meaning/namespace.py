@@ -1,0 +1,189 @@
+"""What a file or a package declares, and imports of other files.
+
+An import never leaves its roots: the folder of the importing file, and the folders given.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import os
+from collections.abc import Iterable, Iterator
+
+from lagc.diagnostics.faults import Refused, Source, Span
+from lagc.frontend import tree
+from lagc.meaning.values import Wrong
+
+LARGEST_FILE = 4_000_000
+Declared = tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
+
+
+class Namespace:
+    """Names of one file, package or model body; `parent` is asked next."""
+
+    def __init__(self, declarations: Iterable[tree.Declaration], parent: Namespace | None, importer: Importer):
+        self.parent = parent
+        self.importer = importer
+        self.names: dict[str, Declared] = {}
+        self.imports: list[tree.Import] = []
+        for declaration in declarations:
+            if isinstance(declaration, tree.Import):
+                self.imports.append(declaration)
+            elif isinstance(declaration, tree.Quantities):
+                for declarator in declaration.declarators:
+                    self.names.setdefault(declarator.name, declaration)
+            elif isinstance(
+                declaration, tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration
+            ):
+                self._add(declaration)
+
+    def _add(self, declaration: tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration) -> None:
+        first = self.names.get(declaration.name)
+        if first is not None:
+            place = first.span if isinstance(first, tree.Quantities) else first.name_span
+            self.importer.report(
+                Wrong("LAG0202", f"`{declaration.name}` is declared twice", declaration.name_span,
+                      related=((place, "first here"),))
+            )  # fmt: skip
+            return
+        self.names[declaration.name] = declaration
+
+    def lookup(self, name: str) -> tuple[Declared, Namespace] | None:
+        space: Namespace | None = self
+        while space is not None:
+            found = space.names.get(name)
+            if found is not None:
+                return found, space
+            for declaration in space.imports:
+                brought = space.importer.brought(declaration, name, space)
+                if brought is not None:
+                    return brought
+            space = space.parent
+        return None
+
+    def known(self) -> Iterator[str]:
+        space: Namespace | None = self
+        while space is not None:
+            yield from space.names
+            yield from (i.alias or (i.path[-1] if i.path else "") for i in space.imports)
+            space = space.parent
+
+    def find(self, path: tuple[str, ...], span: Span, what: str) -> tuple[Declared, Namespace]:
+        """The declaration called `a.b.c`.  Raises Wrong."""
+        found = self.lookup(path[0])
+        for name in path[1:]:
+            if found is None:
+                break
+            declaration, space = found
+            if not isinstance(declaration, tree.Package):
+                raise Wrong("LAG0206", f"`{path[0]}` is no package, it has no `{name}`", span)
+            inner = self.importer.inside(declaration, space)
+            member = inner.names.get(name)
+            found = None if member is None else (member, inner)
+        if found is None:
+            close = difflib.get_close_matches(path[-1], sorted(set(self.known())), n=1)
+            raise Wrong(
+                "LAG0203", f"there is no {what} `{'.'.join(path)}`", span,
+                remedy=f"did you mean `{close[0]}`?" if close else None,
+            )  # fmt: skip
+        return found
+
+
+class Importer:
+    """Reads imported files, each once; remembers the faults found on the way."""
+
+    def __init__(self, main: Source, roots: tuple[str, ...]):
+        folder = os.path.dirname(os.path.abspath(main.name)) if os.path.exists(main.name) else os.getcwd()
+        self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots)))
+        self.faults: list[Wrong] = []
+        self.refused: list[Refused] = []
+        self.files: dict[str, Namespace] = {}
+        self.digests: list[tuple[str, str]] = []
+        self._packages: dict[int, Namespace] = {}
+        self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
+
+    def report(self, wrong: Wrong) -> None:
+        self.faults.append(wrong)
+
+    def inside(self, package: tree.Package, parent: Namespace) -> Namespace:
+        space = self._packages.get(id(package))
+        if space is None:
+            space = self._packages[id(package)] = Namespace(package.body, parent, self)
+        return space
+
+    def brought(self, declaration: tree.Import, name: str, space: Namespace) -> tuple[Declared, Namespace] | None:
+        """What `import ...` brings under `name`, if anything.  Raises Wrong where the import is at fault."""
+        if declaration.file is None and not declaration.wildcard:
+            if name != (declaration.alias or declaration.path[-1]):
+                return None
+        elif declaration.alias is not None and name != declaration.alias:
+            return None
+        key = (id(declaration), name)
+        if key not in self._done:
+            self._done[key] = None  # an import that asks for itself brings nothing
+            self._done[key] = self._bring(declaration, name)
+        return self._done[key]
+
+    def _bring(self, declaration: tree.Import, name: str) -> tuple[Declared, Namespace] | None:
+        if declaration.file is not None:
+            space = self._file(declaration)
+            found = space.names.get(name)
+            return None if found is None else (found, space)
+        if declaration.wildcard:
+            container, outer = self._path(declaration, declaration.path)
+            if not isinstance(container, tree.Package):
+                raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
+            space = self.inside(container, outer)
+            found = space.names.get(name)
+            return None if found is None else (found, space)
+        return self._path(declaration, declaration.path)
+
+    def _file(self, declaration: tree.Import) -> Namespace:
+        written = declaration.file or ""
+        folder = os.path.dirname(os.path.abspath(declaration.span.source.name))
+        path = os.path.realpath(os.path.join(folder, written))
+        if not self._allowed(path):
+            raise Wrong(
+                "LAG0217", f"`{written}` is outside the folders that may be imported from", declaration.span,
+                remedy="put the file in the folder of the model or below",
+            )  # fmt: skip
+        return self._read(path, declaration.span)
+
+    def _allowed(self, path: str) -> bool:
+        return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
+
+    def _path(self, declaration: tree.Import, names: tuple[str, ...]) -> tuple[Declared, Namespace]:
+        for root in self.roots:
+            for length in range(len(names), 0, -1):
+                path = os.path.realpath(os.path.join(root, *names[:length]) + ".lag")
+                if not (self._allowed(path) and os.path.isfile(path)):
+                    continue
+                space = self._read(path, declaration.span)
+                if names[length - 1] in space.names:
+                    return space.find(names[length - 1 :], declaration.span, "declaration")
+        raise Wrong(
+            "LAG0216", f"there is nothing to import called `{'.'.join(names)}`", declaration.span,
+            remedy=f"looked for {os.path.join(*names[:1])}.lag in: {', '.join(self.roots)}",
+        )  # fmt: skip
+
+    def _read(self, path: str, span: Span) -> Namespace:
+        from lagc.frontend.parse import parse
+
+        if path in self.files:
+            return self.files[path]
+        try:
+            with open(path, "rb") as file:
+                data = file.read(LARGEST_FILE + 1)
+            text = data.decode("utf-8-sig")
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
+            raise Wrong("LAG0216", f"`{os.path.basename(path)}` cannot be imported: {reason}", span) from None
+        self.digests.append((path, hashlib.sha256(data).hexdigest()))
+        try:
+            parsed = parse(Source(path, text))
+        except Refused as refused:
+            self.refused.append(refused)
+            self.files[path] = Namespace((), None, self)
+            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span) from None
+        space = self.files[path] = Namespace(parsed.declarations, None, self)
+        return space
