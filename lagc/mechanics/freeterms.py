@@ -17,7 +17,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import cross
 from lagc.expr.walk import depends
 from lagc.meaning.model import Coordinate, Lagrangian, Model
-from lagc.mechanics.states import States, quaternion_rate
+from lagc.mechanics.states import States, position_symbols, quaternion_rate, seeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,19 +75,19 @@ def _equations(
             for rate, x in zip(c.rate_symbols, cross(w, p)):
                 left[rate] = left[rate] + x
     forces = states.in_speeds([left[r] for r in rates])
-    weights = {x: f for x, f in zip(moved, forces) if not f.is_zero}
+    weights = seeds(graph, zip(moved, forces))
     matrix: dict[tuple[int, int], Node] = {}
     for i, speed in enumerate(states.v):
         partial = tangent(graph, list(in_v.values()), {speed: graph.one})
-        seeds = {states.rates[r]: x for r, x in zip(in_v, partial) if not x.is_zero}
-        row = gradient(graph, seeds, states.v[: i + 1]) if seeds else {}
+        pairs = [(states.rates[r], x) for r, x in zip(in_v, partial)]
+        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1])
         matrix.update(((i, j), row[v]) for j, v in enumerate(states.v[: i + 1]) if v in row)
     return matrix, states.to_speeds(weights)
 
 
 def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, Node]:
     """dL along the displacement that each rate makes, the rates held: rate -> slope, in rates."""
-    places = [x for c in model.coordinates for x in _symbols(c)]
+    places = [x for c in model.coordinates for x in position_symbols(c)]
     slopes = gradient(graph, {total: graph.one}, places)
     found: dict[Node, Node] = {}
     for c in model.coordinates:
@@ -96,13 +96,9 @@ def _displacement_slopes(graph: Graph, model: Model, total: Node) -> dict[Node, 
                 found[c.rate_symbol] = slopes[c.symbol]
         else:
             turned = quaternion_rate(c.symbols, c.rate_symbols)
-            seeds = {x: slopes[e] for x, e in zip(turned, c.symbols) if e in slopes}
-            found.update(gradient(graph, seeds, c.rate_symbols))
+            pairs = [(x, slopes[e]) for x, e in zip(turned, c.symbols) if e in slopes]
+            found.update(gradient(graph, seeds(graph, pairs), c.rate_symbols))
     return found
-
-
-def _symbols(c: object) -> tuple[Node, ...]:
-    return (c.symbol,) if isinstance(c, Coordinate) else c.symbols  # type: ignore[attr-defined, no-any-return]
 
 
 def _check(model: Model, terms: Sequence[Lagrangian]) -> None:

@@ -19,11 +19,11 @@ from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Graph, Node
+from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, add, cross, matvec, scale
 from lagc.expr.walk import depends
 from lagc.meaning.model import Body
-from lagc.mechanics.states import States
+from lagc.mechanics.states import States, seeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +33,7 @@ class Moving:
     body: Body
     velocity: Vector  # in v
     at_rest: Vector  # what is left of it when every rate is zero: the drive's share
+    explicit: Vector  # its derivative by t alone, coordinates and rates held
     mass: Node | Matrix
 
     def momentum(self, velocity: Vector) -> Vector:
@@ -60,23 +61,17 @@ def moving_parts(states: States) -> list[Moving]:
             raw.append(body.frame.angular_velocity)
             masses.append((body, body.inertia))
     flat = [x for vector in raw for x in vector]
-    moved, still = _triples(states.in_speeds(flat)), _triples(states.at_rest(flat))
-    return [Moving(body, v, r, mass) for (body, mass), v, r in zip(masses, moved, still)]
+    by_time = tangent(states.graph, flat, {states.model.time: states.graph.one})
+    moved = _triples(states.in_speeds([*flat, *by_time]))
+    still = _triples(states.at_rest(flat))
+    return [
+        Moving(body, v, r, e, mass)
+        for (body, mass), v, r, e in zip(masses, moved, still, moved[len(raw) :])
+    ]
 
 
 def _triples(flat: Sequence[Node]) -> list[Vector]:
     return [(flat[k], flat[k + 1], flat[k + 2]) for k in range(0, len(flat), 3)]
-
-
-def weigh(graph: Graph, parts: Sequence[Moving], weights: Sequence[Vector]) -> dict[Node, Node]:
-    """Seeds of the sum of weights . velocities; velocities that are the same node share one."""
-    seeds: dict[Node, Node] = {}
-    for part, weight in zip(parts, weights):
-        for x, w in zip(part.velocity, weight):
-            if not w.is_zero:
-                held = seeds.get(x)
-                seeds[x] = w if held is None else graph.add(held, w)
-    return seeds
 
 
 def mass_matrix(states: States, parts: Sequence[Moving]) -> dict[tuple[int, int], Node]:
@@ -84,22 +79,16 @@ def mass_matrix(states: States, parts: Sequence[Moving]) -> dict[tuple[int, int]
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
     index = {v: i for i, v in enumerate(states.v)}
-    zero = graph.zero
     matrix: dict[tuple[int, int], Node] = {}
     for i, speed in enumerate(states.v):
         partial = tangent(graph, flat, {speed: graph.one})
-        seeds: dict[Node, Node] = {}
+        pairs: list[tuple[Node, Node]] = []
         for k, part in enumerate(parts):
             x, y, z = partial[3 * k : 3 * k + 3]
-            if x is zero and y is zero and z is zero:
-                continue
-            for velocity, weight in zip(part.velocity, part.momentum((x, y, z))):
-                if weight is not zero:
-                    held = seeds.get(velocity)
-                    seeds[velocity] = weight if held is None else graph.add(held, weight)
-        if seeds:
-            row = gradient(graph, seeds, states.v[: i + 1])
-            matrix.update(((i, index[v]), node) for v, node in row.items())
+            if not (x.is_zero and y.is_zero and z.is_zero):
+                pairs.extend(zip(part.velocity, part.momentum((x, y, z))))
+        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1])
+        matrix.update(((i, index[v]), node) for v, node in row.items())
     return matrix
 
 
@@ -108,13 +97,13 @@ def bias_forces(states: States, parts: Sequence[Moving]) -> dict[int, Node]:
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
     accelerations = _triples(tangent(graph, flat, states.drift))
-    weights: list[Vector] = []
+    pairs: list[tuple[Node, Node]] = []
     for part, acceleration in zip(parts, accelerations):
         weight = part.momentum(acceleration)
         if isinstance(part.mass, tuple):
             weight = add(weight, cross(part.velocity, part.momentum(part.velocity)))
-        weights.append(weight)
-    return states.to_speeds(weigh(graph, parts, weights))
+        pairs.extend(zip(part.velocity, weight))
+    return states.to_speeds(seeds(graph, pairs))
 
 
 def _check(states: States, bodies: Sequence[Body]) -> None:

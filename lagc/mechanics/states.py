@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -77,28 +77,35 @@ class States:
 
     def force_of(self, slopes: dict[Node, Node]) -> dict[int, Node]:
         """Generalized forces on v of the forces slopes[q_i] on the q_i: N^T slopes."""
-        weights: dict[Node, Node] = {}
-        for q, qdot in zip(self.q, self.qdot):
-            if q in slopes:
-                weights[qdot] = self.graph.add(weights.get(qdot, self.graph.zero), slopes[q])
-        return self.to_speeds(weights)
+        pairs = [(qdot, slopes[q]) for q, qdot in zip(self.q, self.qdot) if q in slopes]
+        return self.to_speeds(seeds(self.graph, pairs))
+
+
+def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:
+    """Weights of a reverse sweep: a node that is met twice has the sum of its weights."""
+    found: dict[Node, Node] = {}
+    for node, weight in pairs:
+        if not weight.is_zero:
+            held = found.get(node)
+            found[node] = weight if held is None else graph.add(held, weight)
+    return found
 
 
 def build_states(model: Model) -> States:
     """Lay out q and v in the order of declaration.  Raises Refused as `choose_speeds` does."""
     graph = model.graph
-    rate_symbols = [r for c in model.coordinates for r in _rate_symbols(c)]
-    chosen = choose_speeds(model, rate_symbols)
+    rates_in_order = [r for c in model.coordinates for r in rate_symbols(c)]
+    chosen = choose_speeds(model, rates_in_order)
     v: list[Node] = []
     v_names: list[str] = []
     v_units: list[str] = []
     units = [u for c in model.coordinates for u in _rate_units(c)]
-    for i, rate in enumerate(rate_symbols):
+    for i, rate in enumerate(rates_in_order):
         speed = chosen.replaces.get(i)
         v.append(rate if speed is None else speed.symbol)
         v_names.append(rate.value[1] if speed is None else speed.name)  # type: ignore[index]
         v_units.append(units[i] if speed is None else speed.unit)
-    rates = {r: chosen.solved.get(r, r) for r in rate_symbols}
+    rates = {r: chosen.solved.get(r, r) for r in rates_in_order}
     q: list[Node] = []
     q_units: list[str] = []
     qdot: list[Node] = []
@@ -141,7 +148,13 @@ def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
     ]
 
 
-def _rate_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
+def position_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
+    """The q that `c` brings."""
+    return (c.symbol,) if isinstance(c, Coordinate) else c.symbols
+
+
+def rate_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
+    """The rates that `c` brings."""
     return (c.rate_symbol,) if isinstance(c, Coordinate) else c.rate_symbols
 
 
@@ -168,7 +181,7 @@ def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
             at_start.update({c.symbol: c.start, c.rate_symbol: c.rate})
         else:
             at_start.update([*zip(c.symbols, c.start), *zip(c.rate_symbols, c.rate)])
-        fixed.update((rate, c.rate_fixed) for rate in _rate_symbols(c))
+        fixed.update((rate, c.rate_fixed) for rate in rate_symbols(c))
     for speed in model.speeds:
         fixed[speed.symbol] = all(fixed[x] for x in symbols([speed.expression]) if x in fixed)
         at_start[speed.symbol] = substitute(model.graph, [speed.expression], at_start)[0]

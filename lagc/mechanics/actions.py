@@ -1,0 +1,99 @@
+"""Given actions: what each brings to the generalized forces, and its power.
+
+A potential brings -N^T dV/dq; a force F at a point of velocity u brings F . du/dv_j; a torque T on a
+frame brings (T in the frame's axes) . dw/dv_j; a Rayleigh function D(rates) brings -dD/d(rate_i)
+on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeterms`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lagc.expr.derivative import gradient, tangent
+from lagc.expr.graph import Node
+from lagc.expr.vectors import Vector, matvec, transpose
+from lagc.expr.walk import depends
+from lagc.meaning.model import Action, Dissipation, Force, Frame, Lagrangian, Potential, Torque
+from lagc.mechanics.equations import Contribution
+from lagc.mechanics.states import States, seeds
+
+
+@dataclass(frozen=True, slots=True)
+class Acting:
+    """An action's contribution, and its power with every drive held: forces . rates, in v."""
+
+    contribution: Contribution
+    relative_power: Node
+
+
+def act(states: States) -> list[Acting]:
+    """Every action of the model, in its order."""
+    return [_act(states, action) for action in states.model.actions]
+
+
+def _act(states: States, action: Action) -> Acting:
+    if isinstance(action, Potential):
+        return _potential(states, action.name, action.effect, action.energy, "potential")
+    if isinstance(action, Force):
+        return _applied(states, action, "force", [(action.velocity, action.vector)])
+    if isinstance(action, Torque):
+        pairs = [_on_frame(action.frame, action.vector, 1.0)]
+        if action.reaction is not None:
+            pairs.append(_on_frame(action.reaction, action.vector, -1.0))
+        return _applied(states, action, "torque", pairs)
+    if isinstance(action, Dissipation):
+        return _dissipation(states, action)
+    return _free_term(states, action)
+
+
+def _on_frame(frame: Frame, torque: Vector, sign: float) -> tuple[Vector, Vector]:
+    x, y, z = matvec(transpose(frame.axes), torque)
+    return frame.angular_velocity, (x * sign, y * sign, z * sign)
+
+
+def _potential(states: States, name: str, effect: str | None, energy: Node, kind: str) -> Acting:
+    graph, model = states.graph, states.model
+    slopes = gradient(graph, {energy: graph.one}, states.q)
+    power = -tangent(graph, [energy], dict(zip(states.q, states.qdot)))[0]
+    conservative = not depends([energy], [given.symbol for given in model.inputs])
+    forces = states.force_of({q: -slope for q, slope in slopes.items()})
+    return Acting(Contribution(name, kind, effect, forces, power, conservative), power)
+
+
+def _applied(
+    states: States, action: Force | Torque, kind: str, pairs: Sequence[tuple[Vector, Vector]]
+) -> Acting:
+    """Weights (in rates) on velocities (in rates): F on u, or T on w."""
+    graph = states.graph
+    velocities = [x for velocity, _ in pairs for x in velocity]
+    weights = states.in_speeds([x for _, weight in pairs for x in weight])
+    moved = states.in_speeds(velocities)
+    still = states.at_rest(velocities)
+    power = graph.sum(w * x for w, x in zip(weights, moved))
+    drive = graph.sum(w * x for w, x in zip(weights, still))
+    forces = states.to_speeds(seeds(graph, zip(moved, weights)))
+    return Acting(Contribution(action.name, kind, action.effect, forces, power, False), power - drive)
+
+
+def _dissipation(states: States, action: Dissipation) -> Acting:
+    graph = states.graph
+    rates = list(states.rates)
+    slopes = gradient(graph, {action.function: graph.one}, rates)
+    weights = [-x for x in states.in_speeds(list(slopes.values()))]
+    moved = [states.rates[rate] for rate in slopes]
+    power = graph.sum(w * x for w, x in zip(weights, moved))
+    forces = states.to_speeds(seeds(graph, zip(moved, weights)))
+    return Acting(
+        Contribution(action.name, "dissipation", action.effect, forces, power, False), power
+    )
+
+
+def _free_term(states: States, action: Lagrangian) -> Acting:
+    """Its share is in M and h, unless it is free of rates: then it is a potential -L."""
+    if not depends([action.function], list(states.rates)):
+        return _potential(states, action.name, action.effect, -action.function, "lagrangian")
+    zero = states.graph.zero
+    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), zero)
+
+
