@@ -209,5 +209,3 @@ def _abs(block: Block, a: int) -> int:
 
 def _entry(i: int, j: int) -> Entry:
     return (i, j) if i >= j else (j, i)
-
-

@@ -1,0 +1,244 @@
+"""Fewer operations by algebra: common factors out of sums, shared parts of products.
+
+Only what keeps the value up to rounding and is certain to pay: nothing is distributed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
+from lagc.optimize.lower import Product, split
+
+Term = tuple[float, dict[Node, int]]  # coefficient, powers of the bases
+
+
+def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
+    """`nodes` with a*b + a*c written a*(b + c) where that saves a product.
+
+    Sums are flattened through additions that have one user only.
+    """
+    below = reachable(nodes)
+    users = _users(below, nodes)
+    inner = {a for node in below if node.op == "add" for a in node.args if a.op == "add" and users[a] == 1}
+    new: dict[Node, Node] = {}
+    for node in below:
+        if node in inner:
+            continue
+        if node.op == "add":
+            new[node] = _sum(graph, node, inner, users, new)
+        elif node.args:
+            new[node] = graph.rebuild(node, tuple([new[a] for a in node.args]))
+        else:
+            new[node] = node
+    return [new[node] for node in nodes]
+
+
+def _users(below: Sequence[Node], roots: Sequence[Node]) -> dict[Node, int]:
+    users = dict.fromkeys(below, 0)
+    for node in below:
+        for a in node.args:
+            users[a] += 1
+    for node in roots:
+        users[node] += 1
+    return users
+
+
+def _sum(graph: Graph, root: Node, inner: set[Node], users: dict[Node, int], new: dict[Node, Node]) -> Node:
+    """The addition `root` and those inside it, rewritten."""
+    leaves: list[Node] = []
+    stack = list(reversed(root.args))
+    while stack:
+        node = stack.pop()
+        if node in inner:
+            stack.extend(reversed(node.args))
+        else:
+            leaves.append(node)
+    free: list[Term] = []  # terms that are not used elsewhere: their product can be taken apart
+    rest: list[Node] = []
+    for leaf in leaves:
+        product = leaf.args[0] if leaf.op == "scale" else leaf
+        if product.op == "mul" and users[product] == 1 and users[leaf] == 1:
+            free.append(_term(new[leaf]))
+        else:
+            rest.append(new[leaf])
+    total = graph.zero
+    for node in rest:
+        total = graph.add(total, node)
+    return graph.add(total, _collect(graph, free))
+
+
+def _term(node: Node) -> Term:
+    c = 1.0
+    if node.op == "scale":
+        c, node = node.value, node.args[0]  # type: ignore[assignment]
+    if node.op == "const":
+        return c * node.value, {}  # type: ignore[operator]
+    if node.op == "mul":
+        return c, dict(zip(node.args, node.value))  # type: ignore[call-overload]
+    return c, {node: 1}
+
+
+def _collect(graph: Graph, terms: list[Term]) -> Node:
+    """The sum of `terms`, the factor that most of them share taken out, again and again.
+
+    The recursion is as deep as a monomial has factors.
+    """
+    total = graph.zero
+    left = terms
+    while True:
+        key = _common(left)
+        if key is None:
+            break
+        base, sign = key
+        inside: list[Term] = []
+        others: list[Term] = []
+        for c, powers in left:
+            if _holds(c, powers, key):
+                inside.append(_without(c, powers, key))
+            else:
+                others.append((c, powers))
+        left = others
+        inner = _collect(graph, inside)
+        if isinstance(base, float):
+            total = graph.add(total, graph.scale(base, inner))
+        else:
+            total = graph.add(total, graph.mul(graph.power(base, sign), inner))
+    for c, powers in left:
+        product = graph.one
+        for base, exponent in powers.items():
+            product = graph.mul(product, graph.power(base, exponent))
+        total = graph.add(total, graph.scale(c, product))
+    return total
+
+
+Key = tuple["Node | float", int]  # a base with the sign of its exponent; or a coefficient, 1
+
+
+def _common(terms: list[Term]) -> Key | None:
+    """The factor that the most terms share, where taking it out of them saves an operation."""
+    counts: dict[Key, int] = {}
+    for c, powers in terms:
+        degree = sum([abs(e) for e in powers.values()]) + (abs(c) != 1.0)
+        for base, exponent in powers.items():
+            key: Key = (base, 1 if exponent > 0 else -1)
+            counts[key] = counts.get(key, 0) + (degree > 1 or exponent < 0)
+        if abs(c) != 1.0 and powers:
+            counts[(abs(c), 1)] = counts.get((abs(c), 1), 0) + 1
+    best: Key | None = None
+    for key, count in counts.items():
+        if count > 1 and (best is None or _rank(key, count) < _rank(best, counts[best])):
+            best = key
+    return best
+
+
+def _rank(key: Key, count: int) -> tuple[int, int, float]:
+    base, sign = key
+    if isinstance(base, float):
+        return (-count, 1, base)
+    return (-count, 0, sign * base.index)
+
+
+def _holds(c: float, powers: dict[Node, int], key: Key) -> bool:
+    base, sign = key
+    if isinstance(base, float):
+        return abs(c) == base and bool(powers)
+    return powers.get(base, 0) * sign > 0
+
+
+def _without(c: float, powers: dict[Node, int], key: Key) -> Term:
+    base, sign = key
+    if isinstance(base, float):
+        return c / base, powers
+    less = powers[base] - sign
+    return c, {b: less if b is base else e for b, e in powers.items() if b is not base or less}
+
+
+def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
+    """Which two parts each product is made of, so that products share as much as can be.
+
+    Greedy: the pair of factors that most products hold becomes a factor of its own, while any
+    two products share one (M. Breuer, *Generation of optimal code for expressions via
+    factorization*, CACM 12 (1969)).
+    """
+    products: dict[Product, list[int]] = {}
+    atoms: list[Product] = []  # what each factor number stands for
+    numbers: dict[Node, int] = {}
+    for node in reachable(nodes):
+        if node.op == "mul":
+            for part in split(node):
+                if part and part not in products:
+                    products[part] = _numbered(part, atoms, numbers)
+    rows = list(products.values())
+    made: dict[Product, tuple[Product, Product]] = {}
+    while True:
+        pair = _most_common(rows)
+        if pair is None:
+            break
+        i, j = pair
+        whole = _joined(atoms[i], atoms[j])
+        made[whole] = (atoms[i], atoms[j])
+        atoms.append(whole)
+        for row in rows:
+            _replace(row, i, j, len(atoms) - 1)
+    for product, row in products.items():
+        whole = atoms[row[0]]
+        for k in row[1:]:
+            longer = _joined(whole, atoms[k])
+            if longer not in made:
+                made[longer] = (whole, atoms[k])
+            whole = longer
+        assert whole == product
+    return made
+
+
+def _numbered(product: Product, atoms: list[Product], numbers: dict[Node, int]) -> list[int]:
+    row: list[int] = []
+    for base, exponent in product:
+        k = numbers.get(base)
+        if k is None:
+            k = numbers[base] = len(atoms)
+            atoms.append(((base, 1),))
+        row.extend([k] * exponent)
+    return row
+
+
+def _most_common(rows: list[list[int]]) -> tuple[int, int] | None:
+    """The pair of factors that most rows hold (or one row twice), at least two."""
+    counts: dict[tuple[int, int], int] = {}
+    for row in rows:
+        if len(row) < 2:
+            continue
+        held: dict[int, int] = {}
+        for k in row:
+            held[k] = held.get(k, 0) + 1
+        keys = sorted(held)
+        for n, i in enumerate(keys):
+            if held[i] > 1:
+                counts[(i, i)] = counts.get((i, i), 0) + held[i] // 2
+            for j in keys[n + 1 :]:
+                counts[(i, j)] = counts.get((i, j), 0) + min(held[i], held[j])
+    best: tuple[int, int] | None = None
+    for pair, count in counts.items():
+        if count > 1 and (best is None or (-count, pair) < (-counts[best], best)):
+            best = pair
+    return best
+
+
+def _replace(row: list[int], i: int, j: int, by: int) -> None:
+    while i in row and (row.count(i) > 1 if i == j else j in row):
+        row.remove(i)
+        row.remove(j)
+        row.append(by)
+
+
+def _joined(a: Product, b: Product) -> Product:
+    powers: dict[Node, int] = dict(a)
+    for base, exponent in b:
+        powers[base] = powers.get(base, 0) + exponent
+    return tuple(sorted(powers.items(), key=_by_index))
+
+
+def _by_index(item: tuple[Node, int]) -> int:
+    return item[0].index

@@ -1,0 +1,125 @@
+"""The Interface of a program: names, units, places and sizes, taken from the model."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
+
+from lagc.diagnostics.faults import Span
+from lagc.expr.graph import Node
+from lagc.expr.walk import symbols
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.meaning.model import Input, Parameter
+from lagc.optimize.program import Field, Function, Interface
+
+_UNHASHED = ("source_name", "model_hash", "notes", "initial_places")  # of no bearing on the numbers
+
+
+def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
+    """The parameters that reach any of `roots`, in order of declaration."""
+    reached = symbols(roots)
+    return tuple([p for p in equations.model.parameters if p.symbol in reached])
+
+
+def interface(
+    equations: EquationsOfMotion,
+    parameters: tuple[Parameter, ...],
+    functions: Mapping[str, Function],
+    *,
+    work: bool,
+    straight: bool,
+    work_size: int,
+    operations: int,
+) -> Interface:
+    """What the run needs to know of `functions`, the functions of the model of `equations`."""
+    model = equations.model
+    kept = {p.name for p in parameters}
+    notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
+    places = [span for _, span in equations.initial_conditions]
+    found = Interface(
+        model=model.name,
+        scene=model.scene,
+        source_name=_source_name(equations),
+        model_hash="",
+        nq=len(equations.q),
+        nv=len(equations.v),
+        nz=1 if work else 0,
+        nc=len(equations.rows),
+        nh=sum(1 for row in equations.rows if row.kind == "holonomic"),
+        q_names=equations.q_names,
+        v_names=equations.v_names,
+        q_units=equations.q_units,
+        v_units=equations.v_units,
+        row_labels=tuple([row.label for row in equations.rows]),
+        row_units=tuple([row.unit for row in equations.rows]),
+        quaternions=equations.quaternions,
+        parameters=tuple([_parameter(p) for p in parameters]),
+        inputs=tuple([_input(u) for u in model.inputs]),
+        outputs=_outputs(equations),
+        start_fixed=tuple([s.fixed for s in (*equations.starts_q, *equations.starts_v)]),
+        initial_places=tuple([place(span) for span in places]),
+        solve="straight" if straight else "looped",
+        work_size=work_size,
+        operations=operations,
+        functions=tuple(functions),
+        effects=tuple([e.name for e in model.effects if e.used]),
+        simulate=dict(model.simulate),
+        notes=(*model.notes, *notes, *equations.dropped),
+    )
+    digest = _digest(found, functions)
+    values = {f.name: getattr(found, f.name) for f in fields(found)}
+    return Interface(**{**values, "model_hash": digest})
+
+
+def place(span: Span) -> str:
+    return f"{span.source.name}:{span.line}"
+
+
+def _source_name(equations: EquationsOfMotion) -> str:
+    """The file that the model's first thing was read from."""
+    model = equations.model
+    for things in (model.coordinates, model.bodies, model.parameters):
+        for thing in things:
+            return thing.span.source.name
+    return ""
+
+
+def _parameter(p: Parameter) -> Field:
+    return Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description)
+
+
+def _input(u: Input) -> Field:
+    inf = float("inf")
+    return Field(u.name, u.default, -inf, inf, u.unit, u.unit, place(u.span), u.description)
+
+
+def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:
+    inf = float("inf")
+    declared = {o.name: o for o in equations.model.outputs}
+    found = []
+    for o in equations.outputs:
+        source = declared.get(o.name)
+        where = place(source.span) if source else ""
+        text = source.description if source else ""
+        found.append(Field(o.name, None, -inf, inf, o.unit, o.display_unit, where, text))
+    return tuple(found)
+
+
+def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
+    """SHA-256 over all that makes a result: no file names, no places."""
+    digest = hashlib.sha256()
+    for f in fields(interface):
+        if f.name not in _UNHASHED:
+            value = getattr(interface, f.name)
+            if f.name in ("parameters", "inputs", "outputs"):
+                value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
+            elif f.name == "simulate":
+                value = sorted(value.items())
+            digest.update(f"{f.name}={value!r}\n".encode())
+    for name, function in functions.items():
+        digest.update(f"{name} {function.inputs} {function.outputs}\n".encode())
+        lines = [f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]
+        lines += [f"{s.array}[{s.index}]={s.value}" for s in function.stores]
+        digest.update("\n".join(lines).encode())
+    return digest.hexdigest()
