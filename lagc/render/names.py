@@ -36,8 +36,8 @@ _LIBRARY = """
 RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_LIBRARY.split())
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign
-    stdarg     stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
-    wchar wctype     memory malloc unistd new con aux nul prn
+    stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
+    wchar wctype memory malloc unistd new con aux nul prn
 """
 HEADERS = frozenset(_HEADERS.split())  # names that a model's files must not take
 
@@ -62,7 +62,7 @@ class Names:
 
     def give(self, name: str) -> str:
         base = identifier(name)
-        if base.startswith(self.prefixes) or re.fullmatch(r"[tc]\d+", base):
+        if base.startswith(self.prefixes) or re.fullmatch(r"(t|c|p|x|a|lam|d|w|r)\d+", base):
             base = f"the_{base}"
         found, number = base, 2
         while found in self.taken or found in RESERVED:

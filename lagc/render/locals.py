@@ -1,0 +1,32 @@
+"""The names that entries of input arrays have in generated functions: the user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lagc.optimize.program import Program
+from lagc.render.names import Names
+
+# Arrays of any Program, so that a name does not depend on which functions a model happens to have.
+ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
+          "phi", "psi", "e", "y", "c", "J")  # fmt: skip
+
+
+def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int], str]:
+    """(array, index) -> name, over all functions alike; `taken` are names of the target."""
+    interface = program.interface
+    arrays = {name for f in program.functions.values() for name, _ in f.outputs}
+    names = Names({*ARRAYS, *arrays, *taken})
+    found: dict[tuple[str, int], str] = {}
+    for index, name in enumerate((*interface.q_names, *interface.v_names)):
+        found["x", index] = names.give(name)
+    if interface.nz:
+        found["x", interface.nq + interface.nv] = names.give("work")
+    for index, field in enumerate((*interface.parameters, *interface.inputs)):
+        found["p", index] = names.give(field.name)
+    for function in program.functions.values():
+        for operation in function.operations:
+            key = operation.payload
+            if operation.op == "load" and isinstance(key, tuple) and key[0] != "t" and key not in found:
+                found[key] = f"{key[0]}{key[1]}"
+    return found

@@ -1,0 +1,1 @@
+"""The Python target: one self-contained module of functions on Python floats."""

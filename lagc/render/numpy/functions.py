@@ -1,0 +1,158 @@
+"""Functions of a Program as Python functions on floats and lists."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lagc.optimize.program import Function
+from lagc.render.names import comment
+from lagc.render.statements import Dialect, lines
+
+CALLS = {
+    **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
+    **{op: op for op in ("exp", "log", "sqrt", "floor", "sign", "atan2", "pow")},
+    "abs": "fabs", "min": "minimum", "max": "maximum", "and": "both", "or": "either", "not": "inverse",
+}  # fmt: skip
+
+DIALECT = Dialect(
+    calls=CALLS,
+    infix={},
+    select="select({}, {}, {})",
+    number="{name} = {value}",
+    truth="{name} = {value}",
+    store="{array}[{index}] = {value}",
+    comment=lambda text: f"# {comment(text)}",
+    load=lambda array, index: "t" if array == "t" else f"{array}[{index}]",
+)
+
+# Python raises where C gives an infinity or NaN.  A function that raised is computed again, with
+# floats and functions that do as C does; nothing is lost where nothing raises.
+ARITHMETIC = '''\
+from math import acos, asin, atan, atan2, cos, cosh, exp, fabs, inf, log, nan, pow, sin, sinh, sqrt, tan, tanh
+from math import copysign as _copysign, floor as _floor
+
+
+def minimum(a, b):
+    return b if b < a else a
+
+
+def maximum(a, b):
+    return b if b > a else a
+
+
+def sign(a):
+    return 1.0 if a > 0.0 else -1.0 if a < 0.0 else 0.0
+
+
+def floor(a):
+    whole = float(_floor(a))
+    return whole if whole != 0.0 else a * 0.0  # keeps the sign of zero
+
+
+def select(condition, a, b):
+    return a if condition else b
+
+
+def both(a, b):
+    return a and b
+
+
+def either(a, b):
+    return a or b
+
+
+def inverse(a):
+    return not a
+
+
+class _Ieee(float):
+    """A float whose division by zero is an infinity or NaN."""
+
+    __slots__ = ()
+
+    def __add__(self, other):
+        return _Ieee(float(self) + float(other))
+
+    def __sub__(self, other):
+        return _Ieee(float(self) - float(other))
+
+    def __mul__(self, other):
+        return _Ieee(float(self) * float(other))
+
+    def __neg__(self):
+        return _Ieee(-float(self))
+
+    def __truediv__(self, other):
+        try:
+            return _Ieee(float(self) / float(other))
+        except ZeroDivisionError:
+            a = float(self)
+            return _Ieee(nan if a != a or a == 0.0 else _copysign(inf, _copysign(1.0, a) * _copysign(1.0, other)))
+
+
+def _ieee(function):
+    """`function` of math, with the value that C gives where Python raises."""
+    name = function.__name__
+
+    def careful(*arguments):
+        a = float(arguments[0])
+        try:
+            return _Ieee(function(*arguments))
+        except OverflowError:  # of exp, sinh, cosh, pow; or the floor of an infinity
+            if name == "floor":
+                return _Ieee(a)
+            odd = name == "sinh" or (name == "pow" and arguments[1] % 2.0 == 1.0)
+            return _Ieee(_copysign(inf, a) if odd else inf)
+        except ValueError:
+            if name == "log" and a == 0.0:
+                return _Ieee(-inf)
+            if name == "pow" and a == 0.0:
+                return _Ieee(_copysign(inf, a) if arguments[1] % 2.0 == 1.0 else inf)
+            return _Ieee(nan)
+
+    return careful
+
+
+_CAREFUL = {
+    **{f.__name__: _ieee(f) for f in (acos, asin, atan, atan2, cos, cosh, exp, fabs, log, pow, sin, sinh, sqrt)},
+    **{f.__name__: _ieee(f) for f in (tan, tanh, minimum, maximum, sign, floor)},
+    "select": select,
+    "both": both,
+    "either": either,
+    "inverse": inverse,
+}
+
+
+def _again(function, inputs, outputs):
+    """Compute `function` as C does; lists in `outputs` are written."""
+    code = function.__code__
+    constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
+    careful = type(function)(code.replace(co_consts=constants), _CAREFUL)
+    values = [_Ieee(a) if isinstance(a, float) else [_Ieee(b) for b in a] for a in inputs]
+    results = [[_Ieee(b) for b in a] for a in outputs]
+    careful(*values, *results)
+    for output, result in zip(outputs, results):
+        output[:] = [float(b) for b in result]
+'''
+
+
+def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) -> str:
+    """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once."""
+    outputs = [name for name, _ in function.outputs]
+    inputs = [name for name in function.inputs if name not in outputs]
+    order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
+    body = lines(function, DIALECT, locals_) or ["pass"]
+    description = comment(function.description).replace('"', "'")
+    text = [f"def fn_{function.name}({', '.join(order)}):"]
+    if description:
+        text.append(f'    """{description}"""')
+    text.append("    try:")
+    text += [f"        {line}" for line in body]
+    text.append("    except (ArithmeticError, ValueError):")
+    arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
+    text.append(f"        _again(fn_{function.name}, {arguments})")
+    return "\n".join(text) + "\n"
+
+
+def _tuple(names: list[str]) -> str:
+    return "".join(f"{name}, " for name in names).rstrip() if names else ""

@@ -1,0 +1,130 @@
+"""Small Programs built by hand, and random ones over all operations."""
+
+from __future__ import annotations
+
+import math
+import random
+
+from lagc.optimize.program import OPERANDS, Field, Function, Interface, Operation, Program, Store
+
+
+class Builder:
+    """Writes one function operation by operation."""
+
+    def __init__(self, name: str, inputs: tuple[str, ...], outputs: tuple[tuple[str, int], ...]) -> None:
+        self.name, self.inputs, self.outputs = name, inputs, outputs
+        self.operations: list[Operation] = []
+        self.stores: list[Store] = []
+        self.comments: dict[int, str] = {}
+
+    def const(self, value: float) -> int:
+        return self._add(Operation("const", (), value))
+
+    def load(self, array: str, index: int = 0) -> int:
+        return self._add(Operation("load", (), (array, index)))
+
+    def op(self, op: str, *operands: int) -> int:
+        return self._add(Operation(op, operands))
+
+    def store(self, array: str, index: int, value: int) -> None:
+        self.stores.append(Store(array, index, value))
+
+    def note(self, text: str) -> None:
+        self.comments[len(self.operations)] = text
+
+    def _add(self, operation: Operation) -> int:
+        self.operations.append(operation)
+        return len(self.operations) - 1
+
+    def function(self, description: str = "") -> Function:
+        stores = tuple(self.stores)
+        return Function(self.name, self.inputs, self.outputs, tuple(self.operations), stores, description,
+                        self.comments)  # fmt: skip
+
+
+def field(name: str, value: float | None = 1.0, **more: object) -> Field:
+    plain = {"minimum": -math.inf, "maximum": math.inf, "unit": "", "display_unit": "", "place": "", "description": ""}
+    return Field(name=name, value=value, **{**plain, **more})  # type: ignore[arg-type]
+
+
+def interface(model: str, functions: list[Function], **changes: object) -> Interface:
+    plain: dict[str, object] = {
+        "model": model, "scene": "", "source_name": f"{model.lower()}.lag", "model_hash": "0" * 64,
+        "nq": 1, "nv": 1, "nz": 0, "nc": 0, "nh": 0, "q_names": ("theta",), "v_names": ("der(theta)",),
+        "q_units": ("rad",), "v_units": ("rad/s",), "row_labels": (), "row_units": (), "quaternions": (),
+        "parameters": (field("m"), field("l"), field("g", 9.81)), "inputs": (), "outputs": (),
+        "start_fixed": (True, True), "initial_places": (), "solve": "straight", "work_size": 0,
+        "operations": next((f.cost for f in functions if f.name == "rhs"), 0),
+        "functions": tuple(f.name for f in functions), "effects": (), "simulate": {}, "notes": (),
+    }  # fmt: skip
+    return Interface(**{**plain, **changes})  # type: ignore[arg-type]
+
+
+def program(model: str, functions: list[Function], **changes: object) -> Program:
+    return Program(interface(model, functions, **changes), {f.name: f for f in functions})
+
+
+def pendulum(model: str = "Pendulum", **changes: object) -> Program:
+    """theta'' = -g/l sin(theta), with energies; mass matrix m l^2."""
+    rhs = Builder("rhs", ("p", "t", "x"), (("xdot", 2), ("lam", 0), ("health", 2)))
+    theta, omega = rhs.load("x", 0), rhs.load("x", 1)
+    g, length = rhs.load("p", 2), rhs.load("p", 1)
+    rhs.note("m l^2 a = -m g l sin(theta)   pendulum.lag:7")
+    force = rhs.op("neg", rhs.op("mul", rhs.op("div", g, length), rhs.op("sin", theta)))
+    one, zero = rhs.const(1.0), rhs.const(0.0)
+    for index, value in enumerate((omega, force)):
+        rhs.store("xdot", index, value)
+    rhs.store("health", 0, one)
+    rhs.store("health", 1, zero)
+
+    system = Builder("system", ("p", "t", "x"), (("qdot", 1), ("M", 1), ("r", 1), ("G", 0), ("gamma", 0)))
+    theta, omega = system.load("x", 0), system.load("x", 1)
+    m, length, g = (system.load("p", k) for k in range(3))
+    ml = system.op("mul", m, length)
+    system.store("qdot", 0, omega)
+    system.store("M", 0, system.op("mul", ml, length))
+    system.store("r", 0, system.op("neg", system.op("mul", system.op("mul", ml, g), system.op("sin", theta))))
+
+    energies = Builder("energies", ("p", "t", "x"), (("e", 3),))
+    theta, omega = energies.load("x", 0), energies.load("x", 1)
+    m, length, g = (energies.load("p", k) for k in range(3))
+    speed = energies.op("mul", length, omega)
+    kinetic = energies.op("mul", energies.op("mul", energies.const(0.5), m), energies.op("mul", speed, speed))
+    weight = energies.op("mul", energies.op("mul", m, g), length)
+    potential = energies.op("neg", energies.op("mul", weight, energies.op("cos", theta)))
+    for index, value in enumerate((kinetic, potential, energies.op("add", kinetic, potential))):
+        energies.store("e", index, value)
+
+    start = Builder("start", ("p",), (("x", 2),))
+    start.store("x", 0, start.const(2.0))
+    start.store("x", 1, start.const(0.0))
+    return program(model, [rhs.function("xdot"), system.function(), energies.function(), start.function()], **changes)
+
+
+TRUTHS = ("lt", "le", "eq", "and", "or", "not")
+
+
+def random_function(seed: int, size: int = 120, states: int = 4, name: str = "outputs") -> Function:
+    """`size` operations on random earlier values; several outputs."""
+    rng = random.Random(seed)
+    build = Builder(name, ("p", "t", "x"), (("y", 8),))
+    numbers = [build.load("x", k) for k in range(states)] + [build.load("p", 0), build.load("t")]
+    numbers += [build.const(v) for v in (0.0, -0.0, 1.0, -2.5, 1e-300, 0.1)]
+    truths: list[int] = []
+    ops = [o for o in OPERANDS if o not in ("const", "load")]
+    while len(build.operations) < size:
+        op = rng.choice(ops)
+        if op in ("and", "or", "not", "select") and not truths:
+            continue
+        if op == "select":
+            numbers.append(build.op(op, rng.choice(truths), rng.choice(numbers), rng.choice(numbers)))
+        elif op in ("and", "or", "not"):
+            truths.append(build.op(op, *(rng.choice(truths) for _ in range(OPERANDS[op]))))
+        else:
+            value = build.op(op, *(rng.choice(numbers[-12:]) for _ in range(OPERANDS[op])))
+            (truths if op in TRUTHS else numbers).append(value)
+        if rng.random() < 0.1:
+            build.note(f"block {len(build.operations)} of /* a \\ ??/ */ comment")
+    for index in range(8):
+        build.store("y", index, numbers[-1 - index * 3])
+    return build.function("random")
