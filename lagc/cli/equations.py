@@ -1,0 +1,39 @@
+"""The equations of motion, as a person would write them.
+
+One equation a generalized speed, then the constraints; a prime is a time derivative, theta''
+the second one.  `--format latex` gives the body of a document, `--format sympy` a Python script
+that builds the same equations with SymPy.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from lagc.cli.exits import DONE
+from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.output import print_json, say
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser)
+    parser.add_argument("--format", choices=("text", "latex", "sympy"), default="text", help="how they are written")
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc import compiler, library
+    from lagc.view.equations import write
+
+    source = library.read(options.file)
+    equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
+    text = write(equations, options.format)
+    if options.json:
+        model = equations.model
+        print_json({"status": "ok", "model": model.name, "scene": model.scene,
+                    "effects": [e.name for e in model.effects if e.used],
+                    "format": options.format, "equations": text})  # fmt: skip
+        return DONE
+    for note in equations.model.notes:
+        say(note, options.quiet)
+    print(text)
+    return DONE

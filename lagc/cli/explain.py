@@ -1,0 +1,34 @@
+"""What was inferred from a model.
+
+Coordinates and speeds, constraints and their kinds, the count of unknowns and equations, degrees
+of freedom, cyclic coordinates and conserved quantities, the parts of the kinetic energy, effects
+used and left out, what was pruned, and the operation counts of the generated code.
+"""
+
+from __future__ import annotations
+
+import argparse
+
+from lagc.cli.exits import DONE
+from lagc.cli.options import add_general_options, add_model_options, choice_of
+from lagc.cli.output import print_json
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser)
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc import compiler, library
+    from lagc.view.explain import explanation, text
+
+    source = library.read(options.file)
+    equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
+    program = compiler.optimize(equations, work=False)
+    facts = explanation(equations, program)
+    if options.json:
+        print_json({"status": "ok", **facts})
+    else:
+        print(text(facts, verbose=options.verbose))
+    return DONE
