@@ -1,0 +1,296 @@
+"""Expressions multiplied out: sums of monomials with exact coefficients, for equations that people read.
+
+A polynomial is a dict {monomial: coefficient}, a monomial a sorted tuple of (atom, exponent)
+pairs, an atom a number in `Algebra.atoms`: a symbol, a function of polynomials, or a sum that
+stands in a denominator or under a root.  Exponents are integers, or halves for roots.  All work is
+counted; beyond `limit` products `TooLarge` is raised and the caller writes the expression in
+another way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, isqrt
+from typing import TypeAlias
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+
+Exponent: TypeAlias = "int | Fraction"
+Monomial: TypeAlias = tuple[tuple[int, Exponent], ...]
+Polynomial: TypeAlias = dict[Monomial, Fraction]
+Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
+
+HALF = Fraction(1, 2)
+EVEN = ("cos", "cosh", "abs")
+ODD = ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign")
+READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
+
+
+class TooLarge(Exception):
+    """The expression has too many terms to be multiplied out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Atom:
+    """`op` "symbol" with its `node`, "sum" with one argument, or a function of `args`."""
+
+    op: str
+    node: Node | None
+    args: tuple[Frozen, ...]
+    nonnegative: bool
+
+
+class Algebra:
+    """Makes polynomials of nodes.  `nonnegative`: the symbols known not to be negative."""
+
+    def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 200_000) -> None:
+        self.atoms: list[Atom] = []
+        self._numbers: dict[tuple[object, ...], int] = {}
+        self._nonnegative = set(nonnegative)
+        self._done: dict[Node, Polynomial] = {}
+        self._left = limit
+
+    # -- from nodes -----------------------------------------------------------
+
+    def polynomials(self, nodes: Sequence[Node]) -> list[Polynomial]:
+        for node in reachable(nodes):
+            if node not in self._done:
+                self._done[node] = self._convert(node)
+        return [self._done[node] for node in nodes]
+
+    def _convert(self, node: Node) -> Polynomial:
+        op, args = node.op, [self._done[a] for a in node.args]
+        if op == "const":
+            return constant(fraction(node.value))  # type: ignore[arg-type]
+        if op == "symbol":
+            return self.single(self.symbol(node))
+        if op == "add":
+            return self.add(args[0], args[1])
+        if op == "scale":
+            return scaled(args[0], fraction(node.value))  # type: ignore[arg-type]
+        if op == "mul":
+            product = constant(Fraction(1))
+            for base, exponent in zip(args, node.value):  # type: ignore[call-overload]
+                product = self.multiply(product, self.power(base, exponent))
+            return product
+        if op == "sqrt":
+            return self.root(args[0])
+        if op == "pow":
+            return self._pow(*args)
+        return self.function(op, *args)
+
+    def symbol(self, node: Node) -> int:
+        return self._atom(Atom("symbol", node, (), node in self._nonnegative))
+
+    def _atom(self, atom: Atom) -> int:
+        key = (atom.op, atom.node, atom.args)
+        number = self._numbers.get(key)
+        if number is None:
+            number = self._numbers[key] = len(self.atoms)
+            self.atoms.append(atom)
+        return number
+
+    @staticmethod
+    def single(atom: int, exponent: Exponent = 1) -> Polynomial:
+        return {((atom, exponent),): Fraction(1)}
+
+    # -- arithmetic -----------------------------------------------------------
+
+    def add(self, p: Polynomial, q: Polynomial) -> Polynomial:
+        self._spend(len(q))
+        total = dict(p)
+        for monomial, c in q.items():
+            accumulate(total, monomial, c)
+        return total
+
+    def multiply(self, p: Polynomial, q: Polynomial) -> Polynomial:
+        self._spend(len(p) * len(q))
+        total: Polynomial = {}
+        for m1, c1 in p.items():
+            for m2, c2 in q.items():
+                monomial, sums = self._merge(m1, m2)
+                if not sums:
+                    accumulate(total, monomial, c1 * c2)
+                    continue
+                part: Polynomial = {monomial: c1 * c2}
+                for base, exponent in sums:
+                    part = self.multiply(part, self.power(base, exponent))
+                for m, c in part.items():
+                    accumulate(total, m, c)
+        return total
+
+    def _merge(self, m1: Monomial, m2: Monomial) -> tuple[Monomial, list[tuple[Polynomial, int]]]:
+        """m1*m2, and the sums that it multiplies: a root squared is a sum again, |x|^2 is x^2."""
+        if not m1 or not m2:
+            return m1 or m2, []
+        powers = dict(m1)
+        for atom, e in m2:
+            powers[atom] = powers.get(atom, 0) + e
+        sums: list[tuple[Polynomial, int]] = []
+        for atom, _ in m2:
+            e = powers[atom]
+            op = self.atoms[atom].op
+            if op == "sum" and e >= 1:
+                whole = int(e)
+                powers[atom] = e - whole
+                sums.append((dict(self.atoms[atom].args[0]), whole))
+            elif op == "abs" and e.denominator == 1 and abs(e) >= 2:
+                even = int(e) // 2 * 2 if e > 0 else -(-int(e) // 2 * 2)
+                powers[atom] = e - even
+                sums.append((dict(self.atoms[atom].args[0]), even))
+        return tuple(sorted([(a, e) for a, e in powers.items() if e])), sums
+
+    def power(self, p: Polynomial, n: int) -> Polynomial:
+        """p^n; ZeroDivisionError for 0^-1."""
+        if n < 0:
+            return self._inverse_power(p, n)
+        if len(p) > 1 and n > 8:
+            raise TooLarge
+        product = constant(Fraction(1))
+        for _ in range(n):
+            product = self.multiply(product, p)
+        return product
+
+    def _inverse_power(self, p: Polynomial, n: int) -> Polynomial:
+        c, common, rest = self.content(p)
+        outside: Polynomial = {tuple([(a, e * n) for a, e in common]): c**n}
+        if rest == {(): 1}:
+            return self.multiply(constant(Fraction(1)), outside)
+        return self.multiply(outside, self.single(self._sum(rest), n))
+
+    def _sum(self, p: Polynomial) -> int:
+        self._spend(len(p))
+        return self._atom(Atom("sum", None, (frozen(p),), all(self._is_nonnegative(m, c) for m, c in p.items())))
+
+    def _is_nonnegative(self, monomial: Monomial, c: Fraction) -> bool:
+        return c >= 0 and all(e % 2 == 0 or self.atoms[a].nonnegative for a, e in monomial)
+
+    def content(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
+        """(c, common, rest) with p = c*common*rest: the greatest common factor, c with the sign
+        of the first term."""
+        if not p:
+            return Fraction(0), (), {(): Fraction(1)}
+        monomials = sorted(p)
+        common = dict(monomials[0])
+        for monomial in monomials[1:]:
+            here = dict(monomial)
+            common = {a: min(e, here[a]) for a, e in common.items() if a in here and (e > 0) == (here[a] > 0)}
+        factor = tuple(sorted(common.items()))
+        c = number_content(p.values())
+        if p[monomials[0]] < 0:
+            c = -c
+        rest = {divided(m, common): value / c for m, value in p.items()}
+        return c, factor, rest
+
+    # -- functions ------------------------------------------------------------
+
+    def root(self, p: Polynomial) -> Polynomial:
+        """sqrt(p): squares come out as absolute values."""
+        c, common, rest = self.content(p)
+        if not p:
+            return {}
+        if c < 0:
+            c, rest = -c, scaled(rest, Fraction(-1))
+        outside = constant(Fraction(1))
+        inside: dict[int, Exponent] = {}
+        for atom, e in common:
+            whole = e if self.atoms[atom].nonnegative else e // 2 * 2
+            if whole:
+                base = self.single(atom, whole * HALF if (whole * HALF).denominator > 1 else int(whole * HALF))
+                if (whole * HALF) % 2 == 1 and not self.atoms[atom].nonnegative:
+                    base = self.power(self.function("abs", self.single(atom)), int(whole * HALF))
+                outside = self.multiply(outside, base)
+            if e - whole:
+                inside[atom] = e - whole
+        square = Fraction(isqrt(c.numerator), isqrt(c.denominator))
+        if square * square == c:
+            outside, c = scaled(outside, square), Fraction(1)
+        under = self.multiply({tuple(sorted(inside.items())): c}, rest)
+        if under == {(): 1}:
+            return outside
+        return self.multiply(outside, self.single(self._sum(under), HALF))
+
+    def _pow(self, x: Polynomial, y: Polynomial) -> Polynomial:
+        exponent = y.get(()) if len(y) == 1 else None
+        if exponent is not None and (2 * exponent).denominator == 1 and abs(exponent) <= 8:
+            return self.power(self.root(x), int(2 * exponent))
+        return self.function("pow", x, y)
+
+    def function(self, op: str, *args: Polynomial) -> Polynomial:
+        sign = Fraction(1)
+        if (op in EVEN or op in ODD) and args[0] and args[0][min(args[0])] < 0:
+            args = (scaled(args[0], Fraction(-1)),)
+            sign = Fraction(1 if op in EVEN else -1)
+        if op == "abs" and len(args[0]) == 1:
+            return self._absolute(args[0])
+        self._spend(sum(len(a) for a in args))
+        atom = Atom(op, None, tuple(frozen(a) for a in args), op in ("abs", "exp", "cosh"))
+        return scaled(self.single(self._atom(atom)), sign)
+
+    def _absolute(self, p: Polynomial) -> Polynomial:
+        ((monomial, c),) = p.items()
+        product = constant(abs(c))
+        for atom, e in monomial:
+            base = self.single(atom, e)
+            if e % 2 and not self.atoms[atom].nonnegative:
+                number = self._atom(Atom("abs", None, (frozen(self.single(atom)),), True))
+                base = self.single(number, e)
+            product = self.multiply(product, base)
+        return product
+
+    def _spend(self, work: int) -> None:
+        self._left -= work
+        if self._left < 0:
+            raise TooLarge
+
+
+def fraction(value: float) -> Fraction:
+    """The simple fraction that rounds to `value`, or `value` itself.  Infinities raise TooLarge:
+    they have no place in an equation."""
+    if value - value != 0.0:
+        raise TooLarge
+    near = Fraction(value).limit_denominator(1000)
+    if float(near) == value:
+        return near
+    decimal = Fraction(repr(value))
+    return decimal
+
+
+def constant(c: Fraction) -> Polynomial:
+    return {(): c} if c else {}
+
+
+def scaled(p: Polynomial, c: Fraction) -> Polynomial:
+    return {m: c * value for m, value in p.items()} if c else {}
+
+
+def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
+    """total += c*monomial."""
+    value = total.get(monomial, 0) + c
+    if value:
+        total[monomial] = Fraction(value)
+    else:
+        total.pop(monomial, None)
+
+
+def frozen(p: Polynomial) -> Frozen:
+    return tuple(sorted(p.items()))
+
+
+def divided(monomial: Monomial, common: dict[int, Exponent]) -> Monomial:
+    return tuple([(a, e - common.get(a, 0)) for a, e in monomial if e != common.get(a, 0)])
+
+
+def number_content(values: Iterable[Fraction]) -> Fraction:
+    """The greatest number > 0 that divides all `values` to whole numbers; 1 where they are
+    decimal numbers that no formula has."""
+    over, under = 0, 1
+    for value in values:
+        if value.denominator > READABLE:
+            return Fraction(1)
+        over = gcd(over, value.numerator)
+        under = under * value.denominator // gcd(under, value.denominator)
+    return Fraction(over, under) if under <= READABLE and over else Fraction(1)
