@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lagc.optimize.program import Program
-from lagc.render.names import Names
+from lagc.render.names import Names, prefix
 
 # Arrays of any Program, so that a name does not depend on which functions a model happens to have.
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
@@ -16,7 +16,8 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
     """(array, index) -> name, over all functions alike; `taken` are names of the target."""
     interface = program.interface
     arrays = {name for f in program.functions.values() for name, _ in f.outputs}
-    names = Names({*ARRAYS, *arrays, *taken})
+    own = prefix(interface.model)
+    names = Names({*ARRAYS, *arrays, *taken}, ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_"))
     found: dict[tuple[str, int], str] = {}
     for index, name in enumerate((*interface.q_names, *interface.v_names)):
         found["x", index] = names.give(name)

@@ -66,18 +66,32 @@ def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int]
     return _Body(function, dialect, locals_).run()
 
 
+def uses(function: Function) -> list[int]:
+    """How often each value is used on the way to a store; 0: it need not be computed."""
+    found = [0] * len(function.operations)
+    for store in function.stores:
+        found[store.value] += 1
+    for k in range(len(found) - 1, -1, -1):
+        if found[k]:
+            for operand in function.operations[k].operands:
+                found[operand] += 1
+    return found
+
+
+def loads(function: Function, used: list[int] | None = None) -> list[tuple[str, int]]:
+    """The entries of input arrays that `function` reads, (array, index)."""
+    used = used or uses(function)
+    found = [o.payload for o, n in zip(function.operations, used) if n and o.op == "load"]
+    return [payload for payload in found if isinstance(payload, tuple)]
+
+
 class _Body:
     def __init__(self, function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> None:
         self.function = function
         self.dialect = dialect
         self.locals = locals_
         self.infix = {**_INFIX, **dialect.infix}
-        self.uses = [0] * len(function.operations)
-        for operation in function.operations:
-            for k in operation.operands:
-                self.uses[k] += 1
-        for store in function.stores:
-            self.uses[store.value] += 1
+        self.uses = uses(function)
         self.text: list[str] = [""] * len(function.operations)
         self.binds: list[int] = [ATOM] * len(function.operations)
         self.out: list[str] = []
@@ -85,7 +99,7 @@ class _Body:
         self.pending: list[str] = []
         self.declared: set[str] = set()
         written = {(store.array, store.index) for store in function.stores}
-        loaded = {operation.payload for operation in function.operations if operation.op == "load"}
+        loaded = set(loads(function, self.uses))
         self.overwritten = written & loaded  # entries of an in-out array: read first, stored last
 
     def run(self) -> list[str]:
@@ -97,6 +111,8 @@ class _Body:
         for k, operation in enumerate(function.operations):
             if k in comments:
                 self.pending.append(comments[k])
+            if not self.uses[k]:
+                continue
             if operation.op == "const":
                 assert isinstance(operation.payload, float | int)
                 self.text[k] = literal(operation.payload)
@@ -111,7 +127,10 @@ class _Body:
             if not self.overwritten:
                 for position in stores.get(k, ()):
                     self._store(position)
-        if self.overwritten:
+        if self.overwritten:  # all is computed before anything is lost
+            for store in function.stores:
+                if function.operations[store.value].op != "const":
+                    self._name(store.value)
             for position in range(len(function.stores)):
                 self._store(position)
         return self.out

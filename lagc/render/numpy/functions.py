@@ -128,7 +128,7 @@ def _again(function, inputs, outputs):
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL)
-    values = [_Ieee(a) if isinstance(a, float) else [_Ieee(b) for b in a] for a in inputs]
+    values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
     careful(*values, *results)
     for output, result in zip(outputs, results):
