@@ -1,0 +1,108 @@
+"""Trigonometric identities that make a sum shorter, applied until none does.
+
+    x sin^2 u + x cos^2 u = x             x cos u cos w + x sin u sin w = x cos(u - w)
+    x - x cos^2 u = x sin^2 u             x sin u cos w - x cos u sin w = x sin(u - w)
+
+and the twins with u + w.  Every step leaves fewer terms or fewer factors, so the search ends.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from lagc.view.algebra import Algebra, Monomial, Polynomial, accumulate, frozen, scaled
+
+Powers = dict[int, "int | Fraction"]
+
+
+def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
+    """`p` after the identities; exactly equal to it."""
+    p = dict(p)
+    queue = sorted(p)
+    while queue:
+        again: list[Monomial] = []
+        for monomial in queue:
+            if monomial in p:
+                again += _step(algebra, p, monomial)
+        queue = sorted(set(m for m in again if m in p))
+    return p
+
+
+def _step(algebra: Algebra, p: Polynomial, monomial: Monomial) -> list[Monomial]:
+    """Try the identities on one monomial of p; the monomials that changed."""
+    trig = [(a, e) for a, e in monomial if algebra.atoms[a].op in ("sin", "cos") and e > 0 and e.denominator == 1]
+    for atom, e in trig:
+        if e >= 2:
+            changed = _pythagoras(algebra, p, monomial, atom)
+            if changed:
+                return changed
+    for i, (first, _) in enumerate(trig):
+        for second, _ in trig[i + 1 :]:
+            if algebra.atoms[first].args != algebra.atoms[second].args:
+                changed = _difference(algebra, p, monomial, first, second)
+                if changed:
+                    return changed
+    return []
+
+
+def _twin(algebra: Algebra, atom: int) -> int:
+    """The number of sin u for cos u, of cos u for sin u."""
+    known = algebra.atoms[atom]
+    ((monomial, _),) = algebra.function("cos" if known.op == "sin" else "sin", dict(known.args[0])).items()
+    return monomial[0][0]
+
+
+def _exchange(monomial: Monomial, changes: list[tuple[int, int]]) -> Monomial:
+    powers: Powers = dict(monomial)
+    for atom, by in changes:
+        powers[atom] = powers.get(atom, 0) + by
+    return tuple(sorted([(a, e) for a, e in powers.items() if e]))
+
+
+def _pythagoras(algebra: Algebra, p: Polynomial, monomial: Monomial, atom: int) -> list[Monomial]:
+    twin = _twin(algebra, atom)
+    rest = _exchange(monomial, [(atom, -2)])
+    other = _exchange(rest, [(twin, 2)])
+    c, d = p[monomial], p.get(other)
+    if d is not None and (c > 0) == (d > 0):
+        least = min(c, d, key=abs)
+        for m, value in ((monomial, -least), (other, -least), (rest, least)):
+            accumulate(p, m, value)
+        return [monomial, other, rest]
+    if p.get(rest) == -c:  # x - x*cos^2 u, where the two terms become one
+        del p[rest], p[monomial]
+        accumulate(p, other, -c)
+        return [other]
+    return []
+
+
+def _difference(algebra: Algebra, p: Polynomial, monomial: Monomial, first: int, second: int) -> list[Monomial]:
+    twins = _exchange(monomial, [(first, -1), (second, -1), (_twin(algebra, first), 1), (_twin(algebra, second), 1)])
+    c, d = p[monomial], p.get(twins)
+    if d is None or abs(c) != abs(d):
+        return []
+    same = c == d
+    a, b = algebra.atoms[first], algebra.atoms[second]
+    u, w = dict(a.args[0]), dict(b.args[0])
+    rest = {_exchange(monomial, [(first, -1), (second, -1)]): c}
+    minus = algebra.add(u, scaled(w, Fraction(-1)))
+    plus = algebra.add(u, w)
+    if a.op == b.op:  # cos cos + sin sin = cos(u - w); cos cos - sin sin = cos(u + w)
+        result = algebra.multiply(rest, _trig(algebra, "cos", minus if same else plus))
+        if not same and a.op == "sin":
+            result = scaled(result, Fraction(-1))
+    elif same:  # sin u cos w + cos u sin w
+        result = algebra.multiply(rest, _trig(algebra, "sin", plus))
+    else:  # sin u cos w - cos u sin w = sin(u - w), with c the coefficient of the first product
+        sign = Fraction(1 if a.op == "sin" else -1)
+        result = scaled(algebra.multiply(rest, _trig(algebra, "sin", minus)), sign)
+    del p[monomial], p[twins]
+    for m, value in result.items():
+        accumulate(p, m, value)
+    return sorted(result)
+
+
+def _trig(algebra: Algebra, op: str, u: Polynomial) -> Polynomial:
+    if not frozen(u):
+        return {(): Fraction(1)} if op == "cos" else {}
+    return algebra.function(op, u)
