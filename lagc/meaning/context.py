@@ -1,0 +1,117 @@
+"""What the resolution of one model shares: its graph, its clock, its faults and the choices made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from lagc.diagnostics.faults import Fault, Refused, Span
+from lagc.expr.graph import Graph, Node
+from lagc.frontend import tree
+from lagc.meaning.clock import Clock
+from lagc.meaning.model import Frame
+from lagc.meaning.namespace import Importer
+from lagc.meaning.scope import LARGEST, Entry, Environment, Instance
+from lagc.meaning.values import Poisoned, Value, Wrong
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+MOST_FAULTS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A value that comes from a scene (`expression`) or from the command (`number`, in `unit`,
+    SI where None)."""
+
+    expression: tree.Expression | None = None
+    environment: Environment | None = None
+    number: float = 0.0
+    unit: str | None = None
+    span: Span | None = None
+
+
+class Context:
+    """`parameters` and `starts` are the values given from outside a model, by full name; each that
+    is used is noted in `taken`."""
+
+    def __init__(self, importer: Importer, uses: frozenset[str], declare: Callable[[Context, Entry], Value]):
+        self.graph = Graph()
+        self.clock = Clock(self.graph)
+        self.time: Node = self.graph.symbol("time", "time")
+        self.clock.runs(self.time, self.graph.one)
+        self.world = _world(self.graph)
+        self.importer = importer
+        self.uses = uses
+        self.parameters: dict[str, Given] = {}
+        self.starts: dict[str, Given] = {}
+        self.taken: set[str] = set()
+        self.effects: dict[str, tree.Effect] = {}  # by full name
+        self.faults: list[Fault] = []
+        self.count = 0
+        self.calls = 0  # functions within functions
+        self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
+        self.running: set[tuple[int, str]] = set()
+        self._declare = declare
+
+    def report(self, wrong: Wrong) -> None:
+        if len(self.faults) < MOST_FAULTS and wrong.fault not in self.faults:
+            self.faults.append(wrong.fault)
+
+    def grow(self, span: Span) -> None:
+        """One more declaration.  Raises Wrong where there are too many."""
+        self.count += 1
+        if self.count > LARGEST:
+            raise Wrong("LAG0218", f"the model has more than {LARGEST} declarations", span)
+
+    def value(self, entry: Entry, span: Span) -> Value:
+        """The value of a declaration, found when it is first asked for.
+
+        `span` is the place that asks.  Raises Wrong where the declaration needs itself, Poisoned
+        where its own fault has been reported.
+        """
+        if entry.state == "done" and entry.value is not None:
+            return entry.value
+        if entry.state == "poisoned":
+            raise Poisoned
+        if entry.state == "running":
+            raise Wrong(
+                "LAG0205", f"`{entry.path}` depends on itself", span, related=((entry.span, "declared here"),),
+                remedy="break the circle: one of its members must be given by something else",
+            )  # fmt: skip
+        entry.state = "running"
+        try:
+            entry.value = self._declare(self, entry)
+        except Wrong as wrong:
+            self.report(wrong)
+            entry.state = "poisoned"
+            raise Poisoned from None
+        except Poisoned:
+            entry.state = "poisoned"
+            raise
+        entry.state = "done"
+        return entry.value
+
+    def give(self, table: Mapping[str, Given], name: str) -> Given | None:
+        """What `table` holds for `name`; it is then counted as used."""
+        found = table.get(name)
+        if found is not None:
+            self.taken.add(name)
+        return found
+
+    def refuse_faults(self) -> None:
+        """Raise Refused where any fault has been found."""
+        faults = list(self.faults)
+        for wrong in self.importer.faults:
+            faults.append(wrong.fault)
+        for refused in self.importer.refused:
+            faults.extend(refused.faults)
+        if any(f.severity == "error" for f in faults):
+            raise Refused(list(dict.fromkeys(faults)))
+
+
+def _world(graph: Graph) -> Frame:
+    one, zero = graph.one, graph.zero
+    return Frame("world", "", ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero), None)

@@ -1,0 +1,296 @@
+"""Expressions of the model language to values: nodes with dimensions, arrays, things."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.expr.graph import Node
+from lagc.frontend import tree
+from lagc.meaning.arithmetic import binary, negative, select
+from lagc.meaning.context import Context
+from lagc.meaning.members import element, member
+from lagc.meaning.scope import Environment
+from lagc.meaning.types import CONSTANTS
+from lagc.meaning.units import NONE, S, Dimension, UnknownUnit, unit
+from lagc.meaning.values import Array, Poisoned, Scalar, Text, Thing, Truth, Value, Wrong, flat, kind
+
+T = TypeVar("T")
+
+LONGEST_RANGE = 100_000
+BARE = (tree.Number, tree.Unary, tree.Vector, tree.Binary)
+
+
+def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
+    """The value of an expression.  Raises Wrong, or Poisoned where a fault has been reported."""
+    return _HOW[type(expression)](context, expression, environment)
+
+
+def evaluate_as(
+    context: Context, expression: tree.Expression, environment: Environment, dimension: Dimension
+) -> Value:
+    """The value of a declaration or an argument of the given dimension: bare numbers are in its
+    SI unit.  The dimension of anything else is left to the caller to check."""
+    value = evaluate(context, expression, environment)
+    if dimension != NONE and is_bare(expression):
+        return _dressed(value, dimension)
+    return value
+
+
+def is_bare(expression: tree.Expression) -> bool:
+    """Whether an expression is made of numbers without units alone: `-2`, `{1, 0}`, `2/5`."""
+    stack = [expression]
+    while stack:
+        top = stack.pop()
+        if isinstance(top, tree.Unary):
+            stack.append(top.operand)
+        elif isinstance(top, tree.Binary):
+            stack += [top.left, top.right]
+        elif isinstance(top, tree.Vector):
+            stack += top.elements
+        elif not isinstance(top, tree.Number):
+            return False
+    return True
+
+
+def _dressed(value: Value, dimension: Dimension) -> Value:
+    if isinstance(value, Array):
+        return Array(tuple([_dressed(e, dimension) for e in value.elements]))
+    if isinstance(value, Scalar) and value.dimension == NONE:
+        return Scalar(value.node, dimension)
+    return value
+
+
+def integer(context: Context, expression: tree.Expression, environment: Environment, what: str) -> int:
+    """The value of an expression that is a structural integer.  Raises Wrong."""
+    value = evaluate(context, expression, environment)
+    if not isinstance(value, Scalar):
+        raise Wrong("LAG0208", f"{what} is an integer, this is {kind(value)}", expression.span)
+    number = value.node.value
+    if not value.node.is_const or not isinstance(number, float):
+        raise Wrong(
+            "LAG0208", f"{what} must be known when the model is compiled, this is not", expression.span,
+            remedy="use integers, loop variables and `structural Integer` parameters",
+        )  # fmt: skip
+    if value.dimension not in (None, NONE) or number != math.floor(number):
+        raise Wrong("LAG0208", f"{what} is an integer, this is not", expression.span)
+    return int(number)
+
+
+def integers(context: Context, expression: tree.Expression, environment: Environment) -> list[int]:
+    """The values of a loop's range `1:n`, `1:2:n`.  Raises Wrong."""
+    if not isinstance(expression, tree.Range):
+        raise Wrong("LAG0208", "a loop runs over a range, such as `1:n`", expression.span)
+    first = integer(context, expression.start, environment, "the start of a range")
+    last = integer(context, expression.stop, environment, "the end of a range")
+    step = 1 if expression.step is None else integer(context, expression.step, environment, "the step of a range")
+    if step == 0:
+        raise Wrong("LAG0208", "the step of a range is not 0", expression.span)
+    found = range(first, last + (1 if step > 0 else -1), step)
+    if len(found) > LONGEST_RANGE:
+        raise Wrong("LAG0218", f"a range of more than {LONGEST_RANGE} values", expression.span)
+    return list(found)
+
+
+def each(context: Context, jobs: Iterable[Callable[[], T]]) -> list[T]:
+    """The results of all jobs; where any is at fault, all their faults are reported first."""
+    found: list[T] = []
+    failed = False
+    for job in jobs:
+        try:
+            found.append(job())
+        except Wrong as wrong:
+            context.report(wrong)
+            failed = True
+        except Poisoned:
+            failed = True
+    if failed:
+        raise Poisoned
+    return found
+
+
+# -- one function a kind of expression -------------------------------------------------
+
+
+def _number(context: Context, e: tree.Number, environment: Environment) -> Value:
+    if not math.isfinite(e.value):
+        raise Wrong("LAG0309", f"the number {e.text} is too large", e.span)
+    return Scalar(context.graph.const(e.value), None if e.value == 0 else NONE)
+
+
+def _boolean(context: Context, e: tree.Boolean, environment: Environment) -> Value:
+    return Truth(context.graph.const(1.0 if e.value else 0.0))
+
+
+def _string(context: Context, e: tree.String, environment: Environment) -> Value:
+    return Text(e.value)
+
+
+def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> Value:
+    try:
+        meant = unit(e.unit.text)
+    except UnknownUnit as unknown:
+        raise Wrong(
+            "LAG0304", unknown.reason, e.unit.span, remedy=f"did you mean `{unknown.close}`?" if unknown.close else None
+        ) from None
+    value = evaluate(context, e.value, environment)
+
+    def converted(value: Value) -> Value:
+        if isinstance(value, Array):
+            return Array(tuple([converted(x) for x in value.elements]))
+        if isinstance(value, Scalar) and value.node.is_const and value.dimension in (None, NONE):
+            number = meant.to_si(value.node.value)  # type: ignore[arg-type]
+            if not math.isfinite(number):
+                raise Wrong("LAG0309", "the number is too large", e.span)
+            return Scalar(context.graph.const(number), meant.dimension)
+        raise Wrong("LAG0304", "a unit stands after a number or a vector of numbers", e.unit.span)
+
+    return converted(value)
+
+
+def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
+    found = find(context, e.name, environment, e.span)
+    if found is not None:
+        return found
+    instance = environment.instance
+    if e.name in instance.unused:
+        raise Wrong("LAG0214", f"`{e.name}` {instance.unused[e.name]}", e.span,
+                    remedy="use it within the same effect, or let the scene use that effect")  # fmt: skip
+    known = [*environment.bindings, *instance.entries, *environment.space.known(), *CONSTANTS, "time", "world"]
+    raise Wrong("LAG0201", f"`{e.name}` is not known here", e.span, remedy=did_you_mean(e.name, known))
+
+
+def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
+    """What a name stands for; None where it is not known.  The user's names come first."""
+    if name in environment.bindings:
+        return environment.bindings[name]
+    entry = environment.instance.entries.get(name)
+    if entry is not None:
+        return context.value(entry, span)
+    if name in environment.instance.unused:
+        return None
+    declared = environment.space.lookup(name)
+    if declared is not None:
+        return outside(context, declared[0], declared[1], name, span)
+    if name == "time":
+        return Scalar(context.time, S)
+    if name == "world":
+        return context.world
+    if name in CONSTANTS:
+        return Scalar(context.graph.const(CONSTANTS[name]), NONE)
+    return None
+
+
+def outside(context: Context, declared: object, space: object, name: str, span: Span) -> Value:
+    """The value of a constant of a file or a package.  Raises Wrong for anything else."""
+    from lagc.meaning.constants import constant_of
+
+    if isinstance(declared, tree.Quantities):
+        return constant_of(context, declared, space, name, span)
+    words = {tree.ModelDeclaration: "a model", tree.Package: "a package", tree.TypeDeclaration: "a type",
+             tree.FunctionDeclaration: "a function"}  # fmt: skip
+    raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
+
+
+def _member(context: Context, e: tree.Member, environment: Environment) -> Value:
+    from lagc.meaning.constants import packaged
+
+    constant = packaged(context, e, environment)
+    if constant is not None:
+        return constant
+    return member(context, evaluate(context, e.base, environment), e)
+
+
+def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
+    base = evaluate(context, e.base, environment)
+    numbers = [integer(context, i, environment, "a subscript") for i in e.indices]
+    return element(context, base, numbers, e)
+
+
+def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
+    value = evaluate(context, e.operand, environment)
+    if e.op == "not":
+        if not isinstance(value, Truth):
+            raise Wrong("LAG0307", f"`not` takes a condition, this is {kind(value)}", e.operand.span)
+        return Truth(context.graph.logical_not(value.node))
+    if e.op == "+":
+        flat(value, e.operand.span, "what `+` stands before")
+        return value
+    return negative(value, e.operand.span)
+
+
+def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value:
+    """Along the left spine in a loop: sums of thousands of terms are trees as deep."""
+    spine = [e]
+    while isinstance(spine[-1].left, tree.Binary):
+        spine.append(spine[-1].left)
+    value: Value | None = None
+    failed = False
+    for node in reversed(spine):
+        jobs = [node.left, node.right] if node is spine[-1] else [node.right]
+        try:
+            sides = each(context, [lambda x=x: evaluate(context, x, environment) for x in jobs])  # type: ignore[misc]
+        except Poisoned:
+            failed = True
+            continue
+        if not failed:
+            left = sides[0] if value is None else value
+            value = binary(context, node, left, sides[-1])
+    if failed or value is None:
+        raise Poisoned
+    return value
+
+
+def _conditional(context: Context, e: tree.Conditional, environment: Environment) -> Value:
+    chosen: list[tuple[Node, Value, Span]] = []
+    for condition, branch in e.branches:
+        truth = evaluate(context, condition, environment)
+        if not isinstance(truth, Truth):
+            raise Wrong("LAG0307", f"`if` takes a condition, this is {kind(truth)}", condition.span)
+        if truth.node.is_const and not truth.node.value:
+            continue
+        chosen.append((truth.node, evaluate(context, branch, environment), branch.span))
+        if truth.node.is_const:
+            break
+    else:
+        chosen.append((context.graph.one, evaluate(context, e.otherwise, environment), e.otherwise.span))
+    _, value, span = chosen[-1]
+    for node, branch_value, branch_span in reversed(chosen[:-1]):
+        value = select(context, node, (branch_value, branch_span), (value, span))
+    return value
+
+
+def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value:
+    elements = each(context, [lambda x=x: evaluate(context, x, environment) for x in e.elements])  # type: ignore[misc]
+    for value, written in zip(elements, e.elements):
+        flat(value, written.span, "an element of a vector")
+        if isinstance(value, Array) != isinstance(elements[0], Array) or (
+            isinstance(value, Array) and len(value.elements) != len(elements[0].elements)  # type: ignore[union-attr]
+        ):
+            raise Wrong("LAG0306", "the elements of an array are all of one shape", written.span)
+    return Array(tuple(elements))
+
+
+def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
+    numbers = integers(context, e, environment)
+    return Array(tuple([Scalar(context.graph.const(n), None if n == 0 else NONE) for n in numbers]))
+
+
+def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
+    from lagc.meaning.calls import call
+
+    return call(context, e, environment)
+
+
+def is_function(value: Value) -> bool:
+    return isinstance(value, Thing) and value.entry.kind == "function"
+
+
+_HOW: dict[type, Callable[..., Value]] = {
+    tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
+    tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: _call, tree.Unary: _unary,
+    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
+}  # fmt: skip

@@ -1,0 +1,94 @@
+"""Parts of values: `frame.x`, `vector.z`, `orientation.rate`, `instance.name`, subscripts."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.frontend import tree
+from lagc.meaning.context import Context
+from lagc.meaning.model import Body, Frame, Orientation
+from lagc.meaning.units import KG, NONE, M, S, over
+from lagc.meaning.values import Array, Indexed, Part, Scalar, Value, Wrong, kind, vector_value
+
+_AXES = ("x", "y", "z")
+
+
+def member(context: Context, value: Value, e: tree.Member) -> Value:
+    """`value.name`.  Raises Wrong."""
+    if isinstance(value, Part):
+        return _of_instance(context, value, e)
+    known = _members(value)
+    if e.name not in known:
+        raise Wrong("LAG0206", f"{kind(value)} has no `{e.name}`", e.name_span,
+                    did_you_mean(e.name, known) or (f"it has {', '.join(known)}" if known else None))  # fmt: skip
+    if isinstance(value, Frame):
+        axis = _AXES.index(e.name)
+        return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)
+    if isinstance(value, Orientation):
+        if e.name == "rate":
+            return vector_value(value.rate_symbols, over(NONE, S))
+        return Scalar(value.symbols["wxyz".index(e.name)], NONE)
+    if isinstance(value, Body):
+        return _of_body(value, e.name)
+    assert isinstance(value, Array)
+    return value.elements[_AXES.index(e.name)]
+
+
+def _members(value: Value) -> tuple[str, ...]:
+    if isinstance(value, Frame):
+        return _AXES
+    if isinstance(value, Orientation):
+        return ("w", "x", "y", "z", "rate")
+    if isinstance(value, Body):
+        return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
+    if isinstance(value, Array) and len(value.elements) == 3:
+        return _AXES
+    return ()
+
+
+def _of_body(body: Body, name: str) -> Value:
+    if name == "mass":
+        return Scalar(body.mass, KG)
+    if name == "frame":
+        assert body.frame is not None
+        return body.frame
+    return vector_value(body.position, M)
+
+
+def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
+    instance = part.instance
+    entry = instance.entries.get(e.name)
+    if entry is not None:
+        return context.value(entry, e.name_span)
+    owner = instance.path.rstrip(".")
+    if e.name in instance.unused:
+        raise Wrong("LAG0214", f"`{e.name}` of `{owner}` {instance.unused[e.name]}", e.name_span)
+    raise Wrong("LAG0206", f"`{owner}` has no `{e.name}`", e.name_span, did_you_mean(e.name, instance.entries))
+
+
+def element(context: Context, base: Value, numbers: list[int], e: tree.Index) -> Value:
+    """`base[i, j]`.  Raises Wrong."""
+    if isinstance(base, Indexed):
+        elements = base.entry.elements or {}
+        entry = elements.get(tuple(numbers))
+        if entry is None:
+            written = ", ".join(str(n) for n in numbers)
+            raise Wrong("LAG0207", f"there is no `{base.entry.path}[{written}]`", e.span, _declared(list(elements)),
+                        related=((base.entry.span, "declared here"),))  # fmt: skip
+        return context.value(entry, e.span)
+    value = base
+    for number, index in zip(numbers, e.indices):
+        if not isinstance(value, Array):
+            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span)
+        if not 1 <= number <= len(value.elements):
+            raise Wrong("LAG0207", f"there is no element {number}, there are {len(value.elements)}", index.span,
+                        "elements are counted from 1")  # fmt: skip
+        value = value.elements[number - 1]
+    return value
+
+
+def _declared(subscripts: list[tuple[int, ...]]) -> str | None:
+    if not subscripts:
+        return None
+    if all(len(s) == 1 for s in subscripts):
+        return f"its subscripts run from {min(subscripts)[0]} to {max(subscripts)[0]}"
+    return f"{len(subscripts)} elements are declared"
