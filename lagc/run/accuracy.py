@@ -1,0 +1,228 @@
+"""The global error of a run: chosen in advance, estimated by comparing two tolerances.
+
+The error of a trajectory is the largest |x_i - exact_i| / scale_i over all recorded times and all
+coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
+same kind (coordinates, or speeds, of the same unit).  It behaves as C tol^p.  Pilots at 1e-5 and
+1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the finer one
+is returned with the error that their difference tells.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, log10
+
+from lagc import cache
+from lagc.optimize.program import Interface
+from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
+
+SAFETY = 1.5  # on every estimate
+PILOTS = (1e-5, 1e-6)
+FINEST = 1e-14  # no tolerance is below this
+ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
+SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
+MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
+
+Progress = Callable[[float], None]
+
+
+@dataclass
+class Verified:
+    """The trajectory to return and what is known of its error.
+
+    `estimated` is infinite where no two runs could be compared.  `horizon` is the time until which
+    the two finest runs agree to the accuracy asked; None where they do to the end.
+    """
+
+    trajectory: Trajectory
+    options: Options
+    estimated: float
+    horizon: float | None = None
+    tried: list[Trajectory] = field(default_factory=list)
+    recalled: bool = False
+
+
+def method_for(accuracy: float) -> str:
+    return "dopri5" if accuracy >= 1e-5 else "dop853"
+
+
+def verified_run(
+    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, progress: Progress | None = None
+) -> Verified:
+    """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
+    search = _Search(system, x0, times, accuracy, progress)
+    name = _memory_name(system, x0, times, accuracy, search.method)
+    remembered = _recall(name)
+    if remembered is not None:
+        rtol, estimated = remembered
+        trajectory = search.run(rtol)
+        if trajectory.status == OK:
+            return Verified(trajectory, search.options(rtol), estimated, None, search.tried, recalled=True)
+    found = search.verify()
+    if found.trajectory.status == OK and found.estimated <= accuracy:
+        _remember(name, found.options.rtol, found.estimated)
+    return found
+
+
+@dataclass
+class _Search:
+    system: System
+    x0: Sequence[float]
+    times: Sequence[float]
+    accuracy: float
+    progress: Progress | None
+    tried: list[Trajectory] = field(default_factory=list)
+    runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
+
+    @property
+    def method(self) -> str:
+        return method_for(self.accuracy)
+
+    def options(self, tol: float) -> Options:
+        """The absolute tolerance is relative to a size of one, the relative one rules above it."""
+        return Options(method=self.method, rtol=tol, atol=tol)
+
+    def run(self, tol: float) -> Trajectory:
+        done = self.system.integrate(self.options(tol), self.times[0], self.x0, self.times, self.progress)
+        self.tried.append(done)
+        self.runs[tol] = done
+        return done
+
+    def verify(self) -> Verified:
+        for tol in PILOTS:
+            failed = self._failed(tol)
+            if failed is not None:
+                return failed
+        tol = PILOTS[-1]
+        for _ in range(ATTEMPTS + 1):
+            estimated = self.estimate()
+            if estimated <= self.accuracy or tol <= FINEST:
+                break
+            coarse = max(10.0 * FINEST, min(self._predicted(), tol))
+            for tol in (coarse, coarse / 10.0):
+                if tol not in self.runs:
+                    failed = self._failed(tol)
+                    if failed is not None:
+                        return failed
+        return self._result()
+
+    def _failed(self, tol: float) -> Verified | None:
+        """Integrate; a result where that ended before its time, at this and at a finer tolerance."""
+        done = self.run(tol)
+        if done.status not in (OK, INTERRUPTED) and tol > 1e-9:
+            tol = 1e-9
+            done = self.run(tol)  # what fails coarsely may go well finely
+        if done.status == OK:
+            return None
+        estimated, _ = self._compare(done)
+        return Verified(done, self.options(tol), estimated, None, self.tried)
+
+    def estimate(self) -> float:
+        """The error of the finest run: of the next coarser one by their difference, carried on by
+        the slope over three runs where that is consistent."""
+        tols = sorted(self.runs)
+        difference, _ = self._difference(tols[0], tols[1])
+        slope = self._slope()
+        gain = (tols[0] / tols[1]) ** slope if slope is not None else 1.0
+        floor = 1e-15  # double precision has no smaller differences to show
+        return max(SAFETY * difference * gain, floor)
+
+    def _slope(self) -> float | None:
+        """p of C tol^p, from the three finest runs; None where two decades disagree."""
+        tols = sorted(self.runs)[:4]
+        if len(tols) < 3:
+            return None
+        errors = [self._difference(tols[0], tol)[0] for tol in tols[1:]]
+        if any(e <= 1e-14 for e in errors):
+            return None
+        slopes = [(log10(b) - log10(a)) / (log10(s) - log10(r))
+                  for a, b, r, s in zip(errors, errors[1:], tols[1:], tols[2:])]  # fmt: skip
+        consistent = all(SLOPES[0] <= s <= SLOPES[1] for s in slopes)
+        return min(1.0, *slopes) if consistent else None
+
+    def _predicted(self) -> float:
+        """The coarser tolerance of the pair that should meet the target, in steps of a quarter decade."""
+        tols = sorted(self.runs)
+        slope = self._slope() or 1.0
+        error = self.estimate()
+        tol = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
+        tol = min(tol, tols[0] / 2.0)
+        fine = 10.0 ** (0.25 * int(4.0 * log10(tol) - 1.0))
+        return 10.0 * max(FINEST, fine)
+
+    def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
+        return difference(self.runs[fine], self.runs[coarse], self.system.interface, self.accuracy)
+
+    def _compare(self, done: Trajectory) -> tuple[float, float | None]:
+        """`done`, which ended early, against the finest other run, over their common times."""
+        others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
+        if not others or not done.states:
+            return float("inf"), None
+        return difference(done, others[-1], self.system.interface, self.accuracy)
+
+    def _result(self) -> Verified:
+        tols = sorted(self.runs)
+        estimated = self.estimate()
+        horizon = None
+        if estimated > self.accuracy:
+            _, horizon = self._difference(tols[0], tols[1])
+        return Verified(self.runs[tols[0]], self.options(tols[0]), estimated, horizon, self.tried)
+
+
+def kinds(interface: Interface) -> list[list[int]]:
+    """The indices of the coordinates and speeds that share a scale."""
+    groups: dict[tuple[str, str], list[int]] = {}
+    for i, unit in enumerate(interface.q_units):
+        groups.setdefault(("q", unit), []).append(i)
+    for i, unit in enumerate(interface.v_units):
+        groups.setdefault(("v", unit), []).append(interface.nq + i)
+    return list(groups.values())
+
+
+def difference(
+    a: Trajectory, b: Trajectory, interface: Interface, target: float
+) -> tuple[float, float | None]:
+    """The largest scaled difference over the common times, and the last time before it first
+    exceeds `target` (None where it never does)."""
+    largest, horizon, before = 0.0, None, a.times[0] if a.times else 0.0
+    scales: list[tuple[list[int], float]] = []
+    for group in kinds(interface):
+        size = max((abs(x[i]) for x in a.states for i in group), default=0.0)
+        scales.append((group, size if size > 0.0 and isfinite(size) else 1.0))
+    for t, x, y in zip(a.times, a.states, b.states):
+        here = 0.0
+        for group, size in scales:
+            for i in group:
+                d = abs(x[i] - y[i]) / size
+                if not d <= here:
+                    here = d
+        if not here <= largest:
+            largest = here
+        if horizon is None:
+            if not here <= target:
+                horizon = before
+            before = t
+    return largest, horizon
+
+
+def _memory_name(
+    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str
+) -> str:
+    """The same question has the same answer, whether it is remembered or not; so all of it counts."""
+    interface = system.interface
+    return cache.key("accuracy 1", interface.model_hash, method, repr(accuracy), repr(system.parameters),
+                     repr(list(x0)), repr((len(times), times[-1])), system.backend)  # fmt: skip
+
+
+def _recall(name: str) -> tuple[float, float] | None:
+    body = cache.load(name)
+    if body is None:
+        return None
+    plain = json.loads(body)
+    return float(plain["rtol"]), float(plain["estimated"])
+
+
+def _remember(name: str, rtol: float, estimated: float) -> None:
+    cache.store(name, json.dumps({"rtol": rtol, "estimated": estimated}).encode())

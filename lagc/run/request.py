@@ -1,0 +1,206 @@
+"""Request: what a run is asked for, and the parameters it is asked for with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.diagnostics.suggest import closest
+from lagc.optimize.program import Field, Interface
+
+ACCURACY = 1e-6  # global relative error where nothing is said
+STOP = 10.0  # s
+POINTS = 501  # recorded where no grid is asked for
+MOST_POINTS = 50_000_000  # numbers that one run records at most
+
+
+@dataclass(frozen=True)
+class Request:
+    """How long, how accurately and on which grid.  Times in s; None: the scene's value, else a default.
+
+    `accuracy` is the global relative error; with `method`, `rtol`, `atol` or `step` the run is
+    steered by hand instead.  `every` or `points` give the recorded grid, never the step.
+    `starts` replaces start values of coordinates and speeds, by name, in SI.
+    """
+
+    stop: float | None = None
+    accuracy: float | None = None
+    method: str | None = None
+    rtol: float | None = None
+    atol: float | None = None
+    step: float | None = None
+    every: float | None = None
+    points: int | None = None
+    starts: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def by_hand(self) -> bool:
+        return any(x is not None for x in (self.method, self.rtol, self.atol, self.step))
+
+    def completed(self, scene: Mapping[str, float]) -> Request:
+        """With the scene's `simulate(...)` values, then the defaults, where nothing was asked.
+
+        Raises Refused (LAG0604) where a number makes no sense.
+        """
+        values = dict(self.__dict__)
+        skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
+        if self.by_hand or self.accuracy is not None:
+            skipped |= {"accuracy", "rtol", "atol", "step"}
+        for name in ("stop", "accuracy", "rtol", "atol", "step", "every", "points"):
+            if values[name] is None and name in scene and name not in skipped:
+                values[name] = int(scene[name]) if name == "points" else scene[name]
+        if values["stop"] is None:
+            values["stop"] = STOP
+        done = Request(**values)
+        if done.accuracy is None and not done.by_hand:
+            done = Request(**{**values, "accuracy": ACCURACY})
+        done.check()
+        return done
+
+    def check(self) -> None:
+        """Raises Refused, with all that is wrong."""
+        faults = []
+        for name in ("stop", "accuracy", "rtol", "atol", "step", "every"):
+            value = getattr(self, name)
+            may_be_zero = name in ("stop", "rtol", "atol")
+            if value is None:
+                continue
+            if not isfinite(value) or value < 0.0 or (value == 0.0 and not may_be_zero):
+                kind = "not negative" if may_be_zero else "positive"
+                faults.append(_request(f"`{name}` must be {kind} and finite, not {value:g}"))
+        if self.points is not None and self.points < 2:
+            faults.append(_request(f"`points` must be 2 or more, not {self.points}"))
+        if self.accuracy is not None and self.by_hand:
+            faults.append(_request("`accuracy` chooses method and tolerance: leave it out or leave out "
+                                   "`method`, `rtol`, `atol` and `step`"))  # fmt: skip
+        if self.accuracy is not None and self.accuracy >= 1.0:
+            faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
+        if self.step is not None and (self.rtol is not None or self.atol is not None):
+            faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
+        if self.every is not None and self.points is not None:
+            faults.append(_request("`every` and `points` both give the grid: leave one out"))
+        if self.every and self.stop and not faults and self.stop / self.every > MOST_POINTS:
+            faults.append(_request(f"a point every {self.every:g} s makes more than {MOST_POINTS:,} points"))
+        if self.points is not None and self.points > MOST_POINTS:
+            faults.append(_request(f"`points` is more than {MOST_POINTS:,}"))
+        if faults:
+            raise Refused(faults)
+
+    def grid(self) -> list[float]:
+        """The recorded times, from 0 to `stop` (both included)."""
+        stop = self.stop or 0.0
+        if stop == 0.0:
+            return [0.0]
+        if self.every is not None:
+            n = int(stop / self.every * (1.0 - 1e-12))
+            return [*(k * self.every for k in range(n + 1)), stop]
+        n = (self.points or POINTS) - 1
+        return [*(stop * k / n for k in range(n)), stop]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with the unit it was written with; None: SI, or a number."""
+
+    value: float
+    unit: str | None = None
+
+
+Given = Mapping[str, float | Quantity]
+
+
+def bound_parameters(interface: Interface, given: Given, unused: Sequence[Field] = ()) -> list[float]:
+    """The array p: the model's values with the `given` ones in their place, in SI.
+
+    Raises Refused: LAG0601 unknown name, LAG0602 outside its bounds or not a number, LAG0603 no
+    value, LAG0605 wrong unit.
+    """
+    fields = [*interface.parameters, *interface.inputs]
+    known = {f.name: f for f in (*fields, *unused)}
+    faults: list[Fault] = []
+    values: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in known:
+            faults.append(unknown(name, known, "parameter", "LAG0601"))
+            continue
+        value = si(name, number, known[name].unit, faults)
+        if value is not None:
+            faults += _bounds(known[name], value)
+            values[name] = value
+    result: list[float] = []
+    for f in fields:
+        found = values.get(f.name, f.value)
+        if found is None:
+            if f.name not in given:
+                unit = f" [{f.unit}]" if f.unit else ""
+                faults.append(Fault("LAG0603", f"parameter `{f.name}`{unit} ({f.place}) has no value",
+                                    remedy=f"give it one: -p {f.name}=..."))  # fmt: skip
+            found = float("nan")
+        result.append(found)
+    if faults:
+        raise Refused(faults)
+    return result
+
+
+def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
+    """Start values by name in SI.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
+    units = dict(zip((*interface.q_names, *interface.v_names), (*interface.q_units, *interface.v_units)))
+    faults: list[Fault] = []
+    found: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in units:
+            faults.append(unknown(name, units, "coordinate or speed", "LAG0606"))
+            continue
+        value = si(name, number, units[name], faults)
+        if value is not None:
+            found[name] = value
+    if faults:
+        raise Refused(faults)
+    return found
+
+
+def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> float | None:
+    """`number` in SI, where `unit` is the SI unit of `name`; None after adding a fault."""
+    if not isinstance(number, Quantity):
+        value = float(number)
+    elif number.unit is None:
+        value = number.value
+    else:
+        from lagc.meaning.units import UnknownUnit, to_si
+
+        try:
+            value = to_si(number.value, number.unit, unit)
+        except UnknownUnit as error:
+            remedy = f"did you mean [{error.close}]?" if error.close else None
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=remedy))
+            return None
+    if not isfinite(value):
+        faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))
+        return None
+    return value
+
+
+def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
+    names = list(known)
+    close = closest(name, names)
+    remedy = f"did you mean `{close}`?" if close else None
+    if remedy is None and 0 < len(names) <= 12:
+        remedy = "there are " + ", ".join(f"`{n}`" for n in names)
+    return Fault(code, f"there is no {what} `{name}`", remedy=remedy)
+
+
+def _bounds(field: Field, value: float) -> list[Fault]:
+    unit = f" {field.unit}" if field.unit else ""
+    if value < field.minimum:
+        message = f"`{field.name}` = {value:g}{unit} is below its minimum, {field.minimum:g}{unit} ({field.place})"
+    elif value > field.maximum:
+        message = f"`{field.name}` = {value:g}{unit} is above its maximum, {field.maximum:g}{unit} ({field.place})"
+    else:
+        return []
+    return [Fault("LAG0602", message)]
+
+
+def _request(message: str) -> Fault:
+    return Fault("LAG0604", message)

@@ -1,0 +1,253 @@
+"""Solution: a motion that was computed, and what it took."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+from lagc.run.problem import System
+from lagc.run.request import unknown
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+    Array: TypeAlias = NDArray[float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """The balance over the run, in J: `imbalance` = end - start - work of the non-conservative actions."""
+
+    start: float
+    end: float
+    work: float
+
+    @property
+    def imbalance(self) -> float:
+        return self.end - self.start - self.work
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Of all integrations of the run together: the ones that verify the accuracy are a part of it.
+
+    `operations` of one right-hand side; `compile_s`, `run_s` in s of wall time.
+    """
+
+    steps: int = 0
+    rejected: int = 0
+    rhs: int = 0
+    operations: int = 0
+    compile_s: float = 0.0
+    run_s: float = 0.0
+    integrations: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    t: float
+    name: str
+
+
+@dataclass
+class Solution:
+    """States at the recorded times, and everything that can be computed from them.
+
+    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a
+    coordinate, or an output.  All in SI.  `status` is "ok", "terminated" or "failed"; what was
+    computed before a failure is kept.  `accuracy` is the global relative error, asked (None: by
+    hand) and estimated (None: not verified); see `lagc.run.accuracy` for its norm.
+    """
+
+    system: System
+    parameters: list[float]
+    times: list[float]
+    states: list[list[float]]
+    status: str
+    message: str
+    method: str
+    rtol: float
+    atol: float
+    step: float
+    asked: float | None
+    estimated: float | None
+    position_drift: float
+    velocity_drift: float
+    energy: Energy
+    cost: Cost
+    notes: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+    _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The recorded states: coordinates, then speeds."""
+        interface = self.system.interface
+        return (*interface.q_names, *interface.v_names)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of every name, "" for numbers."""
+        interface = self.system.interface
+        found = dict(zip(self.state_names, (*interface.q_units, *interface.v_units)))
+        for name, unit in zip(interface.q_names, interface.q_units):
+            found.setdefault(f"der({name})", f"{unit}/s" if unit else "1/s")
+        found.update({o.name: o.unit for o in interface.outputs})
+        return found
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every name that `run[...]` takes: states, rates, outputs."""
+        return tuple(self.units)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names that are saved and shown: states, rates of coordinates, outputs, without
+        the rates of quaternions (the body rates are there)."""
+        interface = self.system.interface
+        parts = {f"der({interface.q_names[k + i]})" for k in interface.quaternions for i in range(4)}
+        return tuple([n for n in self.units if n not in parts])
+
+    @property
+    def t(self) -> Array:
+        """The recorded times, s."""
+        import numpy
+
+        return numpy.array(self.times)
+
+    @property
+    def x(self) -> Array:
+        """The recorded states (len(t), nx): coordinates, speeds, work."""
+        import numpy
+
+        return numpy.array(self.states).reshape(len(self.times), self.system.nx)
+
+    def __getitem__(self, name: str) -> Array:
+        import numpy
+
+        return numpy.array(self.column(name))
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.units
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def column(self, name: str) -> list[float]:
+        """The values of `name` over the recorded times.  Raises KeyError with the near names."""
+        found = self._columns.get(name)
+        if found is not None:
+            return found
+        states = self.state_names
+        if name in states:
+            i = states.index(name)
+            return self._columns.setdefault(name, [x[i] for x in self.states])
+        if name not in self.units:
+            fault = unknown(name, self.units, "quantity", "LAG0601")
+            raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else ""))
+        if name.startswith("der(") and name not in {o.name for o in self.system.interface.outputs}:
+            self._fill_rates()
+        else:
+            self._fill_outputs()
+        return self._columns[name]
+
+    def final(self) -> dict[str, float]:
+        """Every column at the last recorded time."""
+        last = Solution(**{**self.__dict__, "times": self.times[-1:], "states": self.states[-1:], "_columns": {}})
+        return {name: last.column(name)[0] for name in self.columns} if self.times else {}
+
+    @property
+    def accuracy(self) -> dict[str, float | None]:
+        return {"asked": self.asked, "estimated": self.estimated}
+
+    @property
+    def drift(self) -> dict[str, float]:
+        """The largest scaled residuals of the constraints over the accepted steps."""
+        return {"position": self.position_drift, "velocity": self.velocity_drift}
+
+    def metadata(self) -> dict[str, object]:
+        """What goes with the numbers into a file: plain data."""
+        import lagc
+
+        interface = self.system.interface
+        fields = (*interface.parameters, *interface.inputs)
+        return {
+            "tool": f"lagc {lagc.__version__}", "model": interface.model, "scene": interface.scene,
+            "effects": list(interface.effects), "source": interface.source_name,
+            "model_hash": interface.model_hash, "backend": self.system.backend,
+            "method": self.method, "rtol": self.rtol, "atol": self.atol, "step": self.step,
+            "parameters": {f.name: v for f, v in zip(fields, self.parameters)},
+            "units": {"time": "s", **self.units},
+            "accuracy": self.accuracy, "drift": self.drift,
+            "status": self.status, "message": self.message,
+        }  # fmt: skip
+
+    def to_dict(self) -> dict[str, object]:
+        """What `lagc sim --json` prints."""
+        interface = self.system.interface
+        cost, energy = self.cost, self.energy
+        return {
+            "status": self.status, "message": self.message, "model": interface.model,
+            "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
+            "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final(),
+            "events": [{"t": e.t, "name": e.name} for e in self.events],
+            "accuracy": self.accuracy, "drift": self.drift,
+            "energy": {"start": energy.start, "end": energy.end, "work": energy.work,
+                       "imbalance": energy.imbalance},
+            "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
+                     "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s},
+        }  # fmt: skip
+
+    def to_pandas(self) -> object:
+        """A pandas DataFrame, a column a quantity, indexed by time; metadata in `attrs`.
+        Raises ImportError where pandas is not installed."""
+        import pandas
+
+        frame = pandas.DataFrame({n: self[n] for n in self.columns}, index=pandas.Index(self.t, name="time"))
+        frame.attrs.update(self.metadata())
+        return frame
+
+    def save(self, path: str) -> None:
+        """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
+
+        Raises `lagc.run.files.CannotSave` where the ending is none of these, a package is missing
+        or the file cannot be written.
+        """
+        from lagc.run.files import save
+
+        save(self, path)
+
+    def _fill_rates(self) -> None:
+        system = self.system
+        nq = system.nq
+        rows: list[list[float]] = []
+        with _Bound(system, self.parameters):
+            for t, x in zip(self.times, self.states):
+                xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+                system.rhs(t, x, xdot, lam)
+                rows.append(xdot[:nq])
+        for i, name in enumerate(system.interface.q_names):
+            self._columns.setdefault(f"der({name})", [row[i] for row in rows])
+
+    def _fill_outputs(self) -> None:
+        system = self.system
+        with _Bound(system, self.parameters):
+            rows = [system.outputs(t, x) for t, x in zip(self.times, self.states)]
+        for i, output in enumerate(system.interface.outputs):
+            self._columns.setdefault(output.name, [row[i] for row in rows])
+
+
+class _Bound:
+    """The system with the parameters of the run, for as long as it lasts."""
+
+    def __init__(self, system: System, parameters: list[float]):
+        self.system, self.parameters = system, parameters
+        self.before = system.parameters
+
+    def __enter__(self) -> None:
+        self.system.parameters = list(self.parameters)
+
+    def __exit__(self, *_: object) -> None:
+        self.system.parameters = self.before
+
