@@ -21,10 +21,15 @@ from lagc.mechanics.states import States, seeds
 
 @dataclass(frozen=True, slots=True)
 class Acting:
-    """An action's contribution, and its power with every drive held: forces . rates, in v."""
+    """An action's contribution.
+
+    `relative_power` is its power with every drive held, forces . rates, in v; `stored` the
+    energy of a conservative one.
+    """
 
     contribution: Contribution
     relative_power: Node
+    stored: Node
 
 
 def act(states: States) -> list[Acting]:
@@ -58,7 +63,8 @@ def _potential(states: States, name: str, effect: str | None, energy: Node, kind
     power = -tangent(graph, [energy], dict(zip(states.q, states.qdot)))[0]
     conservative = not depends([energy], [given.symbol for given in model.inputs])
     forces = states.force_of({q: -slope for q, slope in slopes.items()})
-    return Acting(Contribution(name, kind, effect, forces, power, conservative), power)
+    stored = energy if conservative else graph.zero
+    return Acting(Contribution(name, kind, effect, forces, power, conservative), power, stored)
 
 
 def _applied(
@@ -73,27 +79,27 @@ def _applied(
     power = graph.sum(w * x for w, x in zip(weights, moved))
     drive = graph.sum(w * x for w, x in zip(weights, still))
     forces = states.to_speeds(seeds(graph, zip(moved, weights)))
-    return Acting(Contribution(action.name, kind, action.effect, forces, power, False), power - drive)
+    contribution = Contribution(action.name, kind, action.effect, forces, power, False)
+    return Acting(contribution, power - drive, graph.zero)
 
 
 def _dissipation(states: States, action: Dissipation) -> Acting:
     graph = states.graph
-    rates = list(states.rates)
-    slopes = gradient(graph, {action.function: graph.one}, rates)
+    leaves = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
+    slopes = gradient(graph, {action.function: graph.one}, leaves)
     weights = [-x for x in states.in_speeds(list(slopes.values()))]
-    moved = [states.rates[rate] for rate in slopes]
+    moved = states.in_speeds(list(slopes))
+    still = states.at_rest(list(slopes))
     power = graph.sum(w * x for w, x in zip(weights, moved))
+    drive = graph.sum(w * x for w, x in zip(weights, still))
     forces = states.to_speeds(seeds(graph, zip(moved, weights)))
-    return Acting(
-        Contribution(action.name, "dissipation", action.effect, forces, power, False), power
-    )
+    contribution = Contribution(action.name, "dissipation", action.effect, forces, power, False)
+    return Acting(contribution, power - drive, graph.zero)
 
 
 def _free_term(states: States, action: Lagrangian) -> Acting:
-    """Its share is in M and h, unless it is free of rates: then it is a potential -L."""
-    if not depends([action.function], list(states.rates)):
+    """Its share is in M and h, unless it is an L free of rates: then it is a potential -L."""
+    if not action.is_kinetic and not depends(states.in_rates([action.function]), list(states.rates)):
         return _potential(states, action.name, action.effect, -action.function, "lagrangian")
     zero = states.graph.zero
-    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), zero)
-
-
+    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), zero, zero)

@@ -27,33 +27,42 @@ class FreeTerms:
     mass_matrix: dict[tuple[int, int], Node]
     bias: dict[int, Node]
     momenta: dict[Node, Node]  # rate symbol -> dL/d(rate), in v
-    kinetic: Node  # L less its value at rest
-    potential: Node  # minus the value at rest of what is not `kinetic`
+    kinetic: Node  # of `kinetic` terms themselves; of a Lagrangian its energy less that at rest
+    potential: Node  # of Lagrangians: minus their value at rest
     jacobi: Node  # sum of rate_i p_i - L
     explicit: Node  # dL/dt with coordinates and rates held
 
 
 def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
     """Raises Refused: LAG0406 a free term that depends on an input."""
-    graph = states.graph
+    graph, rates = states.graph, list(states.rates)
     _check(states.model, terms)
-    total = graph.sum(term.function for term in terms)
-    rates = list(states.rates)
+    functions = states.in_rates([term.function for term in terms])
+    pure = graph.sum(x for x, term in zip(functions, terms) if not term.is_kinetic)
+    kinetic = graph.sum(x for x, term in zip(functions, terms) if term.is_kinetic)
+    total = pure + kinetic
     momenta = gradient(graph, {total: graph.one}, rates)
-    at_rest = states.at_rest([term.function for term in terms])
-    jacobi = graph.sum(rate * p for rate, p in momenta.items()) - total
     explicit = tangent(graph, [total], {states.model.time: graph.one})[0]
     matrix, bias = _equations(states, total, momenta)
-    moved = states.in_speeds([total, jacobi, explicit, *momenta.values()])
+    potential = -states.at_rest([pure])[0]
+    moved = states.in_speeds(
+        [kinetic, _jacobi(graph, pure, rates), _jacobi(graph, kinetic, rates), explicit, *momenta.values()]
+    )
     return FreeTerms(
         mass_matrix=matrix,
         bias=bias,
-        momenta=dict(zip(momenta, moved[3:])),
-        kinetic=moved[0] - graph.sum(r for r, t in zip(at_rest, terms) if not t.is_kinetic),
-        potential=-graph.sum(r for r, t in zip(at_rest, terms) if not t.is_kinetic),
-        jacobi=moved[1],
-        explicit=moved[2],
+        momenta=dict(zip(momenta, moved[4:])),
+        kinetic=moved[0] + moved[1] - potential,
+        potential=potential,
+        jacobi=moved[1] + moved[2],
+        explicit=moved[3],
     )
+
+
+def _jacobi(graph: Graph, function: Node, rates: Sequence[Node]) -> Node:
+    """sum of rate_i dL/d(rate_i) - L."""
+    slopes = gradient(graph, {function: graph.one}, rates)
+    return graph.sum(rate * p for rate, p in slopes.items()) - function
 
 
 def _equations(

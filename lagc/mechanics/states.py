@@ -62,6 +62,18 @@ class States:
             still[speed.symbol] = substitute(self.graph, [speed.expression], still)[0]
         return still
 
+    @cached_property
+    def spelt(self) -> dict[Node, Node]:
+        """Every declared speed -> its expression in rates."""
+        found: dict[Node, Node] = {}
+        for speed in self.model.speeds:
+            found[speed.symbol] = substitute(self.graph, [speed.expression], found)[0]
+        return found
+
+    def in_rates(self, nodes: Sequence[Node]) -> list[Node]:
+        """Declared speeds replaced by their expressions in rates."""
+        return list(nodes) if self.plain else substitute(self.graph, nodes, self.spelt)
+
     def in_speeds(self, nodes: Sequence[Node]) -> list[Node]:
         """Rates replaced by their expressions in v."""
         return list(nodes) if self.plain else substitute(self.graph, nodes, self.rates)

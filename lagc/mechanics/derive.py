@@ -1,0 +1,90 @@
+"""Model -> EquationsOfMotion, step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from typing import TypeVar
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import depends
+from lagc.meaning.model import Lagrangian, Model
+from lagc.mechanics.actions import act
+from lagc.mechanics.constraints import classify
+from lagc.mechanics.energy import energies
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.freeterms import free_terms
+from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
+from lagc.mechanics.quantities import output_equations
+from lagc.mechanics.states import States, build_states
+
+Key = TypeVar("Key", bound=Hashable)
+
+
+def derive(model: Model) -> EquationsOfMotion:
+    """The equations of motion of `model`.
+
+    Raises Refused with LAG04xx: what the mechanics of a well-formed model forbids.
+    """
+    graph = model.graph
+    states = build_states(model)
+    parts = moving_parts(states)
+    free = free_terms(states, _with_rates(states))
+    acting = act(states)
+    classified = classify(states)
+    lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
+    totals = energies(states, parts, acting, free, classified, lam)
+    matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
+    bias = _sum(graph, [bias_forces(states, parts), free.bias])
+    given = _sum(graph, [x.contribution.forces for x in acting])
+    zero = graph.zero
+    return EquationsOfMotion(
+        model=model,
+        graph=graph,
+        time=model.time,
+        q=states.q,
+        v=states.v,
+        a=states.a,
+        lam=lam,
+        q_names=states.q_names,
+        v_names=states.v_names,
+        q_units=states.q_units,
+        v_units=states.v_units,
+        qdot=states.qdot,
+        quaternions=states.quaternions,
+        mass_matrix=matrix,
+        bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
+        given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
+        rows=tuple([x.row for x in classified]),
+        contributions=tuple([x.contribution for x in acting]),
+        kinetic=totals.kinetic,
+        potential=totals.potential,
+        energy=totals.energy,
+        power=totals.power,
+        starts_q=states.starts_q,
+        starts_v=states.starts_v,
+        initial_conditions=tuple(
+            zip(
+                states.in_speeds([c.residual for c in model.initial_conditions]),
+                [c.span for c in model.initial_conditions],
+            )
+        ),
+        outputs=output_equations(states, parts, acting, free, totals, ()),
+        rates=states.rates,
+    )
+
+
+def _with_rates(states: States) -> list[Lagrangian]:
+    """The free terms that are no mere potentials."""
+    terms = [x for x in states.model.actions if isinstance(x, Lagrangian)]
+    functions = states.in_rates([x.function for x in terms])
+    moving = depends(functions, list(states.rates))
+    return [x for x, f in zip(terms, functions) if x.is_kinetic or f in moving]
+
+
+def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:
+    """Entry by entry, zeros left out."""
+    total: dict[Key, Node] = {}
+    for table in tables:
+        for key, node in table.items():
+            total[key] = graph.add(total[key], node) if key in total else node
+    return {key: node for key, node in total.items() if not node.is_zero}

@@ -1,0 +1,60 @@
+"""Energies and their balance.
+
+The energy kept account of is Jacobi's,  E = sum of rate_i dL/d(rate_i) - L = K2 - K0 + V,
+because its balance needs no force of a drive:
+
+    dE/dt = -dL/dt + sum of Q_i rate_i
+
+with dL/dt at held coordinates and rates, Q the forces that no potential gives, multipliers
+included (C. Lanczos, *The Variational Principles of Mechanics*, ch. V).  Where nothing is
+driven E = K + V, and where in addition nothing dissipates the power is the constant zero.
+A body's velocity u = (linear in the rates) + d gives K2 - K0 = K - d.p with its momentum p.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lagc.expr.derivative import tangent
+from lagc.expr.graph import Node
+from lagc.expr.vectors import dot
+from lagc.mechanics.actions import Acting
+from lagc.mechanics.constraints import Classified
+from lagc.mechanics.freeterms import FreeTerms
+from lagc.mechanics.inertia import Moving
+from lagc.mechanics.states import States
+
+
+@dataclass(frozen=True, slots=True)
+class Energies:
+    kinetic: Node
+    potential: Node
+    energy: Node  # Jacobi's
+    power: Node  # d(energy)/dt along the motion; the constant zero where nothing brings any
+
+
+def energies(
+    states: States,
+    parts: Sequence[Moving],
+    acting: Sequence[Acting],
+    free: FreeTerms,
+    rows: Sequence[Classified],
+    lam: Sequence[Node],
+) -> Energies:
+    """K, V, E and dE/dt of the whole system, in t, q, v (and lam in the power)."""
+    graph = states.graph
+    momenta = [part.momentum(part.velocity) for part in parts]
+    kinetic = graph.sum(0.5 * dot(part.velocity, p) for part, p in zip(parts, momenta))
+    drives = graph.sum(dot(part.at_rest, p) for part, p in zip(parts, momenta))
+    given = graph.sum(x.stored for x in acting)
+    power = graph.sum(x.relative_power for x in acting if not x.contribution.conservative)
+    power = power - graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta))
+    power = power + tangent(graph, [given], {states.model.time: graph.one})[0] - free.explicit
+    power = power + graph.sum(multiplier * x.drive for multiplier, x in zip(lam, rows))
+    return Energies(
+        kinetic=kinetic + free.kinetic,
+        potential=given + free.potential,
+        energy=kinetic - drives + given + free.jacobi,
+        power=power,
+    )
