@@ -1,0 +1,116 @@
+"""Formulas as plain text: `l*theta'' + g*sin(theta) = 0`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from lagc.expr.graph import Node
+from lagc.view.algebra import Algebra, Exponent, Frozen
+from lagc.view.formulas import Name, Product, Sum
+
+INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+
+
+class TextWriter:
+    """Writes sums and products; a subclass changes a notation by overriding one small method."""
+
+    times = "*"
+
+    def __init__(self, algebra: Algebra, names: Mapping[Node, Name]) -> None:
+        self.algebra = algebra
+        self.names = names
+
+    # -- sums and products ----------------------------------------------------
+
+    def sum(self, terms: Sum) -> str:
+        text = ""
+        for product in terms.terms:
+            written = self.product(product)
+            if not text:
+                text = written
+            elif written.startswith("-"):
+                text += f" - {written[1:]}"
+            else:
+                text += f" + {written}"
+        return text or "0"
+
+    def product(self, product: Product) -> str:
+        c = product.coefficient
+        over = [(f, e) for f, e in product.factors if e > 0]
+        under = [(f, -e) for f, e in product.factors if e < 0]
+        sign = "-" if c < 0 else ""
+        top, bottom = self.coefficient(abs(c))
+        return sign + self.quotient(top, [self.factor(f, e) for f, e in over], bottom, [self.factor(f, e) for f, e in under])
+
+    def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
+        above = self.times.join(([top] if top != "1" or not over else []) + over)
+        below = ([bottom] if bottom != "1" else []) + under
+        if not below:
+            return above
+        return f"{above}/{below[0]}" if len(below) == 1 else f"{above}/({self.times.join(below)})"
+
+    def coefficient(self, c: Fraction) -> tuple[str, str]:
+        """c >= 0 as the number above and the number below the line."""
+        if c.denominator <= 99:
+            return str(c.numerator), str(c.denominator)
+        return self.decimal(float(c)), "1"
+
+    def decimal(self, value: float) -> str:
+        return repr(value)
+
+    def factor(self, base: int | Sum, exponent: Exponent) -> str:
+        atomic = isinstance(base, Sum) or self.algebra.atoms[base].op == "sum"
+        if exponent.denominator == 2 and atomic:
+            whole = exponent - Fraction(1, 2)
+            root = self.root(self._inside(base))
+            return root if not whole else self.raised(self.parentheses(self._inside(base)), exponent)
+        if atomic:
+            return self.raised(self.parentheses(self._inside(base)), exponent)
+        assert not isinstance(base, Sum)
+        return self.atom(base, exponent)
+
+    def _inside(self, base: int | Sum) -> str:
+        return self.sum(base) if isinstance(base, Sum) else self.frozen(self.algebra.atoms[base].args[0])
+
+    def frozen(self, p: Frozen) -> str:
+        """A polynomial inside a function, as it stands."""
+        ordered = sorted(p, key=lambda item: (item[1] < 0 and item[0] == p[0][0], item[0]))
+        return self.sum(Sum(tuple([Product(c, tuple(m)) for m, c in ordered])))
+
+    # -- notation -------------------------------------------------------------
+
+    def parentheses(self, text: str) -> str:
+        return f"({text})"
+
+    def root(self, text: str) -> str:
+        return f"sqrt({text})"
+
+    def raised(self, base: str, exponent: Exponent) -> str:
+        if exponent == 1:
+            return base
+        return f"{base}^{exponent}" if exponent.denominator == 1 else f"{base}^({exponent})"
+
+    def atom(self, number: int, exponent: Exponent) -> str:
+        atom = self.algebra.atoms[number]
+        if atom.node is not None:
+            return self.symbol(atom.node, exponent)
+        return self.function(atom.op, [self.frozen(a) for a in atom.args], exponent)
+
+    def symbol(self, node: Node, exponent: Exponent) -> str:
+        name = self.names.get(node)
+        text = str(node.value[1]) if name is None else name.base + "'" * name.order  # type: ignore[index]
+        return self.raised(text, exponent)
+
+    def function(self, op: str, args: list[str], exponent: Exponent) -> str:
+        if op == "abs":
+            return self.raised(f"|{args[0]}|", exponent)
+        if op in INFIX:
+            text = f"({args[0]} {INFIX[op]} {args[1]})"
+        elif op == "pow":
+            text = f"(({args[0]})^({args[1]}))"
+        elif op == "select":
+            text = f"(if {args[0]} then {args[1]} else {args[2]})"
+        else:
+            text = f"{op}({', '.join(args)})"
+        return self.raised(text, exponent)
