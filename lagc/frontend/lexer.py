@@ -1,0 +1,210 @@
+"""Text to tokens.
+
+Words stay words here: whether one is a keyword is the parser's to say, by what may stand
+there.  A bracket is a unit after a number, a `}` or the word `Real`; else it opens subscripts.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Fault, Source, Span
+
+WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "symbol", "end"
+
+
+class Token:
+    """One token: its kind, its text as written, and the characters start..end of the source."""
+
+    __slots__ = ("end", "kind", "start", "text")
+
+    def __init__(self, kind: str, text: str, start: int, end: int):
+        self.kind = kind
+        self.text = text
+        self.start = start
+        self.end = end
+
+    def __repr__(self) -> str:
+        return f"{self.kind} {self.text!r} at {self.start}"
+
+
+@dataclass(frozen=True, slots=True)
+class Lexed:
+    """The tokens of a text (the last is of kind END), its comments, and what is no token."""
+
+    tokens: list[Token]
+    comments: list[Token]
+    faults: list[Fault]
+
+
+_PATTERN = re.compile(
+    r"""
+    (?P<blank>[ \t\r\n\f]+)
+  | (?P<comment>//[^\n]*|/\*.*?\*/)
+  | (?P<word>[^\W\d]\w*)
+  | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
+  | (?P<string>"(?:[^"\\\n]|\\.)*")
+  | (?P<unclosed>/\*|")
+  | (?P<symbol>:=|==|<=|>=|<>|!=|\*\*|&&|\|\||\.\*|\.\.\.?|\+=|-=|\*=|/=|[-+*/^=<>(){}\[\],;:.!%&|?@\#$~`'\\])
+  | (?P<odd>.)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_UNIT = re.compile(r"\[[^\[\]\n]*\]")
+_UNIT_START = re.compile(r"\[[^\[\]\n,;)}]*")
+_SYMBOLS = frozenset("( ) { } [ ] , ; : . + - * / ^ = < > <= >= == <> .*".split())
+_OTHERS = frozenset("!= ** && || := += -= *= /= .. ... ! % & |".split())  # the parser explains these
+
+# What is typed, or pasted, for an ASCII character that the language has.
+_MEANT = {
+    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∙": "*",  # noqa: RUF001
+    "÷": "/", "∕": "/", "≤": "<=", "≥": ">=", "≠": "<>", "；": ";", "，": ",", "：": ":",  # noqa: RUF001
+}
+_BLANKS = frozenset("\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u3000\v\x85\u2028\u2029")
+_HINTS = {
+    "²": "write `^2`", "³": "write `^3`", "°": "write the unit in brackets: `30 [deg]`",
+    "“": 'texts stand between straight quotes, "..."', "”": 'texts stand between straight quotes, "..."',
+    "„": 'texts stand between straight quotes, "..."', "'": 'texts stand between double quotes, "..."',
+    "`": 'texts stand between double quotes, "..."', "#": "comments begin with `//`",
+    "√": "write `sqrt(...)`", "½": "write `1/2`", "∞": "leave the bound away",
+    "\ufeff": "delete it",
+}
+_GREEK = {
+    "α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "ε": "epsilon", "ζ": "zeta", "η": "eta",
+    "θ": "theta", "ϑ": "theta", "ι": "iota", "κ": "kappa", "λ": "lambda", "μ": "mu", "µ": "mu", "ν": "nu",
+    "ξ": "xi", "ο": "omicron", "π": "pi", "ρ": "rho", "σ": "sigma", "ς": "sigma", "τ": "tau",
+    "υ": "upsilon", "φ": "phi", "ϕ": "phi", "χ": "chi", "ψ": "psi", "ω": "omega",
+    "Γ": "Gamma", "Δ": "Delta", "Θ": "Theta", "Λ": "Lambda", "Ξ": "Xi", "Π": "Pi", "Σ": "Sigma",
+    "Φ": "Phi", "Ψ": "Psi", "Ω": "Omega",
+}
+
+
+def tokenise(source: Source) -> Lexed:
+    """Cut a text into tokens.  What is no token is a fault each and left out, or read as what it
+    most likely stands for."""
+    text = source.text
+    lexed = Lexed([], [], [])
+    tokens = lexed.tokens
+    match = _PATTERN.match
+    position = 1 if text.startswith("\ufeff") else 0  # a byte order mark
+    length = len(text)
+    while position < length:
+        found = match(text, position)
+        assert found is not None  # `odd` takes any character
+        kind = found.lastgroup
+        end = found.end()
+        if kind == "blank":
+            pass
+        elif kind == "word":
+            word = found.group()
+            if not word.isascii():
+                lexed.faults.append(_foreign_word(source, word, position))
+            tokens.append(Token(WORD, word, position, end))
+        elif kind == "symbol":
+            symbol = found.group()
+            if symbol == "[" and tokens and _unit_follows(tokens[-1]):
+                end = _unit(source, lexed, position)
+            elif symbol in _SYMBOLS or symbol in _OTHERS:
+                tokens.append(Token(SYMBOL, symbol, position, end))
+            else:
+                lexed.faults.append(_odd(source, symbol, position))
+        elif kind == "comment":
+            lexed.comments.append(Token("comment", found.group(), position, end))
+        elif kind == "unclosed":
+            end = _unclosed(source, lexed, found.group(), position)
+        elif kind == "odd":
+            _odd_character(source, lexed, found.group(), position)
+        else:
+            assert kind is not None
+            tokens.append(Token(kind, found.group(), position, end))
+        position = end
+    tokens.append(Token(END, "", length, length))
+    return lexed
+
+
+def _unit_follows(before: Token) -> bool:
+    return before.kind == NUMBER or before.text == "}" or (before.kind == WORD and before.text == "Real")
+
+
+def _unit(source: Source, lexed: Lexed, start: int) -> int:
+    found = _UNIT.match(source.text, start)
+    if found is None:
+        found = _UNIT_START.match(source.text, start)
+        assert found is not None  # it begins with the bracket
+        end = start + len(found.group().rstrip())
+        lexed.faults.append(
+            Fault(
+                "LAG0104",
+                "this unit is not closed",
+                Span(source, start, end),
+                remedy=f"write `{source.text[start:end]}]`" if end > start + 1 else "close it with `]`",
+            )
+        )
+        lexed.tokens.append(Token(UNIT, source.text[start:end] + "]", start, end))
+        return end
+    lexed.tokens.append(Token(UNIT, found.group(), start, found.end()))
+    return found.end()
+
+
+def _unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
+    """A comment is lost up to the end of the file, a text up to the end of its line."""
+    text = source.text
+    if opening == "/*":
+        lexed.faults.append(
+            Fault("LAG0103", "this comment is not closed", Span(source, start, start + 2), remedy="close it with `*/`")
+        )
+        return len(text)
+    newline = text.find("\n", start)
+    end = len(text) if newline < 0 else newline
+    line = text[start:end].rstrip()
+    line = line[:-1].rstrip() if line.endswith(";") else line
+    end = start + len(line)
+    lexed.faults.append(
+        Fault("LAG0102", "this text is not closed on its line", Span(source, start, end), remedy='close it with `"`')
+    )
+    lexed.tokens.append(Token(STRING, line + '"', start, end))
+    return end
+
+
+def _odd_character(source: Source, lexed: Lexed, character: str, start: int) -> None:
+    if character in _BLANKS:
+        return
+    meant = _MEANT.get(character)
+    if meant is None:
+        lexed.faults.append(_odd(source, character, start))
+        return
+    lexed.faults.append(
+        Fault(
+            "LAG0101",
+            f"`{character}` is not a sign of the language",
+            Span(source, start, start + 1),
+            remedy=f"write `{meant}`",
+        )
+    )
+    lexed.tokens.append(Token(SYMBOL, meant, start, start + 1))
+
+
+def _odd(source: Source, character: str, start: int) -> Fault:
+    shown = f"`{character}`" if character.isprintable() else f"the character U+{ord(character):04X}"
+    return Fault(
+        "LAG0101",
+        f"{shown} is not a sign of the language",
+        Span(source, start, start + 1),
+        remedy=_HINTS.get(character),
+    )
+
+
+def _foreign_word(source: Source, word: str, start: int) -> Fault:
+    import unicodedata
+
+    spelled = "".join(_GREEK.get(character, character) for character in word)
+    plain = unicodedata.normalize("NFKD", spelled)
+    plain = "".join(c for c in plain if not unicodedata.combining(c))
+    good = plain.isascii() and plain.isidentifier()
+    return Fault(
+        "LAG0101",
+        f"`{word}` is no name: names are made of the letters A-Z and a-z, digits and `_`",
+        Span(source, start, start + len(word)),
+        remedy=f"write `{plain}`" if good else None,
+    )

@@ -1,0 +1,124 @@
+"""The parser's tables, made from `grammar/lag.lark` and kept in the cache.
+
+Lark reads the grammar and builds the LALR(1) automaton, once; what is kept is plain data,
+so that a later run needs neither Lark nor the grammar's analysis.
+"""
+
+from __future__ import annotations
+
+import marshal
+import os
+import sys
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from lagc import cache as store
+
+_LAYOUT = "tables 1"  # of the data below; another one where it changes
+
+# What a rule makes of its children: the places of those that count, -1 for "not written".
+Recipe = tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Tables:
+    """actions[state][symbol]: a terminal leads to the next state, or to ~rule (negative) to
+    reduce; a nonterminal leads to the next state.
+
+    rules: (nonterminal, length, callback or None, recipe).  Without a callback a rule passes its
+    only child on, or, where the nonterminal is inlined (`_name`), the list of its children.
+    """
+
+    actions: list[dict[str, int]]
+    rules: list[tuple[str, int, str | None, Recipe]]
+    start: int
+    accept: int
+    keywords: dict[str, str]  # text -> terminal
+    symbols: dict[str, str]
+
+
+@cache
+def tables() -> Tables:
+    """The tables of the language."""
+    grammar = grammar_text()
+    name = "grammar-" + store.key(_LAYOUT, grammar, sys.version)
+    kept = store.load(name)
+    if kept is not None:
+        try:
+            return Tables(*marshal.loads(kept))
+        except (ValueError, EOFError, TypeError):
+            pass  # a damaged entry: it is made anew
+    fields = _build(grammar)
+    store.store(name, marshal.dumps(fields))
+    return Tables(*fields)
+
+
+def grammar_path() -> str:
+    """`grammar/lag.lark`: inside the package where it was installed, beside it in a checkout."""
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    inside = os.path.join(package, "grammar", "lag.lark")
+    return inside if os.path.exists(inside) else os.path.join(os.path.dirname(package), "grammar", "lag.lark")
+
+
+def grammar_text() -> str:
+    with open(grammar_path(), encoding="utf-8") as file:
+        return file.read()
+
+
+def _build(grammar: str) -> tuple[Any, ...]:
+    from lark import Lark
+    from lark.grammar import Rule
+    from lark.lexer import PatternStr, TerminalDef
+
+    lark = Lark(grammar, parser="lalr", start="file", maybe_placeholders=True)
+    data, memo = lark.memo_serialize([TerminalDef, Rule])
+    automaton = data["parser"]["parser"]
+    symbols = automaton["tokens"]
+    order = sorted(automaton["states"])
+    number = {state: position for position, state in enumerate(order)}
+    rules: list[tuple[str, int, str | None, Recipe]] = []
+    rule_number: dict[int, int] = {}
+    actions: list[dict[str, int]] = []
+    for state in order:
+        row: dict[str, int] = {}
+        for symbol, (reduces, argument) in automaton["states"][state].items():
+            if reduces:
+                key = argument["@"]
+                if key not in rule_number:
+                    rule_number[key] = len(rules)
+                    rules.append(_rule(Rule.deserialize(memo[key], memo)))
+                row[symbols[symbol]] = ~rule_number[key]
+            else:
+                row[symbols[symbol]] = number[argument]
+        actions.append(row)
+    fixed = {t.pattern.value: t.name for t in lark.terminals if isinstance(t.pattern, PatternStr)}
+    keywords = {text: name for text, name in fixed.items() if text[0].isalpha()}
+    signs = {text: name for text, name in fixed.items() if not text[0].isalpha()}
+    return (
+        actions,
+        rules,
+        number[automaton["start_states"]["file"]],
+        number[automaton["end_states"]["file"]],
+        keywords,
+        signs,
+    )
+
+
+def _rule(rule: Any) -> tuple[str, int, str | None, Recipe]:
+    origin: str = rule.origin.name
+    recipe: list[int] = []
+    written = rule.options.empty_indices or (False,) * len(rule.expansion)
+    position = 0
+    for absent in written:
+        if absent:
+            recipe.append(-1)
+            continue
+        symbol = rule.expansion[position]
+        if rule.options.keep_all_tokens or not (symbol.is_term and symbol.filter_out):
+            recipe.append(position)
+        position += 1
+    callback: str | None = rule.alias or origin
+    if rule.alias is None and (origin.startswith("_") or (rule.options.expand1 and len(recipe) == 1)):
+        callback = None
+    return origin, len(rule.expansion), callback, tuple(recipe)
