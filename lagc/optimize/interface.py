@@ -9,8 +9,8 @@ from dataclasses import fields
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
-from lagc.mechanics.equations import EquationsOfMotion
 from lagc.meaning.model import Input, Parameter
+from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.program import Field, Function, Interface
 
 _UNHASHED = ("source_name", "model_hash", "notes", "initial_places")  # of no bearing on the numbers

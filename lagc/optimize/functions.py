@@ -1,0 +1,141 @@
+"""The functions of a program besides the solve: one maker each, None where it does not exist."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.expr.derivative import gradient, tangent
+from lagc.expr.graph import Graph, Node
+from lagc.optimize.block import Block
+from lagc.optimize.kkt import applied_forces
+from lagc.optimize.program import Function
+from lagc.optimize.symbols import STATE, Places, lower
+
+_FLOOR = 1e-3  # SI units of a coordinate (or speed) below which no row is judged more strictly
+_MOST_TERMS = 1000
+
+
+def system(places: Places) -> Function:
+    """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
+    equations, zero = places.equations, places.graph.zero
+    n = len(equations.v)
+    packed = [equations.mass_matrix.get((i, j), zero) for i in range(n) for j in range(i + 1)]
+    jacobian = [row.jacobian.get(j, zero) for row in equations.rows for j in range(n)]
+    return _function(
+        places, "system", STATE,
+        (
+            ("qdot", equations.qdot), ("M", packed), ("r", applied_forces(equations)),
+            ("G", jacobian), ("gamma", [row.gamma for row in equations.rows]),
+        ),
+        "mass matrix, forces and constraint rows",
+    )  # fmt: skip
+
+
+def displace(places: Places) -> Function | None:
+    """dq = N(t,q) d."""
+    equations, graph = places.equations, places.graph
+    if equations.qdot == equations.v:
+        return None
+    d = [graph.symbol("displacement", name) for name in equations.v_names]
+    dq = tangent(graph, equations.qdot, dict(zip(equations.v, d)))
+    more = Places(equations, {**places.arrays, **{node: ("d", k) for k, node in enumerate(d)}})
+    return _function(more, "displace", (*STATE, "d"), (("dq", dq),), "dq = N(t,q) d")
+
+
+def position(places: Places) -> Function:
+    rows = [row.residual for row in places.equations.rows if row.kind == "holonomic"]
+    return _function(places, "position", STATE, (("phi", rows),), "residuals of the holonomic constraints")
+
+
+def velocity(places: Places) -> Function:
+    rows = [row.rate for row in places.equations.rows]
+    return _function(places, "velocity", STATE, (("psi", rows),), "rates of the constraint rows")
+
+
+def scales(places: Places) -> Function:
+    """The sum of the absolute values of a row's terms, plus what its residual changes by when
+    every coordinate (speed, for a velocity row) is off by a thousandth of its SI unit: a row that
+    rests at zero is judged against that."""
+    graph = places.graph
+    sizes: list[Node] = []
+    for row in places.equations.rows:
+        size = graph.sum(graph.unary("abs", term) for term in terms(graph, row.residual))
+        slopes = graph.sum(graph.unary("abs", slope) for _, slope in sorted(row.jacobian.items()))
+        sizes.append(graph.sum([size, _FLOOR * slopes, graph.const(1e-300)]))
+    return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
+
+
+def terms(graph: Graph, node: Node) -> list[Node]:
+    """What `node` is the sum of."""
+    found: list[Node] = []
+    stack: list[tuple[float, Node]] = [(1.0, node)]
+    while stack:
+        c, top = stack.pop()
+        if top.op == "scale":
+            stack.append((c * top.value, top.args[0]))  # type: ignore[operator]
+        elif top.op == "add" and len(found) + len(stack) < _MOST_TERMS:
+            stack.extend([(c, a) for a in reversed(top.args)])
+        else:
+            found.append(graph.scale(c, top))
+    return found
+
+
+def energies(places: Places) -> Function:
+    equations = places.equations
+    e = [equations.kinetic, equations.potential, equations.energy]
+    return _function(places, "energies", STATE, (("e", e),), "kinetic, potential, energy of the balance")
+
+
+def power(places: Places) -> Function | None:
+    equations = places.equations
+    if equations.power.is_zero:
+        return None
+    inputs = (*STATE, "a", "lam")
+    return _function(places, "power", inputs, (("e", [equations.power]),), "rate of that energy")
+
+
+def outputs(places: Places) -> Function | None:
+    found = [o.expression for o in places.equations.outputs]
+    if not found:
+        return None
+    return _function(places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model")
+
+
+def start(places: Places, work: bool) -> Function:
+    equations = places.equations
+    x = [s.value for s in (*equations.starts_q, *equations.starts_v)]
+    if work:
+        x.append(places.graph.zero)
+    return _function(places, "start", ("p",), (("x", x),), "start values and guesses")
+
+
+def initial(places: Places) -> Function | None:
+    """The conditions of the initial section and their derivatives by q and v."""
+    equations, graph = places.equations, places.graph
+    conditions = [residual for residual, _ in equations.initial_conditions]
+    if not conditions:
+        return None
+    unknowns = [*equations.q, *equations.v]
+    jacobian: list[Node] = []
+    for condition in conditions:
+        slopes = gradient(graph, {condition: graph.one}, unknowns)
+        jacobian.extend([slopes.get(x, graph.zero) for x in unknowns])
+    return _function(places, "initial", STATE, (("c", conditions), ("J", jacobian)), "start conditions")
+
+
+def _function(
+    places: Places,
+    name: str,
+    inputs: tuple[str, ...],
+    outputs: tuple[tuple[str, Sequence[Node]], ...],
+    description: str,
+) -> Function:
+    block = Block()
+    nodes = [node for _, part in outputs for node in part]
+    _, values = lower(places, block, nodes)
+    following = iter(values)
+    for array, part in outputs:
+        for k in range(len(part)):
+            block.store(array, k, next(following))
+    lengths = tuple([(array, len(part)) for array, part in outputs])
+    return block.function(name, inputs, lengths, description)

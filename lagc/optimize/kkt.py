@@ -1,0 +1,103 @@
+"""The functions that solve for accelerations and multipliers: rhs, assemble, factor, solve.
+
+All follow one `Elimination` of the KKT matrix [M G^T; G 0], unknowns (a, -lam).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize.block import Block
+from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, solve
+from lagc.optimize.program import Function
+from lagc.optimize.symbols import STATE, Places, lower
+
+
+def kkt_entries(equations: EquationsOfMotion) -> dict[Entry, Node]:
+    """The lower triangle of the KKT matrix, structural zeros left out, by (row, column)."""
+    found = {at: node for at, node in equations.mass_matrix.items() if not node.is_zero}
+    n = len(equations.v)
+    for k, row in enumerate(equations.rows):
+        found.update(((n + k, j), node) for j, node in row.jacobian.items() if not node.is_zero)
+    return dict(sorted(found.items()))
+
+
+def order_of(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
+    return eliminate(len(equations.v), len(equations.rows), entries)
+
+
+def applied_forces(equations: EquationsOfMotion) -> list[Node]:
+    """r = tau - h."""
+    graph = equations.graph
+    return [graph.sub(tau, h) for tau, h in zip(equations.given_forces, equations.bias_forces)]
+
+
+def rhs(places: Places, entries: Mapping[Entry, Node], plan: Elimination, work: bool) -> Function:
+    """xdot = (qdot, a, power), lam, health."""
+    equations, block = places.equations, Block()
+    right = [*applied_forces(equations), *(row.gamma for row in equations.rows)]
+    power = [equations.power] if work else []
+    nodes = [*entries.values(), *right, *equations.qdot]
+    lowering, values = lower(places, block, nodes)
+    matrix = dict(zip(entries, values))
+    b = values[len(entries) : len(entries) + len(right)]
+    qdot = values[len(entries) + len(right) :]
+    factors = factor(block, plan, matrix)
+    x, residual = solve(block, plan, factors, matrix, b, refine=plan.multipliers > 0)
+    a, lam = x[: plan.speeds], [~value for value in x[plan.speeds :]]
+    lowering.known.update(zip(equations.a, a))
+    lowering.known.update(zip(equations.lam, lam))
+    xdot = [*qdot, *a, *lowering(power)]
+    _store_all(block, "xdot", xdot)
+    _store_all(block, "lam", lam)
+    _store_all(block, "health", [factors.health, residual])
+    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
+    return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
+
+
+def work_size(plan: Elimination) -> int:
+    """Doubles of w: the entries, L below its diagonal, 1/D."""
+    return len(plan.entries) + len(plan.lower) + plan.size
+
+
+def assemble(places: Places, entries: Mapping[Entry, Node], plan: Elimination) -> Function:
+    block = Block()
+    _, values = lower(places, block, list(entries.values()))
+    _store_all(block, "w", values)
+    return block.function("assemble", STATE, (("w", work_size(plan)),), "entries of [M G^T; G 0] into w")
+
+
+def factorize(plan: Elimination) -> Function:
+    """w: entries -> entries, L, 1/D."""
+    block = Block()
+    matrix = {at: block.load("w", k) for k, at in enumerate(plan.entries)}
+    factors = factor(block, plan, matrix)
+    at_lower = len(plan.entries)
+    for k, entry in enumerate(plan.lower):
+        block.store("w", at_lower + k, factors.lower[entry])
+    for k in range(plan.size):
+        block.store("w", at_lower + len(plan.lower) + k, factors.inverse[k])
+    _store_all(block, "health", [factors.health, block.zero])
+    outputs = (("w", work_size(plan)), ("health", 2))
+    return block.function("factor", ("w",), outputs, "L D L^T of the matrix that `assemble` left in w")
+
+
+def solver(plan: Elimination) -> Function:
+    """M s1 - G^T s2 = r1, G s1 = r2 with the factors in w, one step of refinement."""
+    block = Block()
+    entries = {at: block.load("w", k) for k, at in enumerate(plan.entries)}
+    first = len(plan.entries)
+    lower_part = {at: block.load("w", first + k) for k, at in enumerate(plan.lower)}
+    inverse = {k: block.load("w", first + len(plan.lower) + k) for k in range(plan.size)}
+    right = [block.load("r", k) for k in range(plan.size)]
+    factors = Factors(lower_part, inverse, block.one)
+    x, _ = solve(block, plan, factors, entries, right, refine=True)
+    _store_all(block, "s", [*x[: plan.speeds], *(~value for value in x[plan.speeds :])])
+    return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
+
+
+def _store_all(block: Block, array: str, values: Sequence[int]) -> None:
+    for k, value in enumerate(values):
+        block.store(array, k, value)

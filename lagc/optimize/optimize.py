@@ -1,0 +1,91 @@
+"""optimize: EquationsOfMotion -> Program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize import functions, kkt
+from lagc.optimize.interface import interface, used_parameters
+from lagc.optimize.ldlt import Elimination, Entry, flops
+from lagc.optimize.program import Function, Program
+from lagc.optimize.symbols import Places, places
+
+LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
+
+
+def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
+    """The functions of `equations`, each as short as it gets.
+
+    `work` adds the integral of the power to the state where the power is not identically zero.
+    """
+    work = work and not equations.power.is_zero
+    parameters = used_parameters(equations, _roots(equations))
+    at = places(equations, parameters)
+    entries = kkt.kkt_entries(equations)
+    plan = _straight(equations, entries)
+    found = _functions(at, entries, plan, work)
+    return Program(
+        interface(
+            equations,
+            parameters,
+            found,
+            work=work,
+            straight=plan is not None,
+            work_size=kkt.work_size(plan) if plan and equations.rows else 0,
+            operations=_operations(equations, found, plan),
+        ),
+        found,
+    )
+
+
+def _roots(equations: EquationsOfMotion) -> list[Node]:
+    """Every node that any function stores."""
+    found = [
+        *equations.qdot, *equations.mass_matrix.values(), *equations.bias_forces, *equations.given_forces,
+        equations.kinetic, equations.potential, equations.energy, equations.power,
+        *(s.value for s in (*equations.starts_q, *equations.starts_v)),
+        *(residual for residual, _ in equations.initial_conditions),
+        *(o.expression for o in equations.outputs),
+    ]  # fmt: skip
+    for row in equations.rows:
+        found += [row.residual, row.rate, row.gamma, *row.jacobian.values()]
+    return found
+
+
+def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
+    """The elimination, where the right-hand side stays within `LARGEST` operations."""
+    right = [*kkt.applied_forces(equations), *(row.gamma for row in equations.rows)]
+    size = len(reachable([*entries.values(), *right]))
+    if size > 2 * LARGEST or len(entries) > LARGEST:
+        return None
+    plan = kkt.order_of(equations, entries)
+    return plan if plan and size + flops(plan) <= LARGEST else None
+
+
+def _functions(
+    at: Places, entries: Mapping[Entry, Node], plan: Elimination | None, work: bool
+) -> dict[str, Function]:
+    constrained = bool(at.equations.rows)
+    made: list[Function | None] = []
+    if plan is not None:
+        made.append(kkt.rhs(at, entries, plan, work))
+    made.append(functions.system(at))
+    if plan is not None and constrained:
+        made += [kkt.assemble(at, entries, plan), kkt.factorize(plan), kkt.solver(plan)]
+    made.append(functions.displace(at))
+    if constrained:
+        made += [functions.position(at), functions.velocity(at), functions.scales(at)]
+    made += [functions.energies(at), functions.power(at), functions.outputs(at)]
+    made += [functions.start(at, work), functions.initial(at)]
+    return {f.name: f for f in made if f is not None}
+
+
+def _operations(equations: EquationsOfMotion, found: Mapping[str, Function], plan: Elimination | None) -> int:
+    """Of one right-hand side; the dense solve of a looped one counts n^3/3."""
+    if plan is not None:
+        return found["rhs"].cost
+    n = len(equations.v) + len(equations.rows)
+    return found["system"].cost + n * n * n // 3 + 2 * n * n

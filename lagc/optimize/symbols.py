@@ -1,0 +1,51 @@
+"""Where the symbols of the equations live in the arrays of generated functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
+from lagc.meaning.model import Parameter
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize.block import Block
+from lagc.optimize.factors import factored, plan
+from lagc.optimize.lower import Lowering
+
+STATE = ("p", "t", "x")
+_LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
+
+
+@dataclass(frozen=True)
+class Places:
+    """Symbol -> (array, index), for the parameters that are kept."""
+
+    equations: EquationsOfMotion
+    arrays: dict[Node, tuple[str, int]]
+
+    @property
+    def graph(self) -> Graph:
+        return self.equations.graph
+
+
+def places(equations: EquationsOfMotion, parameters: Sequence[Parameter]) -> Places:
+    """Parameters and inputs in p, time in t, q and v in x, and a, lam."""
+    found: dict[Node, tuple[str, int]] = {equations.time: ("t", 0)}
+    given = [*(p.symbol for p in parameters), *(u.symbol for u in equations.model.inputs)]
+    for array, symbols in (
+        ("p", given), ("x", [*equations.q, *equations.v]), ("a", equations.a), ("lam", equations.lam),
+    ):  # fmt: skip
+        found.update((symbol, (array, k)) for k, symbol in enumerate(symbols))
+    return Places(equations, found)
+
+
+def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:
+    """The values of `nodes` in `block`, and the lowering for more.  Symbols are loaded from
+    their places."""
+    small = len(reachable(nodes)) <= _LARGEST_PLAN
+    if small:
+        nodes = factored(places.graph, nodes)
+    known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
+    lowering = Lowering(block, known, plan(nodes) if small else None)
+    return lowering, lowering(nodes)
