@@ -56,8 +56,8 @@ class Entry:
     """One name of an instance."""
 
     __slots__ = (
-        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "path", "source",
-        "state", "subscript", "value",
+        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "path", "size",
+        "source", "state", "subscript", "value",
     )  # fmt: skip
 
     def __init__(
@@ -74,6 +74,7 @@ class Entry:
         self.modifiers: list[Modifier] = []
         self.elements: dict[tuple[int, ...], Entry] | None = None
         self.subscript: tuple[int, ...] = ()
+        self.size: int | None = None  # rows of a constraint that is a vector
         self.state = "new"  # running, done, poisoned
         self.value: Value | None = None
         self.nouns: list[nouns.Noun] = []
@@ -97,7 +98,7 @@ class Instance:
         self.entries: dict[str, Entry] = {}
         self.items: list[Item] = []  # in order of declaration
         self.effects: dict[str, tree.Effect] = {}
-        self.unused: dict[str, str] = {}  # name of a declaration -> the unused effect that holds it
+        self.unused: dict[str, str] = {}  # name of a declaration that is not there -> why
         self.scenes: list[tuple[tree.Scene, Namespace]] = []
         self.conditions: list[tuple[tree.Condition, Environment]] = []
 

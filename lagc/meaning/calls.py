@@ -1,0 +1,167 @@
+"""Calls: functions of the model, of packages, and those that are there."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.frontend import tree
+from lagc.meaning import functions, motion, rotations
+from lagc.meaning.constants import dotted, space_only
+from lagc.meaning.context import Context
+from lagc.meaning.evaluate import each, evaluate, evaluate_as, find
+from lagc.meaning.functions import RESERVED, Argument, Builtin
+from lagc.meaning.quantitytypes import type_of
+from lagc.meaning.scope import Environment
+from lagc.meaning.types import CONSTANTS
+from lagc.meaning.values import Scalar, Thing, Value, Wrong, expect, flat, kind
+
+BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
+
+DEEPEST = 64  # functions within functions
+LONGEST = 64  # arguments of one call
+
+
+def call(context: Context, e: tree.Call, environment: Environment) -> Value:
+    """The value of a call.  Raises Wrong."""
+    if len(e.arguments) > LONGEST:
+        raise Wrong("LAG0209", f"a call of more than {LONGEST} arguments", e.span)
+    own = _declared(context, e.function, environment)
+    if own is not None:
+        return _inline(context, e, environment, *own)
+    name = e.function.name if isinstance(e.function, tree.Name) else ""
+    builtin = BUILTINS.get(name)
+    if builtin is None:
+        raise _unknown(name, e, environment)
+    arguments = match(e, builtin.parameters, builtin.required, f"`{name}`")
+    values = each(context, [lambda a=a: evaluate(context, a, environment) for a in arguments if a is not None])  # type: ignore[misc]
+    filled = iter(values)
+    given = [None if a is None else Argument(next(filled), a.span) for a in arguments]
+    return _applied(context, builtin, e, given)
+
+
+def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
+    try:
+        return builtin.apply(context, e.span, *given)
+    except (ZeroDivisionError, OverflowError, ValueError):
+        raise Wrong("LAG0309", "this has no finite value", e.span) from None
+
+
+def match(
+    e: tree.Call, parameters: tuple[str, ...], required: int, who: str
+) -> list[tree.Expression | None]:
+    """The arguments of a call in the order of the parameters; None for one left out.
+
+    A last parameter called `*` takes all that is left.  Raises Wrong.
+    """
+    found: dict[str, tree.Expression] = {}
+    many: list[tree.Expression | None] = []
+    for position, argument in enumerate(e.arguments):
+        if argument.value is None or argument.arguments:
+            raise Wrong("LAG0209", "this argument has no value", argument.span)
+        if argument.name is None:
+            if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
+                many.append(argument.value)
+                continue
+            if position >= len(parameters):
+                raise Wrong("LAG0209", f"{who} takes {_count(parameters)}, here are more", argument.span)
+            name = parameters[position]
+        else:
+            name = argument.name
+            if name not in parameters or name == "*":
+                raise Wrong("LAG0209", f"{who} has no argument `{name}`", argument.name_span or argument.span,
+                            did_you_mean(name, parameters))  # fmt: skip
+        if name in found:
+            raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
+        found[name] = argument.value
+    missing = [p for p in parameters[:required] if p not in found and p != "*"]
+    if missing or (required > len(found) + len(many)):
+        lacking = missing[0] if missing else "another"
+        raise Wrong("LAG0210", f"{who} needs the argument `{lacking}`", e.span)
+    ordered = [found.get(p) for p in parameters if p != "*"]
+    return [*ordered, *many]
+
+
+def _count(parameters: tuple[str, ...]) -> str:
+    return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
+
+
+def _declared(
+    context: Context, function: tree.Expression, environment: Environment
+) -> tuple[tree.FunctionDeclaration, Environment] | None:
+    """The user's function that is meant, and where its body is read."""
+    path = dotted(function)
+    if path is None:
+        raise Wrong("LAG0201", "this is not a function", function.span)
+    if len(path) == 1:
+        entry = environment.instance.entries.get(path[0])
+        if entry is not None:
+            if isinstance(entry.source, tree.FunctionDeclaration):
+                return entry.source, entry.environment
+            raise Wrong("LAG0221", f"`{path[0]}` is a {entry.kind}, not a function", function.span,
+                        related=((entry.span, "declared here"),))  # fmt: skip
+        declared = environment.space.lookup(path[0])
+        if declared is None:
+            return None
+    elif path[0] in environment.instance.entries or path[0] in environment.bindings:
+        raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    found, space = environment.space.find(path, function.span, "function")
+    if not isinstance(found, tree.FunctionDeclaration):
+        if len(path) == 1 and path[0] in BUILTINS:
+            return None
+        raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    return found, space_only(space, found.span)
+
+
+def _inline(
+    context: Context, e: tree.Call, environment: Environment, function: tree.FunctionDeclaration, home: Environment
+) -> Value:
+    names = tuple(name for _, name, _ in function.parameters)
+    arguments = match(e, names, len(names), f"`{function.name}`")
+    types = [type_of(t, home.space) for t, _, _ in function.parameters]
+    values: list[Value] = each(context, [
+        lambda a=a, t=t: evaluate_as(context, a, environment, t.dimension) for a, t in zip(arguments, types)  # type: ignore[misc]
+    ])  # fmt: skip
+    for value, meant, argument, (_, name, span) in zip(values, types, arguments, function.parameters):
+        assert argument is not None
+        for scalar in flat(value, argument.span, f"the argument `{name}`"):
+            try:
+                expect(scalar.dimension, meant.dimension, argument.span, f"the argument `{name}`")
+            except Wrong as wrong:
+                fault = wrong.fault
+                raise Wrong(fault.code, fault.message, fault.span, related=((span, "declared here"),)) from None
+    if context.calls >= DEEPEST:
+        raise Wrong("LAG0225", f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}", e.span,
+                    related=((function.name_span, "declared here"),))  # fmt: skip
+    context.calls += 1
+    try:
+        inner = Environment(home.instance, home.space, dict(zip(names, values)))
+        return evaluate(context, function.body, inner)
+    finally:
+        context.calls -= 1
+
+
+def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
+    span = e.function.span
+    if name in RESERVED:
+        return Wrong("LAG0220", f"`{name}` is part of the language, but not yet of this version", span)
+    if name in environment.instance.unused:
+        return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
+    if name in ("Particle", "Solid", "Gravity"):
+        return Wrong("LAG0221", f"`{name}` is the value of a whole declaration, not of an expression", span,
+                     f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`")  # fmt: skip
+    functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
+    return Wrong("LAG0201", f"there is no function `{name}`", span,
+                 did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]))  # fmt: skip
+
+
+def is_known(context: Context, name: str, environment: Environment, span: Span) -> bool:
+    """Whether a name means anything here."""
+    return name in CONSTANTS or find(context, name, environment, span) is not None
+
+
+def thing_of(value: Value, kinds: tuple[str, ...], span: Span, what: str) -> Thing:
+    """A declaration of one of the given kinds.  Raises Wrong."""
+    if isinstance(value, Thing) and value.entry.kind in kinds:
+        return value
+    said = "a number" if isinstance(value, Scalar) else kind(value)
+    raise Wrong("LAG0221", f"{what}, this is {said}", span)

@@ -1,0 +1,187 @@
+"""Functions of motion: positions, velocities, time derivatives, and what only a run knows."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.faults import Span
+from lagc.expr import vectors
+from lagc.expr.graph import Node
+from lagc.meaning.clock import BIT, LATE, VELOCITY
+from lagc.meaning.context import Context
+from lagc.meaning.functions import Argument, Table
+from lagc.meaning.model import Body, Constraint, Frame, Potential
+from lagc.meaning.units import ENERGY, KG, NONE, POWER, M, S, Dimension, dimension, over, times
+from lagc.meaning.units import unit as unit_of
+from lagc.meaning.values import Array, Scalar, Thing, Value, Wrong, expect, kind, scalar_of, vector_of, vector_value
+
+TABLE = Table()
+
+SPEED = over(M, S)
+TURN = over(NONE, S)
+MOMENTUM = times(KG, SPEED)
+ANGULAR_MOMENTUM = dimension(kg=1, m=2, s=-1)
+
+
+def derivative(context: Context, node: Node, span: Span) -> Node:
+    """d(node)/dt.  Raises Wrong for what has none that is known."""
+    mask = context.clock.mask(node)
+    if mask & BIT["input"]:
+        raise Wrong("LAG0311", "the time derivative of an input is not known", span,
+                    "write it as a function of `time`")  # fmt: skip
+    if mask & LATE:
+        raise Wrong("LAG0219", "the time derivative of an acceleration or of a reaction is not known", span)
+    return context.clock.derivative(node)
+
+
+@TABLE.enter("der", "x")
+def _der(context: Context, span: Span, x: Argument) -> Value:
+    def one(value: Value) -> Value:
+        if isinstance(value, Array):
+            return Array(tuple([one(element) for element in value.elements]))
+        if not isinstance(value, Scalar):
+            raise Wrong("LAG0307", f"`der` takes a number or a vector, this is {kind(value)}", x.span)
+        found = derivative(context, value.node, x.span)
+        return Scalar(found, None if value.dimension is None else over(value.dimension, S))
+
+    return one(x.value)
+
+
+@TABLE.enter("position", "of")
+def _position(context: Context, span: Span, of: Argument) -> Value:
+    vector, found = vector_of(of.value, of.span, "what has a position")
+    expect(found, M, of.span, "a position")
+    return vector_value(vector, M)
+
+
+def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.Vector:
+    """Of a point or a centre of mass; with `at`, of the body's material point that is there."""
+    if isinstance(of.value, Body) and at is None:
+        return of.value.velocity
+    vector, found = vector_of(of.value, of.span, "what has a velocity")
+    expect(found, M, of.span, "a position")
+    if at is None:
+        x, y, z = (derivative(context, node, of.span) for node in vector)
+        return (x, y, z)
+    body = of.value
+    if not isinstance(body, Body) or body.frame is None:
+        raise Wrong("LAG0221", "`at` names a point of a solid, this is no solid", of.span)
+    place, there = vector_of(at.value, at.span, "a point")
+    expect(there, M, at.span, "a point")
+    spin = vectors.matvec(body.frame.axes, body.frame.angular_velocity)
+    return vectors.add(body.velocity, vectors.cross(spin, vectors.sub(place, body.position)))
+
+
+@TABLE.enter("velocity", "of", "at", required=1)
+def _velocity(context: Context, span: Span, of: Argument, at: Argument | None) -> Value:
+    return vector_value(velocity_of(context, of, at), SPEED)
+
+
+@TABLE.enter("acceleration", "of")
+def _acceleration(context: Context, span: Span, of: Argument) -> Value:
+    x, y, z = (derivative(context, node, of.span) for node in velocity_of(context, of, None))
+    return vector_value((x, y, z), over(SPEED, S))
+
+
+@TABLE.enter("angular_velocity", "of")
+def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
+    frame = of.value.frame if isinstance(of.value, Body) else of.value
+    if not isinstance(frame, Frame):
+        raise Wrong("LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span)
+    return vector_value(vectors.matvec(frame.axes, frame.angular_velocity), TURN)
+
+
+# -- quantities that only a run knows ------------------------------------------------------------
+
+
+def _quantity(context: Context, name: str, meant: Dimension) -> Scalar:
+    return Scalar(context.graph.symbol("quantity", name), meant)
+
+
+def _quantities(context: Context, name: str, meant: Dimension) -> Value:
+    return Array(tuple([_quantity(context, f"{name}.{axis}", meant) for axis in "xyz"]))
+
+
+@TABLE.enter("energy")
+def _energy(context: Context, span: Span) -> Value:
+    return _quantity(context, "energy()", ENERGY)
+
+
+@TABLE.enter("kinetic", "of", required=0)
+def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
+    if of is None:
+        return _quantity(context, "kinetic()", ENERGY)
+    body = of.value
+    if not isinstance(body, Body):
+        raise Wrong("LAG0221", f"a body has a kinetic energy, this is {kind(body)}", of.span)
+    total = 0.5 * body.mass * vectors.dot(body.velocity, body.velocity)
+    if body.frame is not None and body.inertia is not None:
+        spin = body.frame.angular_velocity
+        total = total + 0.5 * vectors.dot(spin, vectors.matvec(body.inertia, spin))
+    return Scalar(total, ENERGY)
+
+
+@TABLE.enter("potential", "of", required=0)
+def _potential(context: Context, span: Span, of: Argument | None) -> Value:
+    if of is None:
+        return _quantity(context, "potential()", ENERGY)
+    nouns = of.value.entry.nouns if isinstance(of.value, Thing) else []
+    energies = [noun.energy for noun in nouns if isinstance(noun, Potential)]
+    if not energies:
+        raise Wrong("LAG0221", f"`potential` takes a potential, this is {kind(of.value)}", of.span)
+    return Scalar(context.graph.sum(energies), ENERGY)
+
+
+@TABLE.enter("momentum", "of", required=0)
+def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
+    if of is None:
+        return _quantities(context, "momentum()", MOMENTUM)
+    if isinstance(of.value, Body):
+        return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
+    scalar = scalar_of(of.value, of.span, "what has a momentum")
+    symbol = scalar.node.value
+    if scalar.node.op != "symbol" or not isinstance(symbol, tuple) or symbol[0] != "coordinate" or scalar.dimension is None:
+        raise Wrong("LAG0221", "a coordinate or a body has a momentum, this is neither", of.span)
+    return _quantity(context, f"momentum({symbol[1]})", over(times(ENERGY, S), scalar.dimension))
+
+
+@TABLE.enter("angular_momentum", "of", required=0)
+def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Value:
+    if of is None:
+        return _quantities(context, "angular_momentum()", ANGULAR_MOMENTUM)
+    body = of.value
+    if not isinstance(body, Body):
+        raise Wrong("LAG0221", f"a body has an angular momentum, this is {kind(body)}", of.span)
+    total = vectors.cross(body.position, vectors.scale(body.mass, body.velocity))
+    if body.frame is not None and body.inertia is not None:
+        spin = vectors.matvec(body.inertia, body.frame.angular_velocity)
+        total = vectors.add(total, vectors.matvec(body.frame.axes, spin))
+    return vector_value(total, ANGULAR_MOMENTUM)
+
+
+@TABLE.enter("power", "of")
+def _power(context: Context, span: Span, of: Argument) -> Value:
+    if not isinstance(of.value, Thing) or of.value.entry.kind not in _ACTIONS:
+        raise Wrong("LAG0221", f"a given action has a power, this is {kind(of.value)}", of.span)
+    return _quantity(context, f"power({of.value.entry.path})", POWER)
+
+
+_ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangian")
+
+
+@TABLE.enter("reaction", "of")
+def _reaction(context: Context, span: Span, of: Argument) -> Value:
+    """The multipliers of a constraint; 0 for a row that says nothing."""
+    nouns = of.value.entry.nouns if isinstance(of.value, Thing) and of.value.entry.kind == "constraint" else []
+    if not nouns or not isinstance(nouns[0], Constraint):
+        raise Wrong("LAG0221", f"a constraint has a reaction, this is {kind(of.value)}", of.span)
+    row = nouns[0]
+    assert isinstance(of.value, Thing)
+    found: dict[str, Scalar] = {}
+    for label, unit, residual in zip(row.labels, row.units, row.residuals):
+        work = POWER if context.clock.mask(residual) & VELOCITY else ENERGY
+        meant = over(work, unit_of(unit or "1").dimension)
+        found[label] = Scalar(context.graph.symbol("multiplier", label), meant)
+    size = of.value.entry.size
+    if size is None:
+        return found.get(row.name, Scalar(context.graph.zero, None))
+    none = Scalar(context.graph.zero, None)
+    return Array(tuple([found.get(f"{row.name}[{k + 1}]", none) for k in range(size)]))
