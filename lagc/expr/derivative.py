@@ -106,9 +106,9 @@ def gradient(
     """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero."""
     adjoint: dict[Node, Node] = {}
     live = depends(seeds, wrt)
-    for node, weight in seeds.items():
-        if node in live and not weight.is_zero:
-            adjoint[node] = weight
+    for node, seed in seeds.items():
+        if node in live and not seed.is_zero:
+            adjoint[node] = seed
     for node in sorted(live, key=_index, reverse=True):
         weight = adjoint.get(node)
         if weight is None or weight.is_zero:

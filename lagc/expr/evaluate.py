@@ -32,7 +32,7 @@ def _value(node: Node, known: Mapping[Node, float]) -> float:
         if op == "add":
             return x[0] + x[1]
         if op == "scale":
-            return node.value * x[0]  # type: ignore[operator, no-any-return]
+            return node.value * x[0]  # type: ignore[operator]
         if op == "mul":
             product = 1.0
             for base, exponent in zip(x, node.value):  # type: ignore[call-overload]

@@ -58,7 +58,7 @@ class Node:
     select    (c, x, y)       None          x where c holds, else y
     """
 
-    __slots__ = ("graph", "op", "args", "value", "index")
+    __slots__ = ("args", "graph", "index", "op", "value")
 
     graph: Graph
     op: str
@@ -285,11 +285,8 @@ class Graph:
         c = 1.0
         if x.op == "scale":
             c, x = x.value**n, x.args[0]  # type: ignore[operator]
-        if x.op == "mul":
-            powers = {b: e * n for b, e in zip(x.args, x.value)}  # type: ignore[call-overload]
-        else:
-            powers = {x: n}
-        return self.scale(c, self._monomial(powers))
+        pairs = zip(x.args, x.value) if x.op == "mul" else ((x, 1),)  # type: ignore[call-overload]
+        return self.scale(c, self._monomial({b: e * n for b, e in pairs}))
 
     def pow(self, x: Node, y: Node) -> Node:
         if y.op == "const":

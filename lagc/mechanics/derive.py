@@ -15,6 +15,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.freeterms import free_terms
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
+from lagc.mechanics.redundancy import drop_redundant
 from lagc.mechanics.states import States, build_states
 
 Key = TypeVar("Key", bound=Hashable)
@@ -30,7 +31,7 @@ def derive(model: Model) -> EquationsOfMotion:
     parts = moving_parts(states)
     free = free_terms(states, _with_rates(states))
     acting = act(states)
-    classified = classify(states)
+    classified, dropped = drop_redundant(states, classify(states))
     lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
     totals = energies(states, parts, acting, free, classified, lam)
     matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
@@ -68,8 +69,9 @@ def derive(model: Model) -> EquationsOfMotion:
                 [c.span for c in model.initial_conditions],
             )
         ),
-        outputs=output_equations(states, parts, acting, free, totals, ()),
+        outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
+        dropped=tuple([reason for _, reason in dropped]),
     )
 
 

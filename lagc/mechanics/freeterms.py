@@ -116,7 +116,7 @@ def _check(model: Model, terms: Sequence[Lagrangian]) -> None:
     faults = [
         Fault(
             "LAG0406",
-            f"the term `{term.name}` of the Lagrangian depends on an input, whose time derivative is not known",
+            f"the Lagrangian's term `{term.name}` depends on an input, whose time derivative is not known",
             term.span,
             remedy="write the input's share as a force, a torque or a function of `time`",
         )

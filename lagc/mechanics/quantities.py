@@ -14,7 +14,7 @@ from lagc.mechanics.energy import Energies
 from lagc.mechanics.equations import OutputEquation
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.inertia import Moving
-from lagc.mechanics.states import States, rate_symbols, seeds
+from lagc.mechanics.states import States, key, rate_symbols, seeds
 
 _AXES = ("x", "y", "z")
 
@@ -36,7 +36,7 @@ def output_equations(
     filled: dict[Node, Node] = {}
     quantities = _Quantities(states, parts, acting, free, totals)
     for symbol in asked:
-        kind, name = symbol.value  # type: ignore[misc]
+        kind, name = key(symbol)
         if kind == "quantity":
             filled[symbol] = quantities.value(name)
         elif kind == "multiplier" and name in dropped:
@@ -53,9 +53,9 @@ def _equation(output: Output, node: Node) -> OutputEquation:
 
 def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:
     """d(rate)/dt -> its expression in a (and v), for rates that are no speeds themselves."""
-    names = {f"der({rate.value[1]})": rate for rate in states.rates}  # type: ignore[index]
-    wanted = [s for s in asked if s.value[0] == "acceleration" and s not in states.a]  # type: ignore[index]
-    rates = [states.rates[names[s.value[1]]] for s in wanted]  # type: ignore[index]
+    names = {f"der({key(rate)[1]})": rate for rate in states.rates}
+    wanted = [s for s in asked if key(s)[0] == "acceleration" and s not in states.a]
+    rates = [states.rates[names[key(s)[1]]] for s in wanted]
     return dict(zip(wanted, tangent(states.graph, rates, states.flow)))
 
 
@@ -95,7 +95,7 @@ class _Quantities:
         """dL/d(rate) of a scalar coordinate, or of one body rate, `o.rate.x`."""
         for c in self.states.model.coordinates:
             for rate in rate_symbols(c):
-                if rate.value[1] in (f"der({coordinate})", coordinate):  # type: ignore[index]
+                if key(rate)[1] in (f"der({coordinate})", coordinate):
                     return momenta(self.states, self.parts, self.free, [rate])[rate]
         raise KeyError(coordinate)
 

@@ -53,7 +53,7 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     ]
     if faults:
         raise Refused(faults)
-    still = {rate: graph.zero for rate in rates}
+    still = dict.fromkeys(rates, graph.zero)
     offsets = substitute(graph, [s.expression for s in declared], still)
     pivots = _pivots(model, rows)
     held = set(pivots)

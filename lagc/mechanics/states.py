@@ -115,7 +115,7 @@ def build_states(model: Model) -> States:
     for i, rate in enumerate(rates_in_order):
         speed = chosen.replaces.get(i)
         v.append(rate if speed is None else speed.symbol)
-        v_names.append(rate.value[1] if speed is None else speed.name)  # type: ignore[index]
+        v_names.append(key(rate)[1] if speed is None else speed.name)
         v_units.append(units[i] if speed is None else speed.unit)
     rates = {r: chosen.solved.get(r, r) for r in rates_in_order}
     q: list[Node] = []
@@ -137,7 +137,7 @@ def build_states(model: Model) -> States:
         q=tuple(q),
         v=tuple(v),
         a=tuple([graph.symbol("acceleration", f"der({name})") for name in v_names]),
-        q_names=tuple([x.value[1] for x in q]),  # type: ignore[index]
+        q_names=tuple([key(x)[1] for x in q]),
         v_names=tuple(v_names),
         q_units=tuple(q_units),
         v_units=tuple(v_units),
@@ -158,6 +158,12 @@ def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
         0.5 * (ew * w[1] + ez * w[0] - ex * w[2]),
         0.5 * (ew * w[2] + ex * w[1] - ey * w[0]),
     ]
+
+
+def key(symbol: Node) -> tuple[str, str]:
+    """Kind and name of a symbol."""
+    kind, name = symbol.value  # type: ignore[misc]
+    return kind, name  # type: ignore[has-type]
 
 
 def position_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:

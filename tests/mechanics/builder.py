@@ -188,11 +188,9 @@ class Builder:
         nodes = [self.graph.lift(r) for r in residuals]
         labels = [name] if len(nodes) == 1 else [f"{name}[{k + 1}]" for k in range(len(nodes))]
         kept = [(label, r) for label, r in zip(labels, nodes) if not r.is_zero]
-        self.constraints.append(
-            Constraint(
-                name, tuple(x for x, _ in kept), tuple(r for _, r in kept), ("",) * len(kept), SPAN, SPAN, SPAN
-            )
-        )
+        labels, nodes = [x for x, _ in kept], [r for _, r in kept]
+        units = ("",) * len(kept)
+        self.constraints.append(Constraint(name, tuple(labels), tuple(nodes), units, SPAN, SPAN, SPAN))
 
     def initially(self, residual: Node) -> None:
         self.conditions.append(InitialCondition(residual, SPAN))

@@ -1,0 +1,161 @@
+"""Rows that follow from others whatever the state, and rows that contradict others.
+
+The Jacobian of the rows is reduced, row by row, on a few states chosen at random (`samples`): what
+depends on earlier rows on each of them depends on them always.  A velocity row that follows from
+others is left out, so that the multipliers stay unique; a holonomic one stays, and the run shares
+its force out.  Rows that depend on others but can never hold with them are refused.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.mechanics.constraints import Classified
+from lagc.mechanics.equations import Row
+from lagc.mechanics.manifold import onto
+from lagc.mechanics.samples import samples
+from lagc.mechanics.states import States
+
+_STATES = 3
+_SMALL = 1e-9  # relative; entries that cancel leave about 1e-16, others about 1
+_KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
+
+
+@dataclass
+class _Reduced:
+    """The rows so far on one state: pivot column, entries, and the rows they are made of."""
+
+    state: dict[Node, float]
+    entries: list[dict[int, float]]
+    sizes: list[float] = field(default_factory=list)
+    bases: list[tuple[int, dict[int, float], dict[int, float]]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.sizes = [max(map(abs, row.values()), default=0.0) for row in self.entries]
+
+    def reduce(self, k: int) -> tuple[dict[int, float], dict[int, float]]:
+        """Row k less its part along the rows before, and the rows that part is made of."""
+        row, made = dict(self.entries[k]), {k: 1.0}
+        for pivot, base, combination in self.bases:
+            if pivot in row:
+                factor = row[pivot] / base[pivot]
+                for j, x in base.items():
+                    row[j] = row.get(j, 0.0) - factor * x
+                del row[pivot]
+                for i, x in combination.items():
+                    made[i] = made.get(i, 0.0) - factor * x
+        return row, made
+
+    def depends(self, k: int, row: dict[int, float]) -> bool:
+        return max(map(abs, row.values()), default=0.0) <= _SMALL * self.sizes[k]
+
+    def add(self, row: dict[int, float], made: dict[int, float]) -> None:
+        self.bases.append((max(row, key=lambda j: abs(row[j])), row, made))
+
+
+@dataclass(frozen=True, slots=True)
+class Redundant:
+    """A row that follows from those of index `others`."""
+
+    row: int
+    others: tuple[int, ...]
+
+
+def drop_redundant(
+    states: States, classified: Sequence[Classified]
+) -> tuple[list[Classified], list[tuple[str, str]]]:
+    """The rows that stay, and label and reason of those that do not.
+
+    Raises Refused: LAG0410 rows that can never hold together.
+    """
+    found = dependent_rows(states, [x.row for x in classified])
+    if not found:
+        return list(classified), []
+    spare = {r.row for r in found}
+    independent = [x.row for k, x in enumerate(classified) if k not in spare]
+    verdicts = _verdicts(states, independent, [classified[r.row].row for r in found])
+    faults: list[Fault] = []
+    dropped: dict[int, str] = {}
+    for redundant, verdict in zip(found, verdicts):
+        x = classified[redundant.row]
+        others = [classified[k] for k in redundant.others]
+        if verdict == "contradicts":
+            faults.append(_contradiction(x, others))
+        elif verdict == "follows" and x.row.kind == "velocity":
+            dropped[redundant.row] = _reason(x.row, [y.row for y in others])
+    if faults:
+        raise Refused(faults)
+    kept = [x for k, x in enumerate(classified) if k not in dropped]
+    return kept, [(classified[k].row.label, reason) for k, reason in dropped.items()]
+
+
+def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
+    """The rows whose Jacobian depends on those before, on every state tried."""
+    flat = [node for row in rows for node in row.jacobian.values()]
+    tables: list[_Reduced] = []
+    for sample in samples(states.model, _STATES) if rows else ():
+        values = evaluate(flat, sample)
+        if all(map(math.isfinite, values)):
+            entry = iter(values)
+            tables.append(_Reduced(sample, [{j: next(entry) for j in row.jacobian} for row in rows]))
+    found: list[Redundant] = []
+    for k in range(len(rows) if tables else 0):
+        reduced = [table.reduce(k) for table in tables]
+        if all(table.depends(k, row) for table, (row, _) in zip(tables, reduced)):
+            made = reduced[0][1]
+            sizes = tables[0].sizes
+            others = [i for i, c in made.items() if abs(c) * sizes[i] > _SMALL * sizes[k] and i != k]
+            found.append(Redundant(k, tuple(sorted(others))))
+            continue
+        for table, (row, made) in zip(tables, reduced):
+            if not table.depends(k, row):
+                table.add(row, made)
+    return found
+
+
+def _verdicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[str]:
+    """Of each spare row where the others hold: "follows", "contradicts" or "unknown".
+
+    Asked at the defaults of the parameters and beside them.
+    """
+    seen: list[set[bool]] = [set() for _ in spare]
+    residuals = [row.residual for row in spare]
+    slopes = [node for row in spare for node in row.jacobian.values()]
+    for vary in (False, True):
+        for sample in samples(states.model, _STATES, vary):
+            state = onto(states, independent, sample)
+            if state is None:
+                continue
+            values = evaluate([*residuals, *slopes], state)
+            entries = iter(values[len(spare) :])
+            for k, row in enumerate(spare):
+                size = max([abs(next(entries)) for _ in row.jacobian], default=1.0) or 1.0
+                seen[k].add(abs(values[k]) <= _KEPT * size)
+    names = {frozenset([True]): "follows", frozenset([False]): "contradicts"}
+    return [names.get(frozenset(answers), "unknown") for answers in seen]
+
+
+def _reason(row: Row, others: Sequence[Row]) -> str:
+    if not others:
+        return f"row `{row.label}` is left out: it holds whatever the motion"
+    return f"row `{row.label}` is left out: it follows from {_labels(others)}"
+
+
+def _contradiction(x: Classified, others: Sequence[Classified]) -> Fault:
+    names = _labels([y.row for y in others])
+    return Fault(
+        "LAG0410",
+        f"the constraint `{x.row.label}` contradicts {names}: they restrict the same motion differently",
+        x.constraint.span,
+        tuple((y.constraint.span, f"`{y.row.label}`") for y in others),
+        remedy="remove one of them or make them agree",
+    )
+
+
+def _labels(rows: Sequence[Row]) -> str:
+    return ", ".join(f"`{row.label}`" for row in rows)
