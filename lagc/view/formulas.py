@@ -11,8 +11,8 @@ from fractions import Fraction
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, scaled
-from lagc.view.trigonometry import shorten
+from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, divided, scaled
+from lagc.view.trigonometry import shorten, unit_quaternion
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ def _kinematic(equations: EquationsOfMotion, collector: Collector) -> list[Formu
     known = [(i, e) for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
     formulas = []
     for (i, _), p in zip(known, collector.algebra.polynomials([e for _, e in known])):
-        right = collector.collect(shorten(collector.algebra, p))
+        right = collector.factored(tidy(equations, collector.algebra, p))
         left = collector.collect(collector.algebra.single(collector.algebra.symbol(equations.q[i])))
         formulas.append(Formula("kinematic", equations.q_names[i], left, right))
     return formulas
@@ -114,13 +114,22 @@ def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[P
         total = algebra.add(total, scaled(force, Fraction(-1)))
         for entry, a in terms:
             e, s = algebra.polynomials([entry, a])
-            total = algebra.add(total, algebra.multiply(shorten(algebra, e), s))
+            total = algebra.add(total, algebra.multiply(tidy(equations, algebra, e), s))
         for row, lam in zip(equations.rows, equations.lam):
             if i in row.jacobian:
                 e, s = algebra.polynomials([row.jacobian[i], lam])
                 total = algebra.add(total, scaled(algebra.multiply(e, s), Fraction(-1)))
-        found.append(shorten(algebra, total))
+        found.append(tidy(equations, algebra, total))
     return found
+
+
+def tidy(equations: EquationsOfMotion, algebra: Algebra, p: Polynomial) -> Polynomial:
+    """`p` by the identities of trigonometry and of unit quaternions."""
+    p = shorten(algebra, p)
+    for i in equations.quaternions:
+        w, x, y, z = [algebra.symbol(q) for q in equations.q[i : i + 4]]
+        p = unit_quaternion(algebra, p, (w, x, y, z))
+    return p
 
 
 def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
@@ -128,7 +137,9 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     formulas = []
     for row, p in zip(equations.rows, algebra.polynomials([row.residual for row in equations.rows])):
         kind = "position" if row.kind == "holonomic" else "velocity"
-        left = collector.collect(collector.cancel(shorten(algebra, p)))
+        p = tidy(equations, algebra, p)
+        by_rate = row.kind == "velocity" and row.linear
+        left = collector.collect(p, sorted(collector.rates)) if by_rate else collector.collect(p)
         formulas.append(Formula(kind, row.label, left, ZERO))
     return formulas
 
@@ -155,29 +166,50 @@ class Collector:
         powers = self.algebra.multiply({tuple(sorted((a, -e) for a, e in factor.items())): 1 / c}, p)
         return powers
 
-    def collect(self, p: Polynomial) -> Sum:
-        heads = [*self.leading, *self.trailing]
+    def collect(self, p: Polynomial, leading: Sequence[int] | None = None) -> Sum:
+        """`p` with the terms of each atom of `leading` (the accelerations) gathered and put first."""
+        leading = self.leading if leading is None else leading
+        heads = [*leading, *self.trailing]
         parts: dict[int | None, Polynomial] = {}
         for monomial, c in p.items():
             head = next((a for a, e in monomial if e == 1 and a in heads), None)
             rest = tuple([(a, e) for a, e in monomial if a != head])
             parts.setdefault(head, {})[rest] = c
         terms: list[Product] = []
-        for head in (*self.leading, None, *self.trailing):
-            if head in parts:
-                terms += self._headed(head, self._gathered(parts[head]))
+        for head in (*leading, None, *self.trailing):
+            if head is None and None in parts:
+                terms += sorted(self._gathered(parts[None]), key=self._is_constant)
+            elif head in parts:
+                terms.append(self._headed(head, parts[head]))
         return Sum(tuple(terms))
 
-    def _headed(self, head: int | None, terms: list[Product]) -> list[Product]:
-        if head is None:
-            return terms
+    def _headed(self, head: int | None, p: Polynomial) -> Product:
+        """p*head, with what the terms of p share before a sum in parentheses."""
+        assert head is not None
+        if len(p) > 1:
+            c, shared, p = self._shared(p)
+        else:
+            c, shared = Fraction(1), ()
+        terms = self._gathered(p)
         if len(terms) == 1:
-            return [Product(terms[0].coefficient, (*terms[0].factors, (head, 1)))]
-        sign = Fraction(1)
+            (term,) = terms
+            return Product(c * term.coefficient, (*sorted((*shared, *term.factors), key=_sums_last), (head, 1)))
         if terms[0].coefficient < 0:
-            sign = Fraction(-1)
-            terms = [Product(-t.coefficient, t.factors) for t in terms]
-        return [Product(sign, ((Sum(tuple(terms)), 1), (head, 1)))]
+            c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
+        return Product(c, (*shared, (Sum(tuple(terms)), 1), (head, 1)))
+
+    def _shared(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
+        """The number and the parameters that all terms of p share, and the rest."""
+        c, common, _ = self.algebra.content(p)
+        powers = {a: e for a, e in common if a in self.parameters}
+        return c, tuple(powers.items()), {divided(m, powers): value / c for m, value in p.items()}
+
+    def factored(self, p: Polynomial) -> Sum:
+        """As `collect`, with a number that all terms share before one pair of parentheses."""
+        c = self.algebra.content(p)[0]
+        if len(p) < 2 or abs(c) == 1:
+            return self.collect(p)
+        return Sum((Product(c, ((self.collect(scaled(p, 1 / c)), 1),)),))
 
     def _gathered(self, p: Polynomial) -> list[Product]:
         """Terms with the same coordinates and speeds become one, with a sum of parameters before."""
@@ -201,6 +233,9 @@ class Collector:
             factors.append((Sum(inner), 1))
         return Product(c, (*factors, *sorted(mine, key=self._factor_key)))
 
+    def _is_constant(self, product: Product) -> bool:
+        return all(isinstance(f, Sum) or f in self.parameters for f, _ in product.factors)
+
     def _factor_key(self, factor: tuple[int, Exponent]) -> tuple[int, int]:
         """In a product: parameters, coordinates, functions, rates."""
         atom, _ = factor
@@ -215,6 +250,10 @@ class Collector:
         degree = sum([e for a, e in monomial if a in self.rates])
         functions = len([a for a, _ in monomial if self.algebra.atoms[a].op != "symbol"])
         return (last, head, -degree, functions, monomial)
+
+
+def _sums_last(factor: tuple[int | Sum, Exponent]) -> bool:
+    return isinstance(factor[0], Sum)
 
 
 def names(equations: EquationsOfMotion) -> dict[Node, Name]:

@@ -106,3 +106,20 @@ def _trig(algebra: Algebra, op: str, u: Polynomial) -> Polynomial:
     if not frozen(u):
         return {(): Fraction(1)} if op == "cos" else {}
     return algebra.function(op, u)
+
+
+def unit_quaternion(algebra: Algebra, p: Polynomial, parts: tuple[int, int, int, int]) -> Polynomial:
+    """`p` by w^2 + x^2 + y^2 + z^2 = 1 of the four atoms `parts`, where that leaves fewer terms."""
+    best = p
+    for eliminated in parts:
+        square: Polynomial = {(): Fraction(1)} | {((a, 2),): Fraction(-1) for a in parts if a != eliminated}
+        candidate: Polynomial = {}
+        for monomial, c in p.items():
+            e = dict(monomial).get(eliminated, 0)
+            times = int(e) // 2 if e > 0 else 0
+            part = {_exchange(monomial, [(eliminated, -2 * times)]): c}
+            for m, value in algebra.multiply(part, algebra.power(square, times)).items():
+                accumulate(candidate, m, value)
+        if len(candidate) < len(best):
+            best = candidate
+    return best

@@ -1,0 +1,71 @@
+"""The equations of motion as a person would write them: text, LaTeX, or a SymPy script.
+
+    M a + h - tau - G^T lam = 0,  phi = 0,  psi = 0,  q' = N v + n where speeds are declared
+
+each up to a factor that is a number or a product of parameters.
+"""
+
+from __future__ import annotations
+
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.view.algebra import TooLarge
+from lagc.view.formulas import Formula, Sheet, sheet
+from lagc.view.text import TextWriter
+
+TITLES = {
+    "kinematic": "kinematics",
+    "motion": "equations of motion",
+    "position": "constraints on positions",
+    "velocity": "constraints on velocities",
+}
+
+
+def write(equations: EquationsOfMotion, format: str = "text") -> str:
+    """The equations in `format`: text, latex or sympy.  Where they are too long to be multiplied
+    out, they are written with shared parts named."""
+    try:
+        found = sheet(equations)
+    except TooLarge:
+        from lagc.view.shared import write_shared
+
+        return write_shared(equations, format)
+    if format == "latex":
+        from lagc.view.latex import write_latex
+
+        return write_latex(found)
+    if format == "sympy":
+        from lagc.view.script import write_script
+
+        return write_script(equations, found)
+    return write_text(found)
+
+
+def latex(equations: EquationsOfMotion) -> str:
+    """For a notebook: one displayed block."""
+    return f"$$\n{write(equations, 'latex')}\n$$"
+
+
+def write_text(found: Sheet) -> str:
+    writer = TextWriter(found.algebra, found.names)
+    lines: list[str] = []
+    for kind, formulas in by_kind(found):
+        if len(found.formulas) > 1:
+            lines += ["" if lines else None, f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
+        for formula in formulas:
+            left, right = writer.sum(formula.left), writer.sum(formula.right)
+            lines.append(f"{left}' = {right}" if kind == "kinematic" else f"{left} = {right}")
+    legend = where(found)
+    if legend:
+        lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]
+    return "\n".join(lines)
+
+
+def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
+    kinds = [(kind, [f for f in found.formulas if f.kind == kind]) for kind in TITLES]
+    return [(kind, formulas) for kind, formulas in kinds if formulas]
+
+
+def where(found: Sheet) -> list[tuple[str, str]]:
+    """(short, full) of the names that were shortened and are seen in the formulas."""
+    names = {(n.base, n.full) for node, n in found.names.items() if n.base != n.full and n.full != "time"}
+    return sorted(names)
