@@ -12,7 +12,7 @@ from lagc.frontend import tree
 from lagc.meaning.clock import Clock
 from lagc.meaning.model import Frame
 from lagc.meaning.namespace import Importer
-from lagc.meaning.scope import LARGEST, Entry, Environment, Instance
+from lagc.meaning.scope import LARGEST, Entry, Environment
 from lagc.meaning.values import Poisoned, Value, Wrong
 
 if TYPE_CHECKING:
@@ -49,6 +49,8 @@ class Context:
         self.starts: dict[str, Given] = {}
         self.taken: set[str] = set()
         self.effects: dict[str, tree.Effect] = {}  # by full name
+        self.mentioned: list[tuple[tree.Name, str]] = []  # effects named by `unless`, with the instance's path
+        self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.faults: list[Fault] = []
         self.count = 0
         self.calls = 0  # functions within functions

@@ -1,0 +1,338 @@
+"""A model declaration to an instance: inheritance, effects, loops, instances within."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.frontend import tree
+from lagc.meaning.context import Context
+from lagc.meaning.evaluate import integer, integers
+from lagc.meaning.namespace import Namespace
+from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
+from lagc.meaning.units import NONE
+from lagc.meaning.values import Indexed, Part, Poisoned, Scalar, Wrong
+
+ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
+_LATER = {"joint": "joints", "friction": "friction"}
+
+
+class Builder:
+    """Registers the declarations of one instance, and of the instances within it."""
+
+    def __init__(self, context: Context, instance: Instance, modifiers: Modifiers):
+        self.context = context
+        self.instance = instance
+        self.modifiers = modifiers
+        self.used: set[str] = set()  # modifiers that met their declaration
+        self.bases: list[tree.ModelDeclaration] = []
+        self.pending: list[tuple[tree.Declaration, Environment, str | None, list[Item]]] = []
+
+    def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
+        self._body_of(declaration, space)
+        for job in self.pending:
+            self._attempt(lambda job=job: self._unfold(*job), job[0].span)  # type: ignore[misc]
+        for name, given in self.modifiers.items():
+            if name not in self.used:
+                self.context.report(self._unknown_modifier(name, given[0]))
+
+    def _attempt(self, job: object, span: Span) -> None:
+        try:
+            job()  # type: ignore[operator]
+        except Wrong as wrong:
+            self.context.report(wrong)
+        except Poisoned:
+            return
+
+    # -- what is there at once -------------------------------------------------------------
+
+    def _body_of(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
+        if any(base is declaration for base in self.bases):
+            raise Wrong("LAG0205", f"`{declaration.name}` extends itself", declaration.name_span)
+        if len(self.bases) >= DEEPEST:
+            raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
+        self.bases.append(declaration)
+        inner = Namespace(declaration.body, space, self.context.importer)
+        self._register(declaration.body, Environment(self.instance, inner), None, self.instance.items)
+        self.bases.pop()
+
+    def _register(
+        self, body: Iterable[tree.Declaration], environment: Environment, effect: str | None, items: list[Item]
+    ) -> None:
+        for declaration in body:
+            self._attempt(lambda d=declaration: self._one(d, environment, effect, items), declaration.span)  # type: ignore[misc]
+
+    def _one(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+        excluded = self._excluded(d)
+        if excluded is not None:
+            for name in names_of(d):
+                self.instance.unused.setdefault(name, f"is left out where the effect `{excluded}` is used")
+        elif isinstance(d, tree.Quantities):
+            for declarator in d.declarators:
+                self._enter(d.kind, declarator.name, d, declarator, environment, effect, items)
+        elif isinstance(d, tree.FunctionDeclaration):
+            self._enter("function", d.name, d, d, environment, effect, items)
+        elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
+            self._construct(d, environment, effect, items)
+        elif isinstance(d, tree.Initial):
+            self.instance.conditions += [(condition, environment) for condition in d.conditions]
+        elif isinstance(d, tree.Effect):
+            self._effect(d, environment, items)
+        elif isinstance(d, tree.Extends):
+            self._extends(d, environment)
+        elif isinstance(d, tree.ForLoop | tree.Instance):
+            self._postpone(d, environment, effect, items)
+        elif isinstance(d, tree.Scene):
+            self.instance.scenes.append((d, environment.space))
+        elif isinstance(d, tree.When):
+            raise Wrong("LAG0220", "`when` is part of the language, but not yet of this version", d.span)
+        elif isinstance(d, tree.Start | tree.Simulate):
+            raise Wrong("LAG0221", "this belongs into a scene", d.span, "write it between `scene ... uses ...` and `end`")
+
+    def _excluded(self, d: tree.Declaration) -> str | None:
+        for name in getattr(d, "unless", ()):
+            if self._uses(name.name):
+                return str(name.name)
+            self.context.mentioned.append((name, self.instance.path))
+        return None
+
+    def _uses(self, name: str) -> bool:
+        return name in self.context.uses or self.instance.path + name in self.context.uses
+
+    def _enter(
+        self, kind: str, name: str, d: tree.Declaration, source: Source, environment: Environment,
+        effect: str | None, items: list[Item],
+    ) -> Entry:  # fmt: skip
+        self.context.grow(source.span)
+        entry = Entry(kind, name, d, source, environment, effect)
+        first = self.instance.entries.get(name)
+        if first is not None:
+            raise self._twice(name, entry.span, first.span)
+        entry.modifiers = self.modifiers.get(name, [])
+        self.used.add(name)
+        self.instance.entries[name] = entry
+        items.append(entry)
+        return entry
+
+    def _twice(self, name: str, span: Span, first: Span) -> Wrong:
+        return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
+
+    def _construct(
+        self, d: tree.Construct | tree.Load | tree.Constraint, environment: Environment, effect: str | None,
+        items: list[Item],
+    ) -> None:  # fmt: skip
+        kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
+        if kind in _LATER:
+            raise Wrong("LAG0220", f"{_LATER[kind]} are part of the language, but not yet of this version", d.span)
+        if not d.index:
+            self._enter(kind, d.name, d, d, environment, effect, items)
+            return
+        container = self.instance.entries.get(d.name)
+        if container is None:
+            container = self._enter(kind, d.name, d, d, environment, effect, [])
+            container.elements = {}
+            container.state, container.value = "done", Indexed(container)
+        if container.elements is None or container.kind != kind:
+            raise self._twice(d.name, d.name_span, container.span)
+        self._postpone(d, environment, effect, items)
+
+    def _effect(self, d: tree.Effect, environment: Environment, items: list[Item]) -> None:
+        path = self.instance.path + d.name
+        if path in self.context.effects:
+            raise self._twice(d.name, d.name_span, self.context.effects[path].name_span)
+        self.context.effects[path] = d
+        self.instance.effects[d.name] = d
+        for declaration in d.body:
+            if isinstance(declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration):
+                raise Wrong("LAG0221", "this does not belong into an effect", declaration.span)
+        if self._uses(d.name):
+            self._register(d.body, environment, d.name, items)
+            return
+        for declaration in d.body:
+            for name in names_of(declaration):
+                self.instance.unused.setdefault(name, f"belongs to the effect `{d.name}`, which the scene does not use")
+                self.used.add(name)
+
+    def _extends(self, d: tree.Extends, environment: Environment) -> None:
+        found, space = environment.space.find(d.path, d.path_span, "model")
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0204", f"`{'.'.join(d.path)}` is not a model", d.path_span)
+        for name, given in modifiers_of(d.arguments, environment).items():
+            self.modifiers.setdefault(name, []).extend(given)
+        self._body_of(found, space)
+
+    def _postpone(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+        """What needs values to be unfolded keeps its place in the order of declaration."""
+        place: list[Item] = []
+        items.append(place)
+        if isinstance(d, tree.Instance):
+            for declarator in d.declarators:
+                known = self.instance.entries.get(declarator.name)
+                if known is not None:
+                    raise self._twice(declarator.name, declarator.name_span, known.span)
+                self._enter("instance", declarator.name, d, declarator, environment, effect, [])
+        self.pending.append((d, environment, effect, place))
+
+    # -- what is unfolded when sizes can be asked for -------------------------------------------
+
+    def _unfold(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+        if isinstance(d, tree.ForLoop):
+            self._loop(d, environment, effect, items)
+        elif isinstance(d, tree.Instance):
+            for declarator in d.declarators:
+                entry = self.instance.entries[declarator.name]
+                if entry.source is declarator:
+                    self._attempt(lambda e=entry: self._instance(d, e, effect, items), declarator.span)  # type: ignore[misc]
+        elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
+            self._element(d, environment, effect, items)
+
+    def _loop(self, d: tree.ForLoop, environment: Environment, effect: str | None, items: list[Item]) -> None:
+        for declaration in d.body:
+            if isinstance(declaration, tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial):
+                continue
+            remedy = "declare an array before the loop, `coordinate Angle th[n];`" if isinstance(declaration, tree.Quantities) else None
+            raise Wrong("LAG0221", "this does not belong into a loop", declaration.span, remedy)
+        for number in integers(self.context, d.range, environment):
+            self.context.grow(d.span)
+            value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)
+            inner = environment.bind({d.variable: value})
+            first = len(self.pending)
+            for declaration in d.body:
+                self._one(declaration, inner, effect, items)
+            jobs, self.pending[first:] = self.pending[first:], []
+            for job in jobs:
+                self._unfold(*job)
+
+    def _element(
+        self, d: tree.Construct | tree.Load | tree.Constraint, environment: Environment, effect: str | None,
+        items: list[Item],
+    ) -> None:  # fmt: skip
+        container = self.instance.entries[d.name]
+        assert container.elements is not None
+        numbers = tuple([integer(self.context, i, environment, "a subscript") for i in d.index])
+        self.context.grow(d.span)
+        entry = Entry(container.kind, d.name, d, d, environment, effect)
+        entry.path += f"[{','.join(str(n) for n in numbers)}]"
+        entry.subscript = numbers
+        first = container.elements.get(numbers)
+        if first is not None:
+            raise self._twice(entry.path, d.name_span, first.span)
+        container.elements[numbers] = entry
+        items.append(entry)
+
+    def _instance(self, d: tree.Instance, entry: Entry, effect: str | None, items: list[Item]) -> None:
+        source = entry.source
+        assert isinstance(source, tree.Declarator)
+        space = entry.environment.space
+        if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
+            if source.dimensions:
+                raise Wrong("LAG0221", f"there are no arrays of `{d.type.path[0]}` declared this way", source.span,
+                            "write `body b[i] = ...;` in a loop")  # fmt: skip
+            entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
+            items.append(entry)
+            return
+        found, where = self._model_of(d, space)
+        if source.value is not None:
+            raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
+        own = modifiers_of(source.arguments, entry.environment)
+        for modifier in entry.modifiers:
+            if modifier.argument.value is not None:
+                raise Wrong("LAG0209", f"`{entry.name}` is an instance of a model, it has no value",
+                            modifier.argument.span)  # fmt: skip
+            for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
+                own[name] = [*given, *own.get(name, [])]
+        sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
+        if not sizes:
+            part = self._nested(found, where, entry.path + ".", own, items)
+            entry.state, entry.value = "done", part
+            return
+        entry.elements = {}
+        entry.state, entry.value = "done", Indexed(entry)
+        for numbers in subscripts(sizes, source.span):
+            element = Entry("instance", entry.name, d, source, entry.environment, effect)
+            element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
+            entry.elements[numbers] = element
+            chosen = {n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()}
+            element.state, element.value = "done", self._nested(found, where, element.path + ".", chosen, items)
+
+    def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
+        try:
+            found, where = space.find(d.type.path, d.type.span, "model or type")
+        except Wrong as wrong:
+            remedy = wrong.fault.remedy or did_you_mean(d.type.path[-1], ELEMENTS)
+            raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
+        if found.partial:
+            raise Wrong("LAG0211", f"`{found.name}` is partial, it can only be extended", d.type.span,
+                        related=((found.name_span, "declared here"),))  # fmt: skip
+        return found, where
+
+    def _nested(
+        self, model: tree.ModelDeclaration, space: Namespace, path: str, modifiers: Modifiers, items: list[Item]
+    ) -> Part:
+        above: Instance | None = self.instance
+        while above is not None:
+            if above.declaration is model:
+                raise Wrong("LAG0205", f"`{model.name}` contains itself", model.name_span)
+            above = above.parent
+        if self.instance.depth >= DEEPEST:
+            raise Wrong("LAG0218", f"instances are nested deeper than {DEEPEST}", model.name_span)
+        inner = instantiate(self.context, model, space, path, modifiers, self.instance)
+        items.append(inner.items)
+        self.context.conditions += inner.conditions
+        return Part(inner)
+
+    def _unknown_modifier(self, name: str, modifier: Modifier) -> Wrong:
+        owner = self.instance.declaration.name
+        span = modifier.argument.name_span or modifier.argument.span
+        return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, did_you_mean(name, self.instance.entries))
+
+
+def instantiate(
+    context: Context, declaration: tree.ModelDeclaration, space: Namespace, path: str, modifiers: Modifiers,
+    parent: Instance | None,
+) -> Instance:  # fmt: skip
+    """The instance of a model under `path` ("" for the main one)."""
+    context.grow(declaration.name_span)
+    instance = Instance(path, declaration, parent, 0 if parent is None else parent.depth + 1)
+    Builder(context, instance, modifiers).build(declaration, space)
+    return instance
+
+
+def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
+    """The arguments of an instance or of `extends`, by name.  Raises Wrong."""
+    found: Modifiers = {}
+    for argument in arguments:
+        if argument.name is None:
+            raise Wrong("LAG0209", "the arguments of a model have names: `name = value`", argument.span)
+        if argument.name in found:
+            raise Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span)
+        found[argument.name] = [Modifier(argument, environment)]
+    return found
+
+
+def names_of(d: tree.Declaration) -> list[str]:
+    """The names that a declaration brings."""
+    if isinstance(d, tree.Quantities | tree.Instance):
+        return [declarator.name for declarator in d.declarators]
+    if isinstance(d, tree.ForLoop):
+        return [name for inner in d.body for name in names_of(inner)]
+    if isinstance(d, tree.Construct | tree.Load | tree.Constraint | tree.FunctionDeclaration):
+        return [d.name]
+    return []
+
+
+def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:
+    """(1, 1), (1, 2) ... of an array.  Raises Wrong."""
+    from lagc.meaning.scope import LARGEST
+
+    found: list[tuple[int, ...]] = [()]
+    for size in sizes:
+        if size < 0:
+            raise Wrong("LAG0207", f"the size of an array is not negative, here it is {size}", span)
+        if len(found) * size > LARGEST:
+            raise Wrong("LAG0218", f"an array of more than {LARGEST} elements", span)
+        found = [(*before, n) for before in found for n in range(1, size + 1)]
+    return found
