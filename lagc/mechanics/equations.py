@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import symbols
 from lagc.meaning.model import Model
 
 
@@ -102,3 +103,57 @@ class EquationsOfMotion:
     outputs: tuple[OutputEquation, ...]
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
+
+    def verify(self) -> None:
+        """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
+        nq, nv = len(self.q), len(self.v)
+        sizes = [
+            ("q", nq, (self.q_names, self.q_units, self.qdot, self.starts_q)),
+            ("v", nv, (self.a, self.v_names, self.v_units, self.starts_v)),
+            ("v", nv, (self.bias_forces, self.given_forces)),
+            ("rows", len(self.rows), (self.lam,)),
+        ]
+        for name, size, arrays in sizes:
+            if any(len(array) != size for array in arrays):
+                raise ValueError(f"an array does not have the length of {name}")
+        if any(not 0 <= j <= i < nv or m.is_zero for (i, j), m in self.mass_matrix.items()):
+            raise ValueError("the mass matrix holds a zero or an entry above the diagonal")
+        if any(not 0 <= i <= nq - 4 for i in self.quaternions):
+            raise ValueError("a quaternion does not fit into q")
+        self._verify_rows()
+        self._verify_leaves()
+
+    def _verify_rows(self) -> None:
+        kinds = [row.kind for row in self.rows]
+        if kinds != sorted(kinds) or not {"holonomic", "velocity"}.issuperset(kinds):
+            raise ValueError("rows are not holonomic first")
+        if len({row.label for row in self.rows}) != len(self.rows):
+            raise ValueError("two rows have the same label")
+        for row in self.rows:
+            if not row.jacobian or any(not 0 <= j < len(self.v) for j in row.jacobian):
+                raise ValueError(f"the Jacobian of {row.label} is empty or too wide")
+            if row.kind == "velocity" and row.residual is not row.rate:
+                raise ValueError(f"the velocity row {row.label} has a rate of its own")
+
+    def _verify_leaves(self) -> None:
+        parameters = {p.symbol for p in self.model.parameters}
+        given = parameters | {u.symbol for u in self.model.inputs} | {self.time}
+        position = given | set(self.q)
+        state = position | set(self.v)
+        late = state | set(self.a) | set(self.lam)
+        phi = [row.residual for row in self.rows if row.kind == "holonomic"]
+        rows = [x for row in self.rows for x in (row.rate, row.gamma, *row.jacobian.values())]
+        works = [x for c in self.contributions for x in (c.power, *c.forces.values())]
+        balance = [self.kinetic, self.energy, *self.rates.values()]
+        forces = [*self.qdot, *self.bias_forces, *self.given_forces, *works]
+        tables: list[tuple[str, list[Node], set[Node]]] = [
+            ("start", [s.value for s in (*self.starts_q, *self.starts_v)], parameters),
+            ("position", [*self.mass_matrix.values(), *phi, self.potential], position),
+            ("state", [*forces, *rows, *balance, *(x for x, _ in self.initial_conditions)], state),
+            ("late", [self.power, *(o.expression for o in self.outputs)], late),
+        ]
+        for name, nodes, allowed in tables:
+            strange = symbols(nodes) - allowed
+            if strange:
+                found = ", ".join(sorted(str(s.value) for s in strange))
+                raise ValueError(f"a {name} expression holds {found}")

@@ -1,0 +1,96 @@
+"""LAG04xx: what the mechanics of a well-formed model forbids."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.catalogue import Entry
+
+_PARTICLE = """\
+model M
+  parameter Mass m = 1 [kg];
+  coordinate Length x, y;
+  body p = Particle(mass = m, at = {x, y, 0});
+"""
+
+
+def _on_particle(lines: str) -> str:
+    return f"{_PARTICLE}{lines}end M;\n"
+
+
+ENTRIES: dict[str, Entry] = {
+    "LAG0401": Entry(
+        "a speed that is not linear in the rates",
+        "A declared speed takes the place of a rate in the equations.  The rates are found from the "
+        "speeds by solving a linear system, so each speed must be a sum of rates, each multiplied by "
+        "something that holds coordinates, parameters and time only.",
+        _on_particle("  speed Velocity u = sqrt(der(x)^2 + der(y)^2);\n"),
+        _on_particle("  speed Velocity u = 3/5*der(x) + 4/5*der(y);\n"),
+    ),
+    "LAG0402": Entry(
+        "speeds that depend on one another",
+        "Declared speeds must be independent combinations of the rates, otherwise the rates cannot be "
+        "found from them.",
+        _on_particle("  speed Velocity u = der(x) + der(y);\n  speed Velocity w = 2*der(x) + 2*der(y);\n"),
+        _on_particle("  speed Velocity u = der(x) + der(y);\n  speed Velocity w = der(x) - der(y);\n"),
+    ),
+    "LAG0403": Entry(
+        "more speeds than rates",
+        "There is one generalized speed for each rate of a coordinate (three for an orientation); more "
+        "cannot be declared.  A further combination of rates can be an `output`.",
+        _on_particle(
+            "  speed Velocity u = der(x);\n  speed Velocity w = der(y);\n  speed Velocity s = der(x) + der(y);\n"
+        ),
+        _on_particle("  speed Velocity u = der(x) + der(y);\n  speed Velocity w = der(x) - der(y);\n"),
+    ),
+    "LAG0404": Entry(
+        "a mass or an inertia that changes",
+        "The laws used here are those of bodies of constant mass; the inertia of a solid is constant in "
+        "the axes of its own frame.",
+        "model M\n  parameter Mass m = 1 [kg];\n  coordinate Length x;\n"
+        "  body p = Particle(mass = m*exp(-time/(1 [s])), at = {x, 0, 0});\nend M;\n",
+        "model M\n  parameter Mass m = 1 [kg];\n  coordinate Length x;\n"
+        "  body p = Particle(mass = m, at = {x, 0, 0});\nend M;\n",
+    ),
+    "LAG0405": Entry(
+        "a body that is placed by an input",
+        "The accelerations of a driven body need the second time derivative of the drive.  An input is "
+        "known by its value only; a drive is an expression of `time`.",
+        "model M\n  parameter Mass m = 1 [kg];\n  input Length u;\n  coordinate Length x;\n"
+        "  body p = Particle(mass = m, at = {x, u, 0});\nend M;\n",
+        "model M\n  parameter Mass m = 1 [kg];\n  parameter Length h = 0.1 [m];\n  coordinate Length x;\n"
+        "  body p = Particle(mass = m, at = {x, h*sin(time/(1 [s])), 0});\nend M;\n",
+    ),
+    "LAG0406": Entry(
+        "a term of the Lagrangian that depends on an input",
+        "Lagrange's equations differentiate the Lagrangian's momenta by time, and the time derivative of "
+        "an input is not known.",
+        _on_particle("  input Mass u;\n  lagrangian extra = u*der(x)*der(y);\n"),
+        _on_particle("  lagrangian extra = 1/2*m*der(x)*der(y);\n"),
+    ),
+    "LAG0407": Entry(
+        "a constraint that depends on an input",
+        "The accelerations that a constraint allows need the time derivatives of all that it holds, and "
+        "those of an input are not known.  A drive is an expression of `time`.",
+        _on_particle("  input Length u;\n  constraint drive: x = u;\n"),
+        _on_particle("  parameter Length h = 0.1 [m];\n  constraint drive: x = h*sin(time/(1 [s]));\n"),
+    ),
+    "LAG0408": Entry(
+        "a constraint that nothing meets",
+        "The two sides differ by a constant, whatever the motion.",
+        _on_particle("  constraint c: x + 1 [m] = x;\n"),
+        _on_particle("  constraint c: x + 1 [m] = y;\n"),
+    ),
+    "LAG0409": Entry(
+        "a constraint that restricts nothing",
+        "The two sides hold no coordinate and no speed, or each of them cancels.  A relation between "
+        "parameters is written as the value of one of them.",
+        _on_particle("  parameter Length a = 1 [m], b = 1 [m];\n  constraint c: a = b;\n"),
+        _on_particle("  parameter Length a = 1 [m];\n  constraint c: x = a;\n"),
+    ),
+    "LAG0410": Entry(
+        "constraints that contradict each other",
+        "The constraint restricts a motion that others restrict already, and it can never hold together "
+        "with them: on every state tried that meets the others it is violated.",
+        _on_particle("  constraint c: x = y;\n  constraint d: x = y + 1 [m];\n"),
+        _on_particle("  constraint c: x = y;\n  constraint d: x + y = 1 [m];\n"),
+    ),
+}
