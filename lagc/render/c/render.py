@@ -1,0 +1,93 @@
+"""Program -> one C header and one C source.
+
+The source holds, in this order: functions that the model uses (HELPERS), the model's own
+functions (`lagc_fn_...`), the parts of the hand-written support that it needs, and the public
+functions.  `lagc_` and `LAGC_` become the model's prefix over the whole text at the end.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+
+from lagc.optimize.program import Interface, Program
+from lagc.render.c import header
+from lagc.render.c.functions import function_text, helpers
+from lagc.render.c.verbs import verbs
+from lagc.render.locals import local_names
+from lagc.render.names import prefix, stem
+
+_FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
+
+
+def render(program: Program) -> dict[str, str]:
+    """File name -> text: `<model>.h` and `<model>.c`, C99 and C++."""
+    interface = program.interface
+    name = stem(interface.model)
+    return {
+        f"{name}.h": _prefixed(_header(program, f"{name}.h"), interface),
+        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h"), interface),
+    }
+
+
+def _header(program: Program, file: str) -> str:
+    interface = program.interface
+    guard = "LAGC_H_"
+    parts = [
+        header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n",
+        header.constants(interface).rstrip("\n") + "\n",
+        '#ifdef __cplusplus\nextern "C" {\n#endif\n',
+        header.parameters(interface),
+        header.statuses(),
+        _types(interface),
+        *(verb.declaration for verb in verbs(program)),
+        _fragment("integrate.h"),
+        f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def _source(program: Program, file: str, own_header: str) -> str:
+    interface = program.interface
+    names = local_names(program, ())
+    fields = dict(enumerate(header.members(interface)))
+    parts = [
+        header.banner(interface, file) + f'#include "{own_header}"\n\n#include <math.h>\n#include <stddef.h>\n',
+        _CONTRACTION,
+        helpers(program),
+        *(function_text(f, names, fields) for f in program.functions.values()),
+        *(_fragment(name) for name in _needed(interface)),
+        *(verb.definition for verb in verbs(program)),
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+_CONTRACTION = """\
+/* a * b + c is two operations here, whatever the machine offers: results do not depend on it.
+ * (gcc: -ffp-contract=off, which -std=c99 implies.) */
+#ifdef __clang__
+#pragma STDC FP_CONTRACT OFF
+#endif
+"""
+
+
+def _types(interface: Interface) -> str:
+    return _fragment("types.h")
+
+
+def _needed(interface: Interface) -> list[str]:
+    """The parts of the support that a model needs, in their order."""
+    return []
+
+
+def _fragment(name: str) -> str:
+    try:
+        with open(os.path.join(_FOLDER, name), encoding="utf-8") as file:
+            return file.read()
+    except FileNotFoundError:
+        return ""
+
+
+def _prefixed(text: str, interface: Interface) -> str:
+    own = prefix(interface.model)
+    return re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))

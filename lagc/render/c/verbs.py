@@ -1,0 +1,160 @@
+"""The public functions of the generated C that ask one thing of the model, and their definitions.
+
+Those that integrate are in the support text.  Only what a model has is written: one without
+constraints has no function for them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from lagc.optimize.program import Interface, Program
+from lagc.render.c.header import members
+from lagc.render.statements import literal
+
+_POINT = "const lagc_params *p, double t, const double *x"
+
+
+@dataclass(frozen=True)
+class Verb:
+    """A public function: what the header says of it, its head, and the lines of its body."""
+
+    comment: str
+    head: str
+    body: str
+
+    @property
+    def declaration(self) -> str:
+        return f"/* {self.comment} */\n{self.head};\n"
+
+    @property
+    def definition(self) -> str:
+        return f"{self.head}\n{{\n{self.body}}}\n"
+
+
+def verbs(program: Program) -> list[Verb]:
+    interface, functions = program.interface, program.functions
+    found = [_default_params(interface)]
+    if "start" in functions:
+        found.append(Verb(
+            "x[NX] as the model gives it: start values, and guesses that the constraints and the\n"
+            " * initial conditions may still have to move.",
+            "void lagc_start(const lagc_params *p, double *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
+    found.append(_rhs())
+    if "system" in functions:
+        found += _system(interface)
+    found += [verb for name, verb in _DIRECT.items() if name in functions]
+    if "outputs" in functions:
+        found.append(_outputs(program))
+    if "power" in functions:
+        found.append(_of_accelerations(program, "power", "e[1] = d(energy)/dt: what the given actions and drives feed in.", "e"))
+    if interface.nc and "scales" in functions:
+        found += _linear(interface)
+    return found
+
+
+def _direct(name: str, comment: str, output: str) -> Verb:
+    return Verb(comment, f"void lagc_{name}({_POINT}, double *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n")
+
+
+_DIRECT = {
+    "energies": _direct("energies", "e[3]: kinetic, potential, and the energy whose balance the work is.", "e"),
+    "position": _direct("position", "phi[NH], the residuals of the holonomic constraints.", "phi"),
+    "velocity": _direct("velocity", "psi[NC], the rates of all constraints.", "psi"),
+    "scales": _direct("scales", "s[NC] > 0: the size of each row's terms; residuals are judged against it.", "s"),
+    "displace": Verb(
+        "dq[NQ] = N(t,q) d for d[NV], an infinitesimal displacement.",
+        f"void lagc_displace({_POINT}, const double *d, double *dq)",
+        "    lagc_fn_displace(p, t, x, d, dq);\n",
+    ),
+    "initial": Verb(
+        "The conditions of the initial section: c[i] = 0, and J = dc/d(q,v) by rows.",
+        f"void lagc_initial({_POINT}, double *c, double *J)",
+        "    lagc_fn_initial(p, t, x, c, J);\n",
+    ),
+}
+
+
+def _default_params(interface: Interface) -> Verb:
+    fields = [*interface.parameters, *interface.inputs]
+    text = "    lagc_params p;\n"
+    for name, field in zip(members(interface), fields):
+        value = "NAN" if field.value is None or math.isnan(field.value) else literal(field.value)
+        text += f"    p.{name} = {value};\n"
+    if not fields:
+        text += "    p.none = 0.0;\n"
+    missing = any(f.value is None for f in fields)
+    return Verb(
+        "The values of the model." + (" NAN where it gives none: set these." if missing else ""),
+        "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
+
+
+def _rhs() -> Verb:
+    return Verb(
+        "xdot[NX] at (t, x), and the multipliers lambda[NC] where lambda is not NULL.",
+        f"lagc_status lagc_rhs({_POINT}, double *xdot, double *lambda, lagc_work *w)",
+        "    return (lagc_status)lagc_rhs_(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+
+
+def _system(interface: Interface) -> list[Verb]:
+    call = "    lagc_system_(p, t, x, w);\n"
+    found = [
+        Verb(
+            "The mass matrix M[NV*NV], all of it.",
+            f"void lagc_mass_matrix({_POINT}, double *M, lagc_work *w)",
+            "    int i, j;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++)\n"
+            "            M[i * LAGC_NV + j] = M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n"),
+        Verb(
+            "r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lambda.",
+            f"void lagc_forces({_POINT}, double *r, lagc_work *w)",
+            "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
+    ]  # fmt: skip
+    if interface.nc:
+        body = "    int i;\n" + call
+        if interface.nh:
+            body += "    if (phi)\n        lagc_fn_position(p, t, x, phi);\n"
+        else:
+            body += "    (void)phi;\n"
+        body += "    if (psi)\n        lagc_fn_velocity(p, t, x, psi);\n"
+        body += "    for (i = 0; G && i < LAGC_NC * LAGC_NV; i++)\n        G[i] = w->G[i];\n"
+        body += "    for (i = 0; gamma && i < LAGC_NC; i++)\n        gamma[i] = w->gamma[i];\n"
+        found.append(Verb(
+            "The constraints: phi[NH], their rates psi[NC], G[NC*NV] by rows and gamma[NC] with\n"
+            " * G a = gamma.  Each may be NULL.",
+            f"void lagc_constraints({_POINT}, double *phi, double *psi,\n"
+            "                      double *G, double *gamma, lagc_work *w)", body))  # fmt: skip
+    return found
+
+
+def _outputs(program: Program) -> Verb:
+    return _of_accelerations(program, "outputs", "y[NY], the outputs of the model.", "y")
+
+
+def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
+    """A function that may need accelerations and multipliers, which the right-hand side gives."""
+    inputs = program.functions[name].inputs
+    given = {"p": "p", "t": "t", "x": "x", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
+    call = f"    lagc_fn_{name}({', '.join(given[i] for i in inputs)}, {output});\n"
+    head = f"lagc_status lagc_{name}({_POINT}, double *{output}, lagc_work *w)"
+    if "a" not in inputs and "lam" not in inputs:
+        return Verb(comment, head, call + "    (void)w;\n" + _unused(inputs) + "    return LAGC_OK;\n")
+    solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"
+    return Verb(comment, head, solved + call + "    return status;\n")
+
+
+def _unused(inputs: tuple[str, ...]) -> str:
+    return "".join(f"    (void){name};\n" for name in ("p", "t", "x") if name not in inputs)
+
+
+def _linear(interface: Interface) -> list[Verb]:
+    return [
+        Verb(
+            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow.",
+            f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
+            "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
+        Verb(
+            "s[NV+NC] = (s1, s2) with M s1 - G^T s2 = r1 and G s1 = r2 for r[NV+NC] = (r1, r2).",
+            "void lagc_solve(const double *r, double *s, lagc_work *w)",
+            "    lagc_solve_(r, s, w);\n"),
+    ]  # fmt: skip

@@ -1,0 +1,60 @@
+"""Statuses, options and results of the integrators: part of every generated Python module."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+# -- what follows is part of generated modules --
+
+OK = 0
+SINGULAR_MASS = 1  # the mass matrix is not positive definite; culprit = index of v
+REDUNDANT = 2  # rows are dependent: solved with least-norm multipliers; culprit = row
+INCONSISTENT = 3  # rows contradict each other; culprit = row
+NOT_FINITE = 4  # NaN or infinity; culprit = index of x
+STEP_UNDERFLOW = 5
+MAX_STEPS = 6
+INTERRUPTED = 7
+FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to integrate one trajectory.
+
+    `method`: "dop853" or "dopri5".  `step` > 0 asks for fixed steps (rtol, atol unused).
+    `first_step` 0: chosen; `max_step` 0: no limit; `max_steps` 0: no limit (accepted and rejected
+    steps).  `project` False leaves the constraints to drift (for tests).
+    """
+
+    method: str = "dop853"
+    rtol: float = 1e-9
+    atol: float = 1e-9
+    step: float = 0.0
+    first_step: float = 0.0
+    max_step: float = 0.0
+    max_steps: int = 0
+    project: bool = True
+
+
+@dataclass
+class Trajectory:
+    """States at the asked times (as many as were reached), and what it took.
+
+    `status` OK, or what stopped it, at time `t` with state `x` (kept) and `culprit`.
+    `position_drift`, `velocity_drift`: largest scaled residuals over the accepted steps.
+    `fallbacks`: linear solves that needed the pivoted QR.
+    """
+
+    times: list[float]
+    states: list[list[float]]
+    t: float
+    x: list[float]
+    status: int = OK
+    culprit: int = -1
+    steps: int = 0
+    rejected: int = 0
+    rhs: int = 0
+    fallbacks: int = 0
+    redundant_rows: tuple[int, ...] = ()
+    position_drift: float = 0.0
+    velocity_drift: float = 0.0

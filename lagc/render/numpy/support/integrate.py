@@ -1,0 +1,306 @@
+"""One step after the other: explicit Runge-Kutta methods with error control and projection.
+
+Step control and choice of the first step: Hairer, Norsett, Wanner 1993, sections II.4 and II.10
+and the codes DOPRI5 and DOP853 there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import pow, sqrt
+
+from lagc.render.numpy.support.base import (
+    FAILED,
+    INTERRUPTED,
+    MAX_STEPS,
+    NOT_FINITE,
+    OK,
+    REDUNDANT,
+    STEP_UNDERFLOW,
+    Options,
+    Trajectory,
+)
+from lagc.render.numpy.support.problem import Problem
+from lagc.render.numpy.support.projection import project
+from lagc.render.numpy.support.stages import (
+    dop853_at,
+    dop853_dense,
+    dop853_error,
+    dop853_stages,
+    dopri5_at,
+    dopri5_dense,
+    dopri5_error,
+    dopri5_stages,
+)
+
+# -- what follows is part of generated modules --
+
+
+class Method:
+    """The functions and constants of one method (see `Tableau`)."""
+
+    def __init__(self, stages, error, dense, at, count, extra, order, uses_new, exponent, beta, shrink, grow):  # type: ignore[no-untyped-def]
+        self.stages, self.error, self.dense, self.at = stages, error, dense, at
+        self.count, self.extra, self.order, self.uses_new = count, extra, order, uses_new
+        self.exponent, self.beta, self.shrink, self.grow = exponent, beta, shrink, grow
+
+
+METHODS = {
+    "dop853": Method(
+        dop853_stages, dop853_error, dop853_dense, dop853_at, 12, 3, 8, False, 0.125, 0.0, 0.333, 6.0
+    ),
+    "dopri5": Method(dopri5_stages, dopri5_error, dopri5_dense, dopri5_at, 6, 0, 5, True, 0.17, 0.04, 0.2, 10.0),
+}
+SAFETY = 0.9
+
+
+class Integrator:
+    """A state on its way.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: the start and size of the last step."""
+
+    def __init__(self, problem: Problem, options: Options, t: float, x: Sequence[float]):
+        self.problem, self.options = problem, options
+        self.method = METHODS[options.method]
+        self.t, self.x = t, list(x)
+        self.t_old, self.x_old, self.h_old = t, self.x, 0.0
+        self.k = [[0.0] * len(self.x) for _ in range(self.method.count + 1 + self.method.extra)]
+        self.lam = [0.0] * problem.nc
+        self.h = 0.0  # the next step, > 0; 0 before the first
+        self.error_old = 1e-4
+        self.grid, self.on_grid = t, 0  # fixed steps: t = grid + on_grid * step
+        self.has_dense = False
+        self.r: list[list[float]] = []
+        self.steps = self.rejected = self.rhs = 0
+        self.position_drift = self.velocity_drift = 0.0
+        self.culprit = -1
+        self.constrained = options.project and (problem.nc > 0 or len(problem.quaternions) > 0)
+        self.atol = options.atol if options.atol > 1e-200 else 1e-200
+
+    def step(self, t1: float) -> int:
+        """One accepted step towards `t1`, at most to it, and then exactly; a status."""
+        method, options, t, x, k = self.method, self.options, self.t, self.x, self.k
+        direction = 1.0 if t1 >= t else -1.0
+        if self.h == 0.0:
+            status = self._begin(t1, direction)
+            if status in FAILED:
+                return status
+        elif self.steps > 0:
+            k[0], k[method.count] = k[method.count], k[0]
+        rest = abs(t1 - t)
+        cause, rejected = OK, False
+        size = self.h
+        if options.max_step > 0.0 and size > options.max_step:
+            size = options.max_step
+        while True:
+            if options.max_steps > 0 and self.steps + self.rejected >= options.max_steps:
+                return self._stop(MAX_STEPS)
+            lands = size * 1.01 >= rest
+            if options.step > 0.0:
+                t_new = self.grid + (self.on_grid + 1) * options.step * direction
+                lands = (t_new - t1) * direction >= -1e-9 * options.step
+                size = abs(t_new - t)
+            if lands:
+                size, t_new = rest, t1
+                h = t1 - t
+            else:
+                h = size * direction
+                if options.step == 0.0:
+                    t_new = t + h
+            if (rejected or not lands) and 0.1 * size <= abs(t) * 2.3e-16:
+                return self._stop(cause if cause != OK else STEP_UNDERFLOW)
+            status, y = method.stages(self.problem, t, x, h, k, self.lam)
+            self.rhs += method.count - 1
+            error = 0.0
+            if status not in FAILED and (method.uses_new or options.step > 0.0):
+                status = self._arrive(t_new, y)
+            if status not in FAILED and options.step == 0.0:
+                error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
+                if error - error != 0.0:
+                    status = NOT_FINITE
+                    self.problem.culprit = _not_finite(y)
+                elif error <= 1.0 and not method.uses_new:
+                    status = self._arrive(t_new, y)
+            if status in FAILED:
+                if options.step > 0.0:
+                    return self._stop(status)
+                cause, self.culprit = status, self.problem.culprit
+                size *= 0.25
+            elif error <= 1.0:
+                break
+            else:
+                cause = OK
+                factor = pow(error, method.exponent) / SAFETY
+                size /= factor if factor < 1.0 / method.shrink else 1.0 / method.shrink
+            rejected = True
+            self.rejected += 1
+        if options.step > 0.0:
+            self.grid, self.on_grid = (t1, 0) if lands else (self.grid, self.on_grid + 1)
+        else:
+            self._adapt(size, error, lands, rejected)
+        self.steps += 1
+        self.t_old, self.x_old, self.h_old = t, x, h
+        self.t, self.x = t_new, y
+        self.has_dense = False
+        return OK
+
+    def at(self, t: float) -> tuple[int, list[float]]:
+        """A status and the state at `t` within the last step."""
+        if t == self.t:
+            return OK, self.x[:]
+        if not self.has_dense:
+            status, self.r = self.method.dense(
+                self.problem, self.t_old, self.x_old, self.x, self.h_old, self.k, self.lam
+            )
+            self.rhs += self.method.extra
+            if status in FAILED:
+                return self._stop(status), []
+            self.has_dense = True
+        x = self.method.at((t - self.t_old) / self.h_old, self.r)
+        if self.constrained:
+            status, _, _ = project(self.problem, t, x)
+            if status in FAILED:
+                return self._stop(status), []
+        return OK, x
+
+    def _stop(self, status: int) -> int:
+        if status in FAILED:
+            self.culprit = self.problem.culprit
+        return status
+
+    def _begin(self, t1: float, direction: float) -> int:
+        """The first evaluation and the size of the first step."""
+        status = self.problem.rhs(self.t, self.x, self.k[0], self.lam)
+        self.rhs += 1
+        if status in FAILED:
+            return self._stop(status)
+        options = self.options
+        if options.step > 0.0:
+            self.h = options.step
+        elif options.first_step > 0.0:
+            self.h = options.first_step
+        else:
+            self.h = self._first_step(t1, direction)
+        return OK
+
+    def _first_step(self, t1: float, direction: float) -> float:
+        n, options, order = self.problem.nq + self.problem.nv, self.options, self.method.order
+        largest = options.max_step if options.max_step > 0.0 else abs(t1 - self.t)
+        f, x = self.k[0], self.x
+        scales = [self.atol + options.rtol * abs(a) for a in x[:n]]
+        of_f = of_x = 0.0
+        for a, b, s in zip(f, x, scales):
+            of_f += (a / s) * (a / s)
+            of_x += (b / s) * (b / s)
+        h = 1e-6 if of_f <= 1e-10 or of_x <= 1e-10 else 0.01 * sqrt(of_x / of_f)
+        if h > largest:
+            h = largest
+        step = h * direction
+        y = [a + step * b for a, b in zip(x, f)]
+        status = self.problem.rhs(self.t + step, y, self.k[1], self.lam)
+        self.rhs += 1
+        if status in FAILED or h == 0.0:
+            return h if h > 0.0 else 1e-6
+        change = 0.0
+        for a, b, s in zip(self.k[1], f, scales):
+            change += ((a - b) / s) * ((a - b) / s)
+        size = sqrt(change) / h
+        if sqrt(of_f) > size:
+            size = sqrt(of_f)
+        if size <= 1e-15:
+            other = 1e-3 * h if 1e-3 * h > 1e-6 else 1e-6
+        else:
+            other = pow(0.01 / size, 1.0 / order)
+        h = 100.0 * h
+        if other < h:
+            h = other
+        return largest if largest < h else h
+
+    def _arrive(self, t: float, y: list[float]) -> int:
+        """Project the new state and evaluate there."""
+        if self.constrained:
+            status, position, velocity = project(self.problem, t, y)
+            if status in FAILED:
+                return status
+            if position > self.position_drift:
+                self.position_drift = position
+            if velocity > self.velocity_drift:
+                self.velocity_drift = velocity
+        self.rhs += 1
+        return self.problem.rhs(t, y, self.k[self.method.count], self.lam)
+
+    def _adapt(self, size: float, error: float, lands: bool, rejected: bool) -> None:
+        """The size of the next step."""
+        method = self.method
+        factor = pow(error, method.exponent)
+        if method.beta > 0.0:
+            factor /= pow(self.error_old, method.beta)
+            self.error_old = error if error > 1e-4 else 1e-4
+        factor /= SAFETY
+        if factor > 1.0 / method.shrink:
+            factor = 1.0 / method.shrink
+        if factor < 1.0 / method.grow:
+            factor = 1.0 / method.grow
+        following = size / factor
+        if rejected and following > size:
+            following = size
+        if lands and not rejected and following < self.h:
+            following = self.h  # the step was short only to land
+        self.h = following
+
+
+def _not_finite(x: Sequence[float]) -> int:
+    """The index of the first value that is infinite or not a number."""
+    for i, a in enumerate(x):
+        if a - a != 0.0:
+            return i
+    return -1
+
+
+def integrate(
+    problem: Problem,
+    options: Options,
+    t0: float,
+    x0: Sequence[float],
+    times: Sequence[float],
+    progress: Callable[[float], None] | None = None,
+) -> Trajectory:
+    """From (t0, x0), consistent, to times[-1] exactly; states at `times` (in order) by dense output.
+
+    `progress` is called with the time after every step; KeyboardInterrupt ends the run with what
+    was computed (INTERRUPTED).
+    """
+    problem.culprit = -1
+    fallbacks: int = getattr(problem, "fallbacks", 0)
+    run = Integrator(problem, options, t0, x0)
+    result = Trajectory([], [], t0, run.x)
+    try:
+        result.status = _record(run, times, result, progress)
+    except KeyboardInterrupt:
+        result.status = INTERRUPTED
+    result.t, result.x, result.culprit = run.t, run.x, run.culprit if result.status != OK else -1
+    result.steps, result.rejected, result.rhs = run.steps, run.rejected, run.rhs
+    result.fallbacks = getattr(problem, "fallbacks", 0) - fallbacks
+    result.redundant_rows = tuple(getattr(problem, "redundant_rows", ()))
+    result.position_drift, result.velocity_drift = run.position_drift, run.velocity_drift
+    return result
+
+
+def _record(
+    run: Integrator, times: Sequence[float], result: Trajectory, progress: Callable[[float], None] | None
+) -> int:
+    done, n = 0, len(times)
+    while True:
+        forward = times[-1] >= run.t if done < n else True
+        while done < n and (times[done] <= run.t if run.forward(times[-1]) else times[done] >= run.t):
+            status, x = run.at(times[done]) if run.steps else (OK, run.x[:])
+            if status != OK:
+                return status
+            result.times.append(times[done])
+            result.states.append(x)
+            done += 1
+        if done == n:
+            return OK
+        status = run.step(times[-1])
+        if status != OK:
+            return status
+        if progress is not None:
+            progress(run.t)

@@ -1,0 +1,55 @@
+"""Problem: all that integrators and projection know of a mechanical system."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+Vector = Sequence[float]
+
+
+class Problem(Protocol):
+    """States are plain lists of floats, x = (q, v, z).
+
+    A compiled model is one implementation, a hand-written class in a test another.  One that
+    counts its `fallbacks` and knows its `redundant_rows` may have them as attributes.
+    """
+
+    nq: int
+    nv: int
+    nz: int
+    nc: int
+    nh: int
+    quaternions: tuple[int, ...]
+    culprit: int
+
+    @property
+    def nx(self) -> int: ...
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        """Write xdot[nx] and the multipliers lam[nc]; a status.  REDUNDANT is a success."""
+        ...
+
+    def position(self, t: float, x: Vector) -> list[float]:
+        """phi[nh]."""
+        ...
+
+    def velocity(self, t: float, x: Vector) -> list[float]:
+        """d(phi)/dt and psi, nc rows."""
+        ...
+
+    def scales(self, t: float, x: Vector) -> list[float]:
+        """The size of each row's terms (nc, > 0): residuals are judged against it."""
+        ...
+
+    def assemble(self, t: float, x: Vector) -> int:
+        """Form and factor [M G^T; G 0] at (t, x) for the `solve`s that follow; a status."""
+        ...
+
+    def solve(self, r: Vector) -> list[float]:
+        """s = (s1, s2) with M s1 - G^T s2 = r1, G s1 = r2, from the last `assemble`."""
+        ...
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
+        """dq = N(t,q) d."""
+        ...

@@ -1,0 +1,108 @@
+"""States put back onto their constraints."""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from lagc.render.numpy.support.base import FAILED, INCONSISTENT, OK
+from lagc.render.numpy.support.problem import Problem
+
+# -- what follows is part of generated modules --
+
+TARGET = 1e-15  # scaled residual that is taken for rounding
+HOPELESS = 1e-6  # scaled residual above which a projection has failed
+SOLVES = 8  # at most, for positions and for speeds
+
+
+def normalise(x: list[float], quaternions: tuple[int, ...]) -> None:
+    """Unit length for the quaternion at each index."""
+    for i in quaternions:
+        a, b, c, d = x[i : i + 4]
+        length = sqrt(a * a + b * b + c * c + d * d)
+        if length > 0.0:
+            x[i : i + 4] = [a / length, b / length, c / length, d / length]
+
+
+def residual(values: list[float], scales: list[float], speed: float) -> float:
+    """The largest of |value| / (scale * speed); infinity where one is not a number."""
+    worst = 0.0
+    for value, scale in zip(values, scales):
+        size = abs(value) / (scale * speed)
+        if not size <= worst:
+            worst = size if size == size else inf
+    return worst
+
+
+def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, float]:
+    """Move `x` onto the constraints, by the shortest way in the metric of the mass matrix.
+
+    Positions by simplified Newton iterations (G at the given x), M d = G^T mu, G d = -phi,
+    dq = N d; then speeds, M dv = G^T mu, G dv = -psi, with the same factors.  Gives the status
+    and the remaining scaled residuals of positions and speeds; rates of positions are judged
+    against the scale of their row times the largest speed (at least 1).
+    """
+    normalise(x, problem.quaternions)
+    nq, nv, nc, nh = problem.nq, problem.nv, problem.nc, problem.nh
+    if nc == 0:
+        return OK, 0.0, 0.0
+    speed = 1.0
+    for v in x[nq : nq + nv]:
+        if abs(v) > speed:
+            speed = abs(v)
+    scales = problem.scales(t, x)
+    r = [0.0] * (nv + nc)
+    assembled = False
+    position = 0.0
+    if nh:
+        phi = problem.position(t, x)
+        position = residual(phi, scales, 1.0)
+        for _ in range(SOLVES):
+            if position <= TARGET:
+                break
+            if not assembled:
+                status = problem.assemble(t, x)
+                if status in FAILED:
+                    return status, position, 0.0
+                assembled = True
+            r[nv : nv + nh] = [-a for a in phi]
+            d = problem.solve(r)[:nv]
+            y = x[:]
+            for i, dq in enumerate(problem.displace(t, x, d)):
+                y[i] += dq
+            normalise(y, problem.quaternions)
+            phi = problem.position(t, y)
+            size = residual(phi, scales, 1.0)
+            if not size < position:
+                break
+            x[:nq] = y[:nq]
+            falls = size < 0.25 * position
+            position = size
+            if not falls:
+                break
+        if position > HOPELESS:
+            return INCONSISTENT, position, 0.0
+    psi = problem.velocity(t, x)
+    velocity = residual(psi, scales, speed)
+    for _ in range(SOLVES):
+        if velocity <= TARGET:
+            break
+        if not assembled:
+            status = problem.assemble(t, x)
+            if status in FAILED:
+                return status, position, velocity
+            assembled = True
+        r[nv:] = [-a for a in psi]
+        d = problem.solve(r)[:nv]
+        y = x[:]
+        for i, dv in enumerate(d):
+            y[nq + i] += dv
+        psi = problem.velocity(t, y)
+        size = residual(psi, scales, speed)
+        if not size < velocity:
+            break
+        x[nq : nq + nv] = y[nq : nq + nv]
+        falls = size < 0.25 * velocity
+        velocity = size
+        if not falls:
+            break
+    return INCONSISTENT if velocity > HOPELESS else OK, position, velocity
