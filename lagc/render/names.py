@@ -87,7 +87,14 @@ def comment(text: str) -> str:
     """`text` on one line, harmless inside a comment of C or Python: no end of comment, line
     continuation, trigraph, control or bidirectional character, in ASCII."""
     spelled = "".join(_spell(c) if ord(c) > 126 else c if c >= " " else " " for c in text)
-    return spelled.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace("\\", "/").strip()
+    spelled = spelled.replace("\\", "/")
+    return re.sub(r"\?(?=\?)", "? ", re.sub(r"([*/])(?=[*/])", _apart, spelled)).strip()
+
+
+def _apart(match: re.Match[str]) -> str:
+    """A star and a slash side by side get a space between them; two of a kind do not."""
+    char, following = match[1], match.string[match.end()]
+    return char if char == following else f"{char} "
 
 
 def _spell(char: str) -> str:

@@ -1,0 +1,63 @@
+"""Names of users become identifiers of C and Python."""
+
+from __future__ import annotations
+
+import keyword
+
+import pytest
+
+from lagc.render.locals import local_names
+from lagc.render.names import RESERVED, Names, comment, identifier, prefix, stem
+from tests.render.programs import field, pendulum
+
+TRICKY = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "x", "p", "a.b[2].m", "a_b_2_m", "x0", "t1",
+          "der(theta)", "θ", "ω1", "__init__", "1st", "", "sin", "y0", "lagc_rhs", "pendulum_rhs", "PENDULUM_NQ"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TRICKY)
+def test_identifier_is_one(name: str) -> None:
+    found = identifier(name)
+    assert found.isidentifier() and found.isascii() and "__" not in found and not found.startswith("_")
+    assert not keyword.iskeyword(found) and found not in RESERVED
+
+
+def test_every_keyword_of_python_is_reserved() -> None:
+    assert set(keyword.kwlist) <= RESERVED
+
+
+def test_names_are_distinct_and_in_order() -> None:
+    first, second = Names(), Names()
+    given = [first.give(name) for name in TRICKY * 2]
+    assert len(set(given)) == len(given)
+    assert given == [second.give(name) for name in TRICKY * 2]
+
+
+def test_paths_of_instances_keep_their_parts() -> None:
+    names = Names()
+    assert names.give("a.b[2].m") == "a_b_2_m"
+    assert names.give("a.b_2.m") != "a_b_2_m"
+
+
+def test_locals_never_hide_arrays_functions_or_temporaries() -> None:
+    fields = tuple(field(name) for name in TRICKY)
+    program = pendulum(parameters=fields)
+    given = [local_names(program, ("cos",))["p", k] for k in range(len(fields))]
+    assert not {"x", "p", "t", "q0", "cos", "x0", "t1"} & (set(given) - {"q"})
+    assert not any(name.startswith(("lagc_", "pendulum_", "PENDULUM_")) for name in given)
+
+
+@pytest.mark.parametrize("text", ["a */ b", "a /* b", "line\nbreak", "tail\\", "??/", "\u202e\u2066", "naïve θ²", "\x00\x1b[31m"])
+def test_comments_cannot_end_or_hide(text: str) -> None:
+    found = comment(text)
+    assert found.isascii() and found.isprintable()
+    assert "*/" not in found and "/*" not in found and "\\" not in found and "??" not in found
+
+
+def test_comment_that_becomes_an_end_by_removal() -> None:
+    assert "*/" not in comment("*\\/ **// */*/") and "/*" not in comment("/\\* //** /*/*")
+
+
+@pytest.mark.parametrize(("model", "expected"), [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega")])
+def test_prefix(model: str, expected: str) -> None:
+    assert prefix(model) == expected
+    assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"
