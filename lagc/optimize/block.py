@@ -61,10 +61,15 @@ class Block:
         if b == zero or b == ~zero or a == ~b:
             return a if a != ~b else zero
         if (a < 0) != (b < 0):
-            return self._value("sub", (a, ~b)) if b < 0 else self._value("sub", (b, ~a))
+            return self._difference(a, ~b) if b < 0 else self._difference(b, ~a)
         if a < 0:
             return ~self.add(~a, ~b)
         return self._value("add", (a, b) if a <= b else (b, a))
+
+    def _difference(self, a: int, b: int) -> int:
+        """a - b, or minus b - a where that is known already."""
+        turned = self._numbers.get(("sub", (b, a), None))
+        return self._value("sub", (a, b)) if turned is None else ~turned
 
     def sub(self, a: int, b: int) -> int:
         return self.add(a, ~b)

@@ -12,7 +12,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, solve
 from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places, lower
+from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
 
 def kkt_entries(equations: EquationsOfMotion) -> dict[Entry, Node]:
@@ -36,14 +36,26 @@ def applied_forces(equations: EquationsOfMotion) -> list[Node]:
 
 def rhs(places: Places, entries: Mapping[Entry, Node], plan: Elimination, work: bool) -> Function:
     """xdot = (qdot, a, power), lam, health."""
-    equations, block = places.equations, Block()
+    equations = places.equations
     right = [*applied_forces(equations), *(row.gamma for row in equations.rows)]
     power = [equations.power] if work else []
     nodes = [*entries.values(), *right, *equations.qdot]
-    lowering, values = lower(places, block, nodes)
+    return cheapest(lambda out: _rhs(places, entries, plan, nodes, power, out), nodes)
+
+
+def _rhs(
+    places: Places,
+    entries: Mapping[Entry, Node],
+    plan: Elimination,
+    nodes: Sequence[Node],
+    power: Sequence[Node],
+    out: bool,
+) -> Function:
+    equations, block = places.equations, Block()
+    lowering, values = lower(places, block, nodes, out)
     matrix = dict(zip(entries, values))
-    b = values[len(entries) : len(entries) + len(right)]
-    qdot = values[len(entries) + len(right) :]
+    b = values[len(entries) : len(entries) + plan.size]
+    qdot = values[len(entries) + plan.size :]
     factors = factor(block, plan, matrix)
     x, residual = solve(block, plan, factors, matrix, b, refine=plan.multipliers > 0)
     a, lam = x[: plan.speeds], [~value for value in x[plan.speeds :]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lagc.expr.graph import Graph, Node
@@ -10,11 +10,18 @@ from lagc.expr.walk import reachable
 from lagc.meaning.model import Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
+from lagc.optimize.expand import expanded
 from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
+from lagc.optimize.program import Function
 
+FUNCTIONS = (
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "atan2", "pow",
+)  # fmt: skip
 STATE = ("p", "t", "x")
+_LARGEST_TRIAL = 1500  # nodes
 _LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
+_WEIGHTS = {"load": 0, "const": 0, "neg": 0, "div": 4, "sqrt": 4, **dict.fromkeys(FUNCTIONS, 20)}
 
 
 @dataclass(frozen=True)
@@ -40,12 +47,33 @@ def places(equations: EquationsOfMotion, parameters: Sequence[Parameter]) -> Pla
     return Places(equations, found)
 
 
-def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:
+def lower(
+    places: Places, block: Block, nodes: Sequence[Node], out: bool = False
+) -> tuple[Lowering, list[int]]:
     """The values of `nodes` in `block`, and the lowering for more.  Symbols are loaded from
-    their places."""
+    their places.  `out`: turned sums multiplied out first."""
+    if out:
+        nodes = expanded(places.graph, nodes)
     small = len(reachable(nodes)) <= _LARGEST_PLAN
     if small:
         nodes = factored(places.graph, nodes)
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     lowering = Lowering(block, known, plan(nodes) if small else None)
     return lowering, lowering(nodes)
+
+
+def cheapest(make: Callable[[bool], Function], nodes: Sequence[Node]) -> Function:
+    """`make(False)`, or `make(True)` (turned sums multiplied out) where that is cheaper.
+
+    `nodes`: what the function is made of; large ones are not tried.
+    """
+    plain = make(False)
+    if len(reachable(nodes)) > _LARGEST_TRIAL:
+        return plain
+    other = make(True)
+    return other if weight(other) < weight(plain) else plain
+
+
+def weight(function: Function) -> int:
+    """About the time a function takes, in additions."""
+    return sum([_WEIGHTS.get(o.op, 1) for o in function.operations])

@@ -1,0 +1,119 @@
+"""Products of sums multiplied out, where the sums are of turned vectors.
+
+The components of velocities and accelerations of rotating links are sums in which every term has
+a sine or a cosine.  Multiplied out, terms of the products cancel (s c w^2 of one axis against that
+of another) and sin^2 + cos^2 meet.  Other sums, differences of lengths above all, are left as
+they are: multiplying those out would lose digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
+
+Monomial = tuple[tuple[Node, int], ...]  # bases by index, exponents not zero
+Polynomial = dict[Monomial, float]
+
+_MOST_TERMS = 48  # of one sum; beyond, products stay as they are
+
+
+def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
+    """`nodes`, multiplied out where that is sound and small."""
+    forms: dict[Node, Polynomial] = {}
+    for node in reachable(nodes):
+        form = _form(node, forms)
+        forms[node] = {((node, 1),): 1.0} if len(form) > _MOST_TERMS else form
+    return [_rebuilt(graph, _squares_met(forms[node])) for node in nodes]
+
+
+def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
+    if node.op == "const":
+        return {(): node.value} if node.value else {}  # type: ignore[dict-item]
+    if node.op == "add":
+        total = dict(forms[node.args[0]])
+        for monomial, c in forms[node.args[1]].items():
+            _count(total, monomial, c)
+        return total
+    if node.op == "scale":
+        return {monomial: node.value * c for monomial, c in forms[node.args[0]].items()}  # type: ignore[operator]
+    if node.op == "mul":
+        return _product(node, forms)
+    return {((node, 1),): 1.0}
+
+
+def _product(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
+    plain: list[tuple[Node, int]] = []
+    total: Polynomial = {(): 1.0}
+    for base, exponent in zip(node.args, node.value):  # type: ignore[call-overload]
+        form = forms[base]
+        if not (1 <= exponent <= 2 and len(form) > 1 and all(_turned(m) for m in form)):
+            plain.append((base, exponent))
+            continue
+        for _ in range(exponent):
+            if len(total) * len(form) > 2 * _MOST_TERMS:
+                return {((node, 1),): 1.0}
+            total = _times(total, form)
+    return _times(total, {tuple(plain): 1.0})
+
+
+def _turned(monomial: Monomial) -> bool:
+    return any(base.op in ("sin", "cos") and exponent > 0 for base, exponent in monomial)
+
+
+def _times(a: Polynomial, b: Polynomial) -> Polynomial:
+    total: Polynomial = {}
+    for left, c in a.items():
+        for right, d in b.items():
+            powers = dict(left)
+            for base, exponent in right:
+                powers[base] = powers.get(base, 0) + exponent
+            _count(total, tuple(sorted([x for x in powers.items() if x[1]], key=_by_index)), c * d)
+    return total
+
+
+def _count(total: Polynomial, monomial: Monomial, c: float) -> None:
+    value = total.get(monomial, 0.0) + c
+    if value == 0.0:
+        del total[monomial]
+    else:
+        total[monomial] = value
+
+
+def _squares_met(form: Polynomial) -> Polynomial:
+    """c*x*sin(u)^2 + c*x*cos(u)^2 = c*x, as often as it occurs."""
+    left = dict(form)
+    pending = list(form)
+    while pending:
+        monomial = pending.pop()
+        c = left.get(monomial)
+        if c is None:
+            continue
+        for base, exponent in monomial:
+            if base.op not in ("sin", "cos") or exponent < 2:
+                continue
+            other = base.graph.unary("cos" if base.op == "sin" else "sin", base.args[0])
+            rest = _times({monomial: 1.0}, {((base, -2),): 1.0})
+            (short,) = rest
+            (twin,) = _times(rest, {((other, 2),): 1.0})
+            if left.get(twin) == c:
+                del left[monomial], left[twin]
+                _count(left, short, c)
+                pending.append(short)
+                break
+    return left
+
+
+def _rebuilt(graph: Graph, form: Polynomial) -> Node:
+    total = graph.zero
+    for monomial, c in form.items():
+        product = graph.one
+        for base, exponent in monomial:
+            product = graph.mul(product, graph.power(base, exponent))
+        total = graph.add(total, graph.scale(c, product))
+    return total
+
+
+def _by_index(item: tuple[Node, int]) -> int:
+    return item[0].index
