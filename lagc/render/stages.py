@@ -19,7 +19,8 @@ from __future__ import annotations
 
 from math import sqrt
 
-from lagc.render.numpy.support.problem import FAILED, OK, Problem
+from lagc.render.numpy.support.base import FAILED, OK
+from lagc.render.numpy.support.problem import Problem
 
 # -- what follows is part of generated modules --
 '''
@@ -60,8 +61,11 @@ def _time(c: float, base: str) -> str:
 
 def _zipped(row: Row, more: str = "") -> tuple[str, str]:
     names = [f"a{i - 1}" for i in row]
-    lists = [f"k[{i - 1}]" for i in row]
-    return more + ", ".join(names), ", ".join(lists)
+    lists = ", ".join(f"k[{i - 1}]" for i in row)
+    if len(names) > 8:
+        half = lists.index(f"k[{sorted(row)[len(names) // 2] - 1}]")
+        lists = lists[:half].rstrip() + "\n" + " " * 12 + lists[half:]
+    return more + ", ".join(names), lists
 
 
 def _python_combination(target: str, row: Row, indent: str) -> str:
@@ -108,8 +112,8 @@ def _error_result(tableau: Tableau, end: str) -> str:
 
 
 def _python_dense(tableau: Tableau) -> str:
-    text = (f"def {tableau.name}_dense(\n    problem: Problem, t: float, x: list[float], z: list[float], h: float,"
-            " k: list[list[float]], lam: list[float]\n) -> tuple[int, list[list[float]]]:\n")
+    text = (f"def {tableau.name}_dense(\n    problem: Problem, t: float, x: list[float], z: list[float],"
+            " h: float,\n    k: list[list[float]], lam: list[float],\n) -> tuple[int, list[list[float]]]:\n")
     if tableau.extra_c:
         text += "    rhs = problem.rhs\n"
     for stage, (c, row) in enumerate(zip(tableau.extra_c, tableau.extra_a), start=tableau.stages + 2):
@@ -133,7 +137,8 @@ def _nested(tableau: Tableau, term: str) -> str:
     count = 4 + len(tableau.dense)
     text = term.format(count - 1)
     for i in range(count - 2, -1, -1):
-        text = f"{term.format(i)} + {'s' if i % 2 == 0 else 'u'} * {'(' + text + ')' if i < count - 2 else text}"
+        factor = text if i == count - 2 else f"({text})"
+        text = f"{term.format(i)} + {'s' if i % 2 == 0 else 'u'} * {factor}"
     return text
 
 
@@ -157,8 +162,8 @@ def _c_evaluation(c: float, stage: int) -> str:
 
 
 def _c_stages(tableau: Tableau) -> str:
-    text = (f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x, double h,\n"
-            "                              lagc_work *w)\n{\n    int i, status;\n")
+    text = (f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x,\n"
+            "                              double h, lagc_work *w)\n{\n    int i, status;\n")
     for stage, (c, row) in enumerate(zip(tableau.c, tableau.a), start=1):
         if row:
             text += _c_combination(row) + _c_evaluation(c, stage)
@@ -179,8 +184,8 @@ def _c_error(tableau: Tableau) -> str:
 
 
 def _c_dense(tableau: Tableau) -> str:
-    text = (f"static int lagc_{tableau.name}_dense(const lagc_params *p, double t, const double *x, const double *z,\n"
-            "                             double h, lagc_work *w)\n{\n    int i;\n")
+    text = (f"static int lagc_{tableau.name}_dense(const lagc_params *p, double t, const double *x,\n"
+            "                             const double *z, double h, lagc_work *w)\n{\n    int i;\n")
     if tableau.extra_c:
         text += "    int status;\n"
     for stage, (c, row) in enumerate(zip(tableau.extra_c, tableau.extra_a), start=tableau.stages + 2):

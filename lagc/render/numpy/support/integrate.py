@@ -7,6 +7,7 @@ and the codes DOPRI5 and DOP853 there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import pow, sqrt
 
 from lagc.render.numpy.support.base import (
@@ -15,7 +16,6 @@ from lagc.render.numpy.support.base import (
     MAX_STEPS,
     NOT_FINITE,
     OK,
-    REDUNDANT,
     STEP_UNDERFLOW,
     Options,
     Trajectory,
@@ -36,20 +36,29 @@ from lagc.render.numpy.support.stages import (
 # -- what follows is part of generated modules --
 
 
+@dataclass(frozen=True)
 class Method:
-    """The functions and constants of one method (see `Tableau`)."""
+    """The functions of one method and its constants (see `Tableau`); `count` = stages, `extra` for dense."""
 
-    def __init__(self, stages, error, dense, at, count, extra, order, uses_new, exponent, beta, shrink, grow):  # type: ignore[no-untyped-def]
-        self.stages, self.error, self.dense, self.at = stages, error, dense, at
-        self.count, self.extra, self.order, self.uses_new = count, extra, order, uses_new
-        self.exponent, self.beta, self.shrink, self.grow = exponent, beta, shrink, grow
+    stages: Callable[..., tuple[int, list[float]]]
+    error: Callable[..., float]
+    dense: Callable[..., tuple[int, list[list[float]]]]
+    at: Callable[[float, list[list[float]]], list[float]]
+    count: int
+    extra: int
+    order: int
+    uses_new: bool  # whether the error needs the rate at the new state
+    exponent: float
+    beta: float
+    shrink: float
+    grow: float
 
 
+_DOP853 = (dop853_stages, dop853_error, dop853_dense, dop853_at)
+_DOPRI5 = (dopri5_stages, dopri5_error, dopri5_dense, dopri5_at)
 METHODS = {
-    "dop853": Method(
-        dop853_stages, dop853_error, dop853_dense, dop853_at, 12, 3, 8, False, 0.125, 0.0, 0.333, 6.0
-    ),
-    "dopri5": Method(dopri5_stages, dopri5_error, dopri5_dense, dopri5_at, 6, 0, 5, True, 0.17, 0.04, 0.2, 10.0),
+    "dop853": Method(*_DOP853, 12, 3, 8, False, 0.125, 0.0, 0.333, 6.0),
+    "dopri5": Method(*_DOPRI5, 6, 0, 5, True, 0.17, 0.04, 0.2, 10.0),
 }
 SAFETY = 0.9
 
@@ -67,6 +76,7 @@ class Integrator:
         self.h = 0.0  # the next step, > 0; 0 before the first
         self.error_old = 1e-4
         self.grid, self.on_grid = t, 0  # fixed steps: t = grid + on_grid * step
+        self.arrived = False  # k[count] is the rate at (t, x)
         self.has_dense = False
         self.r: list[list[float]] = []
         self.steps = self.rejected = self.rhs = 0
@@ -83,8 +93,9 @@ class Integrator:
             status = self._begin(t1, direction)
             if status in FAILED:
                 return status
-        elif self.steps > 0:
+        elif self.arrived:
             k[0], k[method.count] = k[method.count], k[0]
+            self.arrived = False
         rest = abs(t1 - t)
         cause, rejected = OK, False
         size = self.h
@@ -105,7 +116,7 @@ class Integrator:
                 h = size * direction
                 if options.step == 0.0:
                     t_new = t + h
-            if (rejected or not lands) and 0.1 * size <= abs(t) * 2.3e-16:
+            if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40:
                 return self._stop(cause if cause != OK else STEP_UNDERFLOW)
             status, y = method.stages(self.problem, t, x, h, k, self.lam)
             self.rhs += method.count - 1
@@ -114,7 +125,7 @@ class Integrator:
                 status = self._arrive(t_new, y)
             if status not in FAILED and options.step == 0.0:
                 error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
-                if error - error != 0.0:
+                if error != error:
                     status = NOT_FINITE
                     self.problem.culprit = _not_finite(y)
                 elif error <= 1.0 and not method.uses_new:
@@ -139,12 +150,12 @@ class Integrator:
         self.steps += 1
         self.t_old, self.x_old, self.h_old = t, x, h
         self.t, self.x = t_new, y
-        self.has_dense = False
+        self.arrived, self.has_dense = True, False
         return OK
 
     def at(self, t: float) -> tuple[int, list[float]]:
         """A status and the state at `t` within the last step."""
-        if t == self.t:
+        if t == self.t or self.h_old == 0.0:
             return OK, self.x[:]
         if not self.has_dense:
             status, self.r = self.method.dense(
@@ -288,10 +299,10 @@ def _record(
     run: Integrator, times: Sequence[float], result: Trajectory, progress: Callable[[float], None] | None
 ) -> int:
     done, n = 0, len(times)
+    direction = 1.0 if not n or times[-1] >= run.t else -1.0
     while True:
-        forward = times[-1] >= run.t if done < n else True
-        while done < n and (times[done] <= run.t if run.forward(times[-1]) else times[done] >= run.t):
-            status, x = run.at(times[done]) if run.steps else (OK, run.x[:])
+        while done < n and (times[done] - run.t) * direction <= 0.0:
+            status, x = run.at(times[done])
             if status != OK:
                 return status
             result.times.append(times[done])

@@ -80,6 +80,7 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
             if not falls:
                 break
         if position > HOPELESS:
+            problem.culprit = _worst(phi, scales)
             return INCONSISTENT, position, 0.0
     psi = problem.velocity(t, x)
     velocity = residual(psi, scales, speed)
@@ -105,4 +106,16 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
         velocity = size
         if not falls:
             break
-    return INCONSISTENT if velocity > HOPELESS else OK, position, velocity
+    if velocity > HOPELESS:
+        problem.culprit = _worst(psi, scales)
+        return INCONSISTENT, position, velocity
+    return OK, position, velocity
+
+
+def _worst(values: list[float], scales: list[float]) -> int:
+    """The row with the largest scaled residual."""
+    row, worst = 0, 0.0
+    for i, (value, scale) in enumerate(zip(values, scales)):
+        if not abs(value) / scale <= worst:
+            row, worst = i, abs(value) / scale
+    return row

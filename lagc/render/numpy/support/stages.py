@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from math import sqrt
 
-from lagc.render.numpy.support.problem import FAILED, OK, Problem
+from lagc.render.numpy.support.base import FAILED, OK
+from lagc.render.numpy.support.problem import Problem
 
 # -- what follows is part of generated modules --
 
@@ -73,7 +74,8 @@ def dopri5_error(
 
 
 def dopri5_dense(
-    problem: Problem, t: float, x: list[float], z: list[float], h: float, k: list[list[float]], lam: list[float]
+    problem: Problem, t: float, x: list[float], z: list[float], h: float,
+    k: list[list[float]], lam: list[float],
 ) -> tuple[int, list[list[float]]]:
     r1 = [b - a for a, b in zip(x, z)]
     r2 = [h * a - b for a, b in zip(k[0], r1)]
@@ -179,7 +181,8 @@ def dop853_stages(
         v + h * (2.273310147516538 * a0 - 10.53449546673725 * a3 - 2.0008720582248625 * a4
             - 17.9589318631188 * a5 + 27.94888452941996 * a6 - 2.8589982771350235 * a7
             - 8.87285693353063 * a8 + 12.360567175794303 * a9 + 0.6433927460157636 * a10)
-        for v, a0, a3, a4, a5, a6, a7, a8, a9, a10 in zip(x, k[0], k[3], k[4], k[5], k[6], k[7], k[8], k[9], k[10])
+        for v, a0, a3, a4, a5, a6, a7, a8, a9, a10 in zip(x, k[0], k[3], k[4], k[5],
+            k[6], k[7], k[8], k[9], k[10])
     ]
     status = rhs(t + h, y, k[11], lam)
     if status in FAILED:
@@ -219,7 +222,8 @@ def dop853_error(
 
 
 def dop853_dense(
-    problem: Problem, t: float, x: list[float], z: list[float], h: float, k: list[list[float]], lam: list[float]
+    problem: Problem, t: float, x: list[float], z: list[float], h: float,
+    k: list[list[float]], lam: list[float],
 ) -> tuple[int, list[list[float]]]:
     rhs = problem.rhs
     y = [
@@ -260,7 +264,8 @@ def dop853_dense(
             + 2.2404374302607883 * a10 + 0.6315787787694688 * a11
             - 0.08899033645133331 * a12 + 18.148505520854727 * a13
             - 9.194632392478356 * a14 - 4.436036387594894 * a15)
-        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9], k[10], k[11], k[12], k[13], k[14], k[15])
+        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9],
+            k[10], k[11], k[12], k[13], k[14], k[15])
     ]
     r5 = [
         h * (10.427508642579134 * a0 + 242.28349177525817 * a5 + 165.20045171727028 * a6
@@ -268,7 +273,8 @@ def dop853_dense(
             - 30.674084731089398 * a10 - 9.332130526430229 * a11
             + 15.697238121770845 * a12 - 31.139403219565178 * a13
             - 9.35292435884448 * a14 + 35.81684148639408 * a15)
-        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9], k[10], k[11], k[12], k[13], k[14], k[15])
+        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9],
+            k[10], k[11], k[12], k[13], k[14], k[15])
     ]
     r6 = [
         h * (19.985053242002433 * a0 - 387.0373087493518 * a5 - 189.17813819516758 * a6
@@ -276,7 +282,8 @@ def dop853_dense(
             - 1.0006050966910838 * a10 + 0.7777137798053443 * a11
             - 2.778205752353508 * a12 - 60.19669523126412 * a13
             + 84.32040550667716 * a14 + 11.99229113618279 * a15)
-        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9], k[10], k[11], k[12], k[13], k[14], k[15])
+        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9],
+            k[10], k[11], k[12], k[13], k[14], k[15])
     ]
     r7 = [
         h * (-25.69393346270375 * a0 - 154.18974869023643 * a5 - 231.5293791760455 * a6
@@ -284,7 +291,8 @@ def dop853_dense(
             + 104.0996495089623 * a10 + 29.8402934266605 * a11 - 43.53345659001114 * a12
             + 96.32455395918828 * a13 - 39.17726167561544 * a14
             - 149.72683625798564 * a15)
-        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9], k[10], k[11], k[12], k[13], k[14], k[15])
+        for a0, a5, a6, a7, a8, a9, a10, a11, a12, a13, a14, a15 in zip(k[0], k[5], k[6], k[7], k[8], k[9],
+            k[10], k[11], k[12], k[13], k[14], k[15])
     ]
     return OK, [x, r1, r2, r3, r4, r5, r6, r7]
 
