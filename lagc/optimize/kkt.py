@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
-from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, solve
+from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, pair, solve
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
@@ -56,15 +56,19 @@ def _rhs(
     matrix = dict(zip(entries, values))
     b = values[len(entries) : len(entries) + plan.size]
     qdot = values[len(entries) + plan.size :]
-    factors = factor(block, plan, matrix)
-    x, residual = solve(block, plan, factors, matrix, b, refine=plan.multipliers > 0)
+    if plan.speeds == plan.size == 2 and len(matrix) == 3:
+        (x, health), residual = pair(block, matrix, b), block.zero
+    else:
+        factors = factor(block, plan, matrix)
+        x, residual = solve(block, plan, factors, matrix, b, refine=plan.multipliers > 0)
+        health = factors.health
     a, lam = x[: plan.speeds], [~value for value in x[plan.speeds :]]
     lowering.known.update(zip(equations.a, a))
     lowering.known.update(zip(equations.lam, lam))
     xdot = [*qdot, *a, *lowering(power)]
     _store_all(block, "xdot", xdot)
     _store_all(block, "lam", lam)
-    _store_all(block, "health", [factors.health, residual])
+    _store_all(block, "health", [health, residual])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
     return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
 

@@ -211,6 +211,18 @@ def solve(
     return [block.add(x[k], correction[k]) for k in range(plan.size)], worst
 
 
+def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:
+    """The unknowns of a full positive definite 2 x 2 system, and its pivot ratio, by Cramer's rule:
+    one division on the way, where factors need two, one after the other."""
+    m, k, n = entries[(0, 0)], entries[(1, 0)], entries[(1, 1)]
+    whole = block.mul(m, n)
+    determinant = block.sub(whole, block.mul(k, k))
+    inverse = block.div(block.one, determinant)
+    first = block.sub(block.mul(n, right[0]), block.mul(k, right[1]))
+    second = block.sub(block.mul(m, right[1]), block.mul(k, right[0]))
+    return [block.mul(inverse, first), block.mul(inverse, second)], block.div(determinant, whole)
+
+
 def _abs(block: Block, a: int) -> int:
     return a if block.is_zero(a) else block.abs(a)
 
