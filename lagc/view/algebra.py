@@ -66,7 +66,7 @@ class Algebra:
         if op == "const":
             return constant(fraction(node.value))  # type: ignore[arg-type]
         if op == "symbol":
-            return self.single(self.symbol(node))
+            return self.symbol_only(node)
         if op == "add":
             return self.add(args[0], args[1])
         if op == "scale":
@@ -84,6 +84,9 @@ class Algebra:
 
     def symbol(self, node: Node) -> int:
         return self._atom(Atom("symbol", node, (), node in self._nonnegative))
+
+    def symbol_only(self, node: Node) -> Polynomial:
+        return self.single(self.symbol(node))
 
     def _atom(self, atom: Atom) -> int:
         key = (atom.op, atom.node, atom.args)
@@ -245,6 +248,24 @@ class Algebra:
         self._left -= work
         if self._left < 0:
             raise TooLarge
+
+
+class NamingAlgebra(Algebra):
+    """Takes `shared` nodes, and whatever gets long, as symbols; `definitions` says what they are."""
+
+    LONG = 12  # terms
+
+    def __init__(self, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
+        super().__init__(nonnegative, limit=1 << 62)
+        self._shared = set(shared)
+        self.definitions: list[tuple[Node, Polynomial]] = []
+
+    def _convert(self, node: Node) -> Polynomial:
+        p = super()._convert(node)
+        if len(p) < 2 or (node not in self._shared and len(p) <= self.LONG):
+            return p
+        self.definitions.append((node, p))
+        return self.symbol_only(node)
 
 
 def fraction(value: float) -> Fraction:

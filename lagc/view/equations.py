@@ -8,11 +8,11 @@ each up to a factor that is a number or a product of parameters.
 from __future__ import annotations
 
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import TooLarge
 from lagc.view.formulas import Formula, Sheet, sheet
 from lagc.view.text import TextWriter
 
 TITLES = {
+    "shared": "shared parts",
     "kinematic": "kinematics",
     "motion": "equations of motion",
     "position": "constraints on positions",
@@ -21,14 +21,8 @@ TITLES = {
 
 
 def write(equations: EquationsOfMotion, format: str = "text") -> str:
-    """The equations in `format`: text, latex or sympy.  Where they are too long to be multiplied
-    out, they are written with shared parts named."""
-    try:
-        found = sheet(equations)
-    except TooLarge:
-        from lagc.view.shared import write_shared
-
-        return write_shared(equations, format)
+    """The equations in `format`: text, latex or sympy."""
+    found = sheet(equations)
     if format == "latex":
         from lagc.view.latex import write_latex
 
@@ -50,10 +44,9 @@ def write_text(found: Sheet) -> str:
     lines: list[str] = []
     for kind, formulas in by_kind(found):
         if len(found.formulas) > 1:
-            lines += ["" if lines else None, f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
+            lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
         for formula in formulas:
-            left, right = writer.sum(formula.left), writer.sum(formula.right)
-            lines.append(f"{left}' = {right}" if kind == "kinematic" else f"{left} = {right}")
+            lines.append(f"{writer.sum(formula.left)} = {writer.sum(formula.right)}")
     legend = where(found)
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]

@@ -5,46 +5,26 @@ Each equation is the derived one up to a factor that is a number or a product of
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
 from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, divided, scaled
+from lagc.view.algebra import Algebra, NamingAlgebra, Polynomial, TooLarge, scaled
+from lagc.view.collect import Collector, Product, Sum
+from lagc.view.names import Name, names
 from lagc.view.trigonometry import shorten, unit_quaternion
 
 
 @dataclass(frozen=True, slots=True)
-class Product:
-    """coefficient * atom^exponent * ... * (sum)^exponent ..."""
-
-    coefficient: Fraction
-    factors: tuple[tuple[int | Sum, Exponent], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Sum:
-    terms: tuple[Product, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Formula:
-    """`left` = `right`; kind kinematic, motion, position, velocity; `label` says of what."""
+    """`left` = `right`; kind shared, kinematic, motion, position, velocity; `label` says of what."""
 
     kind: str
     label: str
     left: Sum
     right: Sum
-
-
-@dataclass(frozen=True, slots=True)
-class Name:
-    """A symbol as people see it: `base` with so many time derivatives; `full` the model's name."""
-
-    base: str
-    full: str
-    order: int = 0
 
 
 @dataclass(frozen=True)
@@ -58,34 +38,64 @@ ZERO = Sum(())
 
 
 def sheet(equations: EquationsOfMotion) -> Sheet:
-    """The formulas of `equations`.  Raises TooLarge where they are too long to be multiplied out."""
+    """The formulas of `equations`, multiplied out; where that is too long, with shared parts named
+    s1, s2, ..."""
+    try:
+        return _sheet(equations, Algebra(nonnegative=_nonnegative(equations)))
+    except TooLarge:
+        return _sheet(equations, NamingAlgebra(_shared(equations), _nonnegative(equations)))
+
+
+def _nonnegative(equations: EquationsOfMotion) -> list[Node]:
+    return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
+
+
+def _sheet(equations: EquationsOfMotion, algebra: Algebra) -> Sheet:
     model = equations.model
     parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
-    algebra = Algebra(nonnegative=[p.symbol for p in model.parameters if p.minimum >= 0])
     for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):
         algebra.symbol(node)
-    cancelled = {algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value}
     collector = Collector(
         algebra,
         parameters={algebra.symbol(n) for n in parameters},
         leading=[algebra.symbol(n) for n in equations.a],
         rates={algebra.symbol(n) for n in equations.v},
         trailing=[algebra.symbol(n) for n in equations.lam],
-        cancelled=cancelled,
+        cancelled={algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value},
     )
-    formulas = [*_kinematic(equations, collector), *_motion(equations, collector), *_rows(equations, collector)]
-    return Sheet(algebra, names(equations), tuple(formulas))
+    shown = names(equations)
+    formulas = [
+        *_kinematic(equations, collector, shown),
+        *_motion(equations, collector),
+        *_rows(equations, collector),
+    ]
+    if isinstance(algebra, NamingAlgebra):
+        formulas = [*_definitions(algebra, collector, shown), *formulas]
+    return Sheet(algebra, shown, tuple(formulas))
 
 
-def _kinematic(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
+def _definitions(algebra: NamingAlgebra, collector: Collector, shown: dict[Node, Name]) -> list[Formula]:
+    """s1 = ..., for the parts that were named."""
+    taken = {name.base for name in shown.values()}
+    letter = next(c for c in ("s", "part", "shared_part") if not any(n.startswith(c) for n in taken))
+    formulas = []
+    for number, (node, p) in enumerate(algebra.definitions, 1):
+        shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
+        formulas.append(Formula("shared", shown[node].base, collector.collect(algebra.symbol_only(node)), collector.collect(p)))
+    return formulas
+
+
+def _kinematic(equations: EquationsOfMotion, collector: Collector, shown: dict[Node, Name]) -> list[Formula]:
     """q' = N v + n, where that says more than q' = v."""
-    own = set(equations.v)
+    algebra, own = collector.algebra, set(equations.v)
     known = [(i, e) for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
     formulas = []
-    for (i, _), p in zip(known, collector.algebra.polynomials([e for _, e in known])):
-        right = collector.factored(tidy(equations, collector.algebra, p))
-        left = collector.collect(collector.algebra.single(collector.algebra.symbol(equations.q[i])))
-        formulas.append(Formula("kinematic", equations.q_names[i], left, right))
+    for (i, _), p in zip(known, algebra.polynomials([e for _, e in known])):
+        right = collector.factored(tidy(equations, algebra, p))
+        name = shown[equations.q[i]]
+        rate = equations.graph.symbol("shown rate", equations.q_names[i])
+        shown[rate] = Name(name.base, name.full, 1)
+        formulas.append(Formula("kinematic", equations.q_names[i], collector.collect(algebra.symbol_only(rate)), right))
     return formulas
 
 
@@ -144,143 +154,22 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     return formulas
 
 
-@dataclass(frozen=True)
-class Collector:
-    """Collects terms: accelerations first, multipliers last, parameters gathered before the rest."""
-
-    algebra: Algebra
-    parameters: set[int]
-    leading: list[int]
-    rates: set[int]
-    trailing: list[int]
-    cancelled: set[int]
-
-    def cancel(self, p: Polynomial) -> Polynomial:
-        """`p` without the number and the parameters that all terms share; its first term positive."""
-        if not p:
-            return p
-        c, common, _ = self.algebra.content(p)
-        factor = {a: e for a, e in common if a in self.cancelled}
-        ordered = sorted(p, key=self._term_key)
-        c = abs(c) if p[ordered[0]] > 0 else -abs(c)
-        powers = self.algebra.multiply({tuple(sorted((a, -e) for a, e in factor.items())): 1 / c}, p)
-        return powers
-
-    def collect(self, p: Polynomial, leading: Sequence[int] | None = None) -> Sum:
-        """`p` with the terms of each atom of `leading` (the accelerations) gathered and put first."""
-        leading = self.leading if leading is None else leading
-        heads = [*leading, *self.trailing]
-        parts: dict[int | None, Polynomial] = {}
-        for monomial, c in p.items():
-            head = next((a for a, e in monomial if e == 1 and a in heads), None)
-            rest = tuple([(a, e) for a, e in monomial if a != head])
-            parts.setdefault(head, {})[rest] = c
-        terms: list[Product] = []
-        for head in (*leading, None, *self.trailing):
-            if head is None and None in parts:
-                terms += sorted(self._gathered(parts[None]), key=self._is_constant)
-            elif head in parts:
-                terms.append(self._headed(head, parts[head]))
-        return Sum(tuple(terms))
-
-    def _headed(self, head: int | None, p: Polynomial) -> Product:
-        """p*head, with what the terms of p share before a sum in parentheses."""
-        assert head is not None
-        if len(p) > 1:
-            c, shared, p = self._shared(p)
-        else:
-            c, shared = Fraction(1), ()
-        terms = self._gathered(p)
-        if len(terms) == 1:
-            (term,) = terms
-            return Product(c * term.coefficient, (*sorted((*shared, *term.factors), key=_sums_last), (head, 1)))
-        if terms[0].coefficient < 0:
-            c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
-        return Product(c, (*shared, (Sum(tuple(terms)), 1), (head, 1)))
-
-    def _shared(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
-        """The number and the parameters that all terms of p share, and the rest."""
-        c, common, _ = self.algebra.content(p)
-        powers = {a: e for a, e in common if a in self.parameters}
-        return c, tuple(powers.items()), {divided(m, powers): value / c for m, value in p.items()}
-
-    def factored(self, p: Polynomial) -> Sum:
-        """As `collect`, with a number that all terms share before one pair of parentheses."""
-        c = self.algebra.content(p)[0]
-        if len(p) < 2 or abs(c) == 1:
-            return self.collect(p)
-        return Sum((Product(c, ((self.collect(scaled(p, 1 / c)), 1),)),))
-
-    def _gathered(self, p: Polynomial) -> list[Product]:
-        """Terms with the same coordinates and speeds become one, with a sum of parameters before."""
-        groups: dict[Monomial, Polynomial] = {}
-        for monomial in sorted(p, key=self._term_key):
-            mine = tuple([(a, e) for a, e in monomial if a not in self.parameters])
-            coefficient = tuple([(a, e) for a, e in monomial if a in self.parameters])
-            groups.setdefault(mine, {})[coefficient] = p[monomial]
-        return [self._product(coefficient, mine) for mine, coefficient in groups.items()]
-
-    def _product(self, coefficient: Polynomial, mine: Monomial) -> Product:
-        if not mine and len(coefficient) > 1:
-            c, common, rest = Fraction(1), (), coefficient
-        else:
-            c, common, rest = self.algebra.content(coefficient)
-        factors: list[tuple[int | Sum, Exponent]] = list(common)
-        if rest != {(): 1}:
-            inner = tuple([Product(rest[m], tuple(m)) for m in sorted(rest, key=self._term_key)])
-            if inner[0].coefficient < 0:
-                c, inner = -c, tuple([Product(-t.coefficient, t.factors) for t in inner])
-            factors.append((Sum(inner), 1))
-        return Product(c, (*factors, *sorted(mine, key=self._factor_key)))
-
-    def _is_constant(self, product: Product) -> bool:
-        return all(isinstance(f, Sum) or f in self.parameters for f, _ in product.factors)
-
-    def _factor_key(self, factor: tuple[int, Exponent]) -> tuple[int, int]:
-        """In a product: parameters, coordinates, functions, rates."""
-        atom, _ = factor
-        if self.algebra.atoms[atom].op != "symbol":
-            return (2, atom)
-        return (0 if atom in self.parameters else 3 if atom in self.rates else 1, atom)
-
-    def _term_key(self, monomial: Monomial) -> tuple[object, ...]:
-        """In a sum: accelerations, then high degree in the rates, then the order of the symbols."""
-        head = min([a for a, _ in monomial if a in self.leading], default=len(self.algebra.atoms) + 1)
-        last = min([a for a, _ in monomial if a in self.trailing], default=-1)
-        degree = sum([e for a, e in monomial if a in self.rates])
-        functions = len([a for a, _ in monomial if self.algebra.atoms[a].op != "symbol"])
-        return (last, head, -degree, functions, monomial)
-
-
-def _sums_last(factor: tuple[int | Sum, Exponent]) -> bool:
-    return isinstance(factor[0], Sum)
-
-
-def names(equations: EquationsOfMotion) -> dict[Node, Name]:
-    """How each symbol is shown: `field.g` as `g` where no other name ends so."""
-    model = equations.model
-    own = [(p.symbol, p.name) for p in model.parameters] + [(i.symbol, i.name) for i in model.inputs]
-    inside = {i + k for i in equations.quaternions for k in range(4)}
-    moving = [(s, n) for i, (s, n) in enumerate(zip(equations.q, equations.q_names)) if i not in inside]
-    short = _shortener([n for _, n in own + moving] + [n for n in equations.v_names if "(" not in n])
-    found = {symbol: Name(short(name), name) for symbol, name in own + moving}
-    for i in inside:
-        found[equations.q[i]] = Name(equations.q_names[i], equations.q_names[i])
-    for speed, acceleration, name in zip(equations.v, equations.a, equations.v_names):
-        full = name[4:-1] if name.startswith("der(") else name
-        order = 1 if name.startswith("der(") else 0
-        base = full if ".rate." in full else short(full)
-        found[speed] = Name(base, full, order)
-        found[acceleration] = Name(base, full, order + 1)
-    for symbol, row in zip(equations.lam, equations.rows):
-        found[symbol] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
-    taken = {n.base for n in found.values()}
-    found[equations.time] = Name("time" if "t" in taken else "t", "time")
-    return found
-
-
-def _shortener(full: Sequence[str]) -> Callable[[str], str]:
-    ends: dict[str, set[str]] = {}
-    for name in full:
-        ends.setdefault(name.rpartition(".")[2], set()).add(name)
-    return lambda name: name.rpartition(".")[2] if len(ends.get(name.rpartition(".")[2], ())) == 1 else name
+def _shared(equations: EquationsOfMotion) -> set[Node]:
+    """Sums and products that are used more than once in the equations."""
+    roots = [
+        *equations.qdot,
+        *equations.mass_matrix.values(),
+        *equations.bias_forces,
+        *equations.given_forces,
+        *[row.residual for row in equations.rows],
+        *[entry for row in equations.rows for entry in row.jacobian.values()],
+    ]
+    uses: dict[Node, int] = {}
+    for node in (*reachable(roots), *roots):
+        for below in node.args:
+            uses[below] = uses.get(below, 0) + 1
+    return {
+        node
+        for node, times in uses.items()
+        if times > 1 and node.op in ("add", "mul") and any(a.args for a in node.args)
+    }

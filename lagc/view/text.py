@@ -7,7 +7,8 @@ from fractions import Fraction
 
 from lagc.expr.graph import Node
 from lagc.view.algebra import Algebra, Exponent, Frozen
-from lagc.view.formulas import Name, Product, Sum
+from lagc.view.collect import Product, Sum
+from lagc.view.names import Name
 
 INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
 

@@ -1,0 +1,140 @@
+"""Formulas in LaTeX: `l \\ddot{\\theta} + g \\sin\\theta = 0`."""
+
+from __future__ import annotations
+
+import re
+
+from lagc.expr.graph import Node
+from lagc.view.algebra import Exponent
+from lagc.view.formulas import Sheet
+from lagc.view.text import TextWriter
+
+GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
+    "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
+)
+FUNCTIONS = {
+    "sin": r"\sin", "cos": r"\cos", "tan": r"\tan", "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan",
+    "sinh": r"\sinh", "cosh": r"\cosh", "tanh": r"\tanh", "exp": r"\exp", "log": r"\ln", "min": r"\min",
+    "max": r"\max", "sign": r"\operatorname{sgn}", "atan2": r"\operatorname{atan2}",
+}  # fmt: skip
+RELATIONS = {"lt": "<", "le": r"\le", "eq": "=", "and": r"\land", "or": r"\lor"}
+DOTS = ("", r"\dot", r"\ddot")
+
+
+def write_latex(found: Sheet) -> str:
+    """One aligned block; the text needs the package amsmath."""
+    from lagc.view.equations import by_kind
+
+    writer = LatexWriter(found.algebra, found.names)
+    lines = []
+    for kind, formulas in by_kind(found):
+        for formula in formulas:
+            lines.append(f"  {writer.sum(formula.left)} &= {writer.sum(formula.right)}")
+    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+
+class LatexWriter(TextWriter):
+    times = r" \, "
+
+    def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
+        above = self.times.join(([top] if top != "1" or not over else []) + over)
+        below = self.times.join(([bottom] if bottom != "1" or not under else []) + under)
+        return above if below == "1" else rf"\frac{{{_bare(above)}}}{{{_bare(below)}}}"
+
+    def decimal(self, value: float) -> str:
+        mantissa, _, power = repr(value).partition("e")
+        return rf"{mantissa} \cdot 10^{{{int(power)}}}" if power else mantissa
+
+    def parentheses(self, text: str) -> str:
+        return rf"\left({text}\right)"
+
+    def root(self, text: str) -> str:
+        return rf"\sqrt{{{text}}}"
+
+    def raised(self, base: str, exponent: Exponent) -> str:
+        if exponent == 1:
+            return base
+        return f"{base}^{{{exponent}}}"
+
+    def symbol(self, node: Node, exponent: Exponent) -> str:
+        name = self.names.get(node)
+        if name is None:
+            return self.raised(letter(str(node.value[1])), exponent)  # type: ignore[index]
+        return self.raised(letter(name.base, name.order), exponent)
+
+    def function(self, op: str, args: list[str], exponent: Exponent) -> str:
+        if op == "abs":
+            return self.raised(rf"\left|{args[0]}\right|", exponent)
+        if op == "floor":
+            return self.raised(rf"\left\lfloor {args[0]} \right\rfloor", exponent)
+        if op == "pow":
+            return self.raised(rf"\left(\left({args[0]}\right)^{{{args[1]}}}\right)", exponent)
+        if op in RELATIONS:
+            return rf"\left({args[0]} {RELATIONS[op]} {args[1]}\right)"
+        if op == "not":
+            return rf"\lnot {args[0]}"
+        if op == "select":
+            return rf"\begin{{cases}} {args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}} \end{{cases}}"
+        head = self.raised(FUNCTIONS[op], exponent) if exponent.denominator == 1 and exponent > 0 else FUNCTIONS[op]
+        inside = args[0] if len(args) == 1 and _is_short(args[0]) else None
+        text = f"{head} {inside}" if inside else rf"{head}\left({', '.join(args)}\right)"
+        return text if head != FUNCTIONS[op] or exponent == 1 else self.raised(rf"\left({text}\right)", exponent)
+
+
+def letter(name: str, dots: int = 0) -> str:
+    """A name with its subscripts and dots: `th[2]` is th_2, `a.bob[3]` is bob_{a,3}."""
+    path = name.split(".")
+    if len(path) == 3 and path[1] == "rate":  # body rates of an orientation
+        return letter(f"omega_{path[0]}_{path[2]}", dots)
+    last, *indices = re.split(r"[\[\],]+", path[-1].rstrip("]"))
+    base, subscripts = _base(last)
+    subscripts += [_plain(p) for p in path[:-1]] + [_plain(i) for i in indices]
+    accent = DOTS[dots] if dots < len(DOTS) else ""
+    text = f"{accent}{{{base}}}" if accent else base
+    return f"{text}_{{{','.join(subscripts)}}}" if subscripts else text
+
+
+def _base(word: str) -> tuple[str, list[str]]:
+    """`theta1` -> theta, 1;  `lambda_string` -> lambda, string;  `I1` -> I, 1."""
+    head, _, tail = word.partition("_")
+    match = re.fullmatch(r"([A-Za-z]+?)(\d+)", head)
+    subscripts = [match[2]] if match else []
+    head = match[1] if match else head
+    if tail:
+        subscripts += [_plain(word) for word in tail.split("_")]
+    if head in GREEK:
+        return f"\\{head}", subscripts
+    return (head if len(head) == 1 else rf"\mathit{{{_escaped(head)}}}"), subscripts
+
+
+def _plain(word: str) -> str:
+    inner = re.sub(r"[\[\]]+", ",", word).strip(",")
+    if re.fullmatch(r"[A-Za-z]|\d+", inner):
+        return inner
+    return f"\\{inner}" if inner in GREEK else rf"\mathrm{{{_escaped(inner)}}}"
+
+
+def _escaped(word: str) -> str:
+    return word.replace("_", r"\_").replace("'", "")
+
+
+def _is_short(text: str) -> bool:
+    return re.fullmatch(r"\\?[A-Za-z]+(_\{[^{}]*\})?", text) is not None
+
+
+def _bare(text: str) -> str:
+    """Without the parentheses that a fraction makes needless."""
+    if not (text.startswith(r"\left(") and text.endswith(r"\right)")):
+        return text
+    inside = text[len(r"\left(") : -len(r"\right)")]
+    return text if r"\right)" in inside and _unbalanced(inside) else inside
+
+
+def _unbalanced(text: str) -> bool:
+    depth = 0
+    for piece in re.findall(r"\\left\(|\\right\)", text):
+        depth += 1 if piece == r"\left(" else -1
+        if depth < 0:
+            return True
+    return False

@@ -1,0 +1,117 @@
+"""Formulas as a Python script that builds the equations with SymPy."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+
+from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.view.algebra import Algebra, Exponent
+from lagc.view.formulas import Sheet
+from lagc.view.names import Name
+from lagc.view.text import TextWriter
+
+SPELLED = {"abs": "Abs", "min": "Min", "max": "Max"}
+RELATIONS = {"lt": "Lt", "le": "Le", "eq": "Eq", "and": "And", "or": "Or", "not": "Not"}
+
+
+def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
+    """The text of the script: symbols, shared parts, and the list `equations` of sympy.Eq."""
+    variables = _variables(equations, found)
+    writer = ScriptWriter(found.algebra, found.names, variables)
+    model = equations.model
+    lines = [f'"""Equations of motion of {model.name}, scene {model.scene}, in SI units."""', "", "import sympy", ""]
+    lines += ['t = sympy.Symbol("t", real=True)', *_declarations(equations, variables), ""]
+    for formula in found.formulas:
+        if formula.kind == "shared":
+            lines.append(f"{formula.label} = {writer.sum(formula.right)}")
+    lines.append("equations = [")
+    for formula in found.formulas:
+        if formula.kind != "shared":
+            lines.append(f"    sympy.Eq({writer.sum(formula.left)}, {writer.sum(formula.right)}),  # {formula.label}")
+    lines += ["]", "", 'if __name__ == "__main__":', "    for equation in equations:", "        sympy.pprint(equation)"]
+    return "\n".join(lines)
+
+
+def _variables(equations: EquationsOfMotion, found: Sheet) -> dict[str, str]:
+    """Full name in the model -> Python identifier."""
+    taken = {"t", "sympy", "equations", "equation"} | {f.label for f in found.formulas if f.kind == "shared"}
+    variables: dict[str, str] = {}
+    for node, name in found.names.items():
+        if node is equations.time or name.full in variables or name.full in taken:
+            continue
+        word = re.sub(r"\W+", "_", name.base).strip("_") or "n"
+        word = f"n{word}" if word[0].isdigit() else word
+        while word in taken or keyword.iskeyword(word):
+            word += "_"
+        taken.add(word)
+        variables[name.full] = word
+    return variables
+
+
+def _declarations(equations: EquationsOfMotion, variables: Mapping[str, str]) -> list[str]:
+    model = equations.model
+    lines = []
+    for p in model.parameters:
+        known = "nonnegative=True" if p.minimum >= 0 else "real=True"
+        lines.append(_line(variables[p.name], f'sympy.Symbol("{p.name}", {known})', p.unit, p.description))
+    moving = [(i.name, i.unit, i.description) for i in model.inputs]
+    moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
+    moving += [
+        (name, unit, "") for name, unit in zip(equations.v_names, equations.v_units) if not name.startswith("der(")
+    ]
+    moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
+    for name, unit, description in moving:
+        lines.append(_line(variables[name], f'sympy.Function("{name}", real=True)(t)', unit, description))
+    return lines
+
+
+def _line(variable: str, value: str, unit: str, description: str) -> str:
+    comment = ", ".join(part for part in (unit, " ".join(description.split())) if part)
+    return f"{variable} = {value}" + (f"  # {comment}" if comment else "")
+
+
+class ScriptWriter(TextWriter):
+    def __init__(self, algebra: Algebra, names: Mapping[Node, Name], variables: Mapping[str, str]) -> None:
+        super().__init__(algebra, names)
+        self.variables = variables
+
+    def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
+        if bottom != "1":
+            top, bottom = f"sympy.Rational({top}, {bottom})", "1"
+        return super().quotient(top, over, bottom, under)
+
+    def decimal(self, value: float) -> str:
+        return f"sympy.Float({value!r})"
+
+    def root(self, text: str) -> str:
+        return f"sympy.sqrt({text})"
+
+    def raised(self, base: str, exponent: Exponent) -> str:
+        if exponent == 1:
+            return base
+        fraction = Fraction(exponent)
+        if fraction.denominator == 1:
+            return f"{base}**{exponent}"
+        return f"{base}**sympy.Rational({fraction.numerator}, {fraction.denominator})"
+
+    def symbol(self, node: Node, exponent: Exponent) -> str:
+        name = self.names.get(node)
+        if name is None or name.full == "time":
+            return self.raised("t", exponent)
+        word = self.variables.get(name.full, name.base)
+        if name.order:
+            word += ".diff(t)" if name.order == 1 else f".diff(t, {name.order})"
+        return self.raised(word, exponent)
+
+    def function(self, op: str, args: list[str], exponent: Exponent) -> str:
+        if op == "pow":
+            return self.raised(f"(({args[0]})**({args[1]}))", exponent)
+        if op == "select":
+            return self.raised(f"sympy.Piecewise(({args[1]}, {args[0]}), ({args[2]}, True))", exponent)
+        if op in RELATIONS:
+            return f"sympy.{RELATIONS[op]}({', '.join(args)})"
+        return self.raised(f"sympy.{SPELLED.get(op, op)}({', '.join(args)})", exponent)
