@@ -51,6 +51,7 @@ class Context:
         self.effects: dict[str, tree.Effect] = {}  # by full name
         self.mentioned: list[tuple[tree.Name, str]] = []  # effects named by `unless`, with the instance's path
         self.conditions: list[tuple[tree.Condition, Environment]] = []
+        self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
         self.count = 0
         self.calls = 0  # functions within functions
