@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+from lagc.version import __version__
 
-__all__ = ["CompiledModel", "ModelFile", "Refused", "load", "loads"]
+__all__ = ["CompiledModel", "ModelFile", "Refused", "__version__", "load", "loads"]
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel, ModelFile, load, loads
@@ -34,4 +34,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    return list(__all__)

@@ -15,9 +15,11 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import CodeType
+from typing import Any
 
-from lagc import __version__, cache
+from lagc import cache
 from lagc.optimize.program import Field, Interface
+from lagc.version import __version__
 
 
 @dataclass(frozen=True)
@@ -89,35 +91,21 @@ def store_artifact(name: str, artifact: Artifact) -> None:
 
 def version_key() -> str:
     """What an artifact depends on besides the model: the tool and the Python that compiled it."""
-    return f"lagc {__version__} {sys.implementation.cache_tag} {sys.hexversion:x} {tool_fingerprint()}"
+    return f"lagc {__version__} {sys.implementation.cache_tag} {sys.hexversion:x} {cache.tool_fingerprint()}"
 
 
-def tool_fingerprint() -> str:
-    """Stands for the sources of lagc itself: they change under the same version in a checkout."""
-    import os
-
-    root = os.path.dirname(os.path.abspath(__file__))
-    stamps = []
-    for folder in ("", "expr", "frontend", "meaning", "mechanics", "optimize", "render", "render/c", "render/numpy"):
-        try:
-            stamps += [f"{e.name}:{e.stat().st_mtime_ns}" for e in os.scandir(os.path.join(root, folder)) if e.is_file()]
-        except OSError:
-            continue
-    return cache.key(*sorted(stamps))
-
-
-def interface_to_plain(interface: Interface) -> dict[str, object]:
-    plain: dict[str, object] = {f.name: getattr(interface, f.name) for f in dataclasses.fields(Interface)}
+def interface_to_plain(interface: Interface) -> dict[str, Any]:
+    plain: dict[str, Any] = {f.name: getattr(interface, f.name) for f in dataclasses.fields(Interface)}
     for name in ("parameters", "inputs", "outputs"):
         plain[name] = [_row(field) for field in getattr(interface, name)]
     return plain
 
 
-def interface_from_plain(plain: Mapping[str, object]) -> Interface:
-    values: dict[str, object] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
+def interface_from_plain(plain: Mapping[str, Any]) -> Interface:
+    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
     for name in ("parameters", "inputs", "outputs"):
-        values[name] = tuple(Field(*row) for row in plain[name])  # type: ignore[attr-defined]
-    return Interface(**values)  # type: ignore[arg-type]
+        values[name] = tuple(Field(*row) for row in plain[name])
+    return Interface(**values)
 
 
 def _row(field: Field) -> list[object]:

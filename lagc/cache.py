@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from functools import lru_cache
 
 _MAGIC = b"lagc-cache-1 "
 
@@ -40,6 +41,18 @@ def key(*parts: str) -> str:
         digest.update(len(data).to_bytes(8, "little"))
         digest.update(data)
     return digest.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def tool_fingerprint() -> str:
+    """Stands for the sources of lagc itself: they change under the same version in a checkout."""
+    stamps = []
+    for folder, folders, files in os.walk(os.path.dirname(os.path.abspath(__file__))):
+        folders[:] = [f for f in folders if not f.startswith(("__", "."))]
+        for name in files:
+            if name.endswith((".py", ".c", ".lark")):
+                stamps.append(f"{name}:{os.stat(os.path.join(folder, name)).st_mtime_ns}")
+    return key(*sorted(stamps))
 
 
 def load(name: str) -> bytes | None:

@@ -8,29 +8,37 @@ so that a run of a model that is in the cache loads none of the first four.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
 
+from lagc import cache
+from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.optimize.program import Field
+from lagc.run.request import Given, Quantity
 
 if TYPE_CHECKING:
+    from types import CodeType
+
     from lagc.frontend.tree import Tree
     from lagc.meaning.model import Model
     from lagc.mechanics.equations import EquationsOfMotion
-    from lagc.optimize.program import Program
+    from lagc.optimize.program import Interface, Program
 
 
 @dataclass(frozen=True)
 class Choice:
-    """What of a file is meant: the model, its scene and effects, and values that are built in
-    (structural integers; the other parameters stay symbols)."""
+    """What of a file is meant: the model, its scene and effects, and given values of parameters:
+    the structural ones among them are built in, the others stay symbols."""
 
     model: str | None = None
     scene: str | None = None
     with_effects: tuple[str, ...] = ()
     without_effects: tuple[str, ...] = ()
-    parameters: Mapping[str, float] = field(default_factory=dict)
+    parameters: Given = field(default_factory=dict)
 
 
 def parse(source: Source) -> Tree:
@@ -40,17 +48,40 @@ def parse(source: Source) -> Tree:
 
 
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
+    """The model that is meant.  Of `choice.parameters`, it holds the values of those that are
+    built in only: the others are given to each run."""
     from lagc.meaning.resolve import resolve as run
 
-    return run(
-        tree,
-        scene=choice.scene,
-        with_effects=choice.with_effects,
-        without_effects=choice.without_effects,
-        model=choice.model,
-        parameters=dict(choice.parameters),
-        roots=roots,
-    )
+    def resolved(values: Mapping[str, float]) -> Model:
+        return run(
+            tree,
+            scene=choice.scene,
+            with_effects=choice.with_effects,
+            without_effects=choice.without_effects,
+            model=choice.model,
+            parameters=dict(values),
+            roots=roots,
+        )
+
+    given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
+    model = resolved(given)
+    built_in = {name: value for name, value in given.items() if name in model.built_in}
+    return model if len(built_in) == len(given) else resolved(built_in)
+
+
+def _in_si(name: str, given: float | Quantity) -> float:
+    """The number in SI; what its unit measures is checked where the parameter's own is known."""
+    if not isinstance(given, Quantity):
+        return float(given)
+    if given.unit is None:
+        return given.value
+    from lagc.meaning.units import UnknownUnit, unit
+
+    try:
+        return unit(given.unit).to_si(given.value)
+    except UnknownUnit as error:
+        remedy = f"did you mean [{error.close}]?" if error.close else None
+        raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=remedy)]) from None
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -101,3 +132,87 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
                 at = (span.source.name, span.start, span.end) if span else ()
                 faults.setdefault((fault.code, fault.message, *at), fault)
     return list(faults.values())
+
+
+class Compilation:
+    """One choice of one source, compiled as far as it is asked for; each stage at most once."""
+
+    def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = ()):
+        self.source, self.choice, self.roots = source, choice, roots
+
+    @cached_property
+    def model(self) -> Model:
+        return resolve(parse(self.source), self.choice, self.roots)
+
+    @cached_property
+    def equations(self) -> EquationsOfMotion:
+        return derive(self.model)
+
+    @cached_property
+    def program(self) -> Program:
+        """For a run: the work of the given actions is integrated too."""
+        return optimize(self.equations, work=True)
+
+    def artifact(self, target: str) -> Artifact:
+        """What runs, from the cache or compiled now (and then kept there)."""
+        return self.cached_artifact(target) or self._compiled(target)
+
+    def cached_artifact(self, target: str) -> Artifact | None:
+        head = load_head(self._head_name)
+        return None if head is None else load_artifact(self._artifact_name(target, head))
+
+    @cached_property
+    def _head_name(self) -> str:
+        choice = self.choice
+        return cache.key("head", version_key(), self.source.name, self.source.text, repr(self.roots),
+                         repr((choice.model, choice.scene, choice.with_effects, choice.without_effects)),
+                         repr(sorted(choice.parameters)))  # fmt: skip
+
+    def _artifact_name(self, target: str, head: Head) -> str:
+        values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
+                  if name in head.structural]  # fmt: skip
+        return cache.key("artifact", self._head_name, target, *values, *(digest for _, digest in head.imports))
+
+    def _compiled(self, target: str) -> Artifact:
+        program = self.program
+        sources = render(program, target)
+        artifact = Artifact(
+            interface=program.interface,
+            sources=sources,
+            unused=unused(self.model, program.interface),
+            code=_code(sources) if target == "numpy" else None,
+        )
+        head = Head(self.model.imports, self.model.built_in)
+        store_head(self._head_name, head)
+        store_artifact(self._artifact_name(target, head), artifact)
+        return artifact
+
+
+def _code(sources: Mapping[str, str]) -> CodeType:
+    from lagc.run.backends.numpy import compiled
+
+    return compiled(sources)
+
+
+def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Program:
+    """The program of the generated code that goes to others; the given values are its defaults."""
+    from lagc.run.request import bound_parameters
+
+    compilation = Compilation(source, choice, roots)
+    found = optimize(compilation.equations, work=False)
+    interface = found.interface
+    values = bound_parameters(interface, choice.parameters, unused(compilation.model, interface), demanding=False)
+    fields = [dataclasses.replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
+    n = len(interface.parameters)
+    bound = dataclasses.replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
+    return dataclasses.replace(found, interface=bound)
+
+
+def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
+    """The parameters of the model that reach nothing or are built in: a run may name them, to no effect."""
+    kept = {f.name for f in interface.parameters}
+    return tuple([
+        Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit,
+              f"{p.span.source.name}:{p.span.line}", p.description)
+        for p in model.parameters if p.name not in kept
+    ])  # fmt: skip

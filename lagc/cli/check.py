@@ -32,9 +32,9 @@ def run(options: argparse.Namespace) -> int:
         faults += faults_of(name, options)
     wrong = any(f.severity == "error" for f in faults)
     if options.json or options.format == "json":
-        from lagc.diagnostics.report import to_json
+        from lagc.diagnostics.report import as_json
 
-        print_json({"status": "refused" if wrong else "ok", "faults": [to_json(f) for f in faults]})
+        print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults)})
     elif faults:
         print_faults(faults, color=False if options.no_color else None, stream=sys.stdout)
     elif not options.quiet:
@@ -55,10 +55,10 @@ def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
 def explain(code: str) -> int:
     """Print the catalogue's entry of a fault code."""
     from lagc.cli.exits import Usage
-    from lagc.diagnostics.catalogue import ENTRIES
+    from lagc.diagnostics.catalogue import entries
 
     code = code.upper()
-    entry = ENTRIES.get(code)
+    entry = entries().get(code)
     if entry is None:
         raise Usage(f"there is no fault `{code}`")
     print(f"{code}: {entry.title}\n\n{entry.explanation}")

@@ -7,9 +7,9 @@ import importlib
 import os
 import sys
 
-from lagc import __version__
 from lagc.cli.exits import INTERNAL, INTERRUPTED, REFUSED, USAGE, Usage
 from lagc.diagnostics.faults import Refused
+from lagc.version import __version__
 
 COMMANDS = {
     "check": "the faults of model files, all of them",

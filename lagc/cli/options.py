@@ -10,6 +10,7 @@ from lagc.cli.exits import Usage
 
 if TYPE_CHECKING:
     from lagc.compiler import Choice
+    from lagc.run.request import Quantity
 
 _ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
 
@@ -43,7 +44,7 @@ def choice_of(options: argparse.Namespace) -> Choice:
         scene=options.scene,
         with_effects=tuple(options.with_effects),
         without_effects=tuple(options.without_effects),
-        parameters=assignments(options.parameters, "-p"),
+        parameters=quantities(options.parameters, "-p"),
     )
 
 
@@ -67,6 +68,13 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
     return found
 
 
+def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
+    """`assignments` as quantities."""
+    from lagc.run.request import Quantity
+
+    return {name: Quantity(value, unit) for name, (value, unit) in assignments(words, option).items()}
+
+
 def quantity(word: str | None, unit: str, option: str) -> float | None:
     """A number with an optional unit, `20`, `20[s]`, `20 [ms]`, in SI; None stays None."""
     if word is None:
@@ -76,9 +84,12 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
         raise Usage(f"`{option} {word}` is not a number")
     if given is None:
         return value
-    from lagc.units import to_si
+    from lagc.meaning.units import UnknownUnit, to_si
 
-    return to_si(value, given, unit, f"{option} {word}")
+    try:
+        return to_si(value, given, unit)
+    except UnknownUnit as error:
+        raise Usage(f"`{option} {word}`: {error.reason}") from None
 
 
 def _number(text: str) -> float | None:

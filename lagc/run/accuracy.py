@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite, log10
 
 from lagc import cache
@@ -49,7 +49,11 @@ def method_for(accuracy: float) -> str:
 
 
 def verified_run(
-    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, progress: Progress | None = None
+    system: System,
+    x0: Sequence[float],
+    times: Sequence[float],
+    accuracy: float,
+    progress: Progress | None = None,
 ) -> Verified:
     """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
     search = _Search(system, x0, times, accuracy, progress)
@@ -112,10 +116,16 @@ class _Search:
         """Integrate; a result where that ended before its time, at this and at a finer tolerance."""
         done = self.run(tol)
         if done.status not in (OK, INTERRUPTED) and tol > 1e-9:
+            del self.runs[tol]
             tol = 1e-9
             done = self.run(tol)  # what fails coarsely may go well finely
         if done.status == OK:
             return None
+        del self.runs[tol]
+        if done.status == INTERRUPTED and self.runs:
+            kept = self._result()  # a coarser run is complete: more than the beginning of this one
+            kept.trajectory = replace(kept.trajectory, status=INTERRUPTED)
+            return kept
         estimated, _ = self._compare(done)
         return Verified(done, self.options(tol), estimated, None, self.tried)
 
@@ -123,6 +133,8 @@ class _Search:
         """The error of the finest run: of the next coarser one by their difference, carried on by
         the slope over three runs where that is consistent."""
         tols = sorted(self.runs)
+        if len(tols) < 2:
+            return float("inf")
         difference, _ = self._difference(tols[0], tols[1])
         slope = self._slope()
         gain = (tols[0] / tols[1]) ** slope if slope is not None else 1.0
@@ -147,9 +159,9 @@ class _Search:
         tols = sorted(self.runs)
         slope = self._slope() or 1.0
         error = self.estimate()
-        tol = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
+        tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = min(tol, tols[0] / 2.0)
-        fine = 10.0 ** (0.25 * int(4.0 * log10(tol) - 1.0))
+        fine: float = 10.0 ** (0.25 * int(4.0 * log10(tol) - 1.0))
         return 10.0 * max(FINEST, fine)
 
     def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
@@ -166,7 +178,7 @@ class _Search:
         tols = sorted(self.runs)
         estimated = self.estimate()
         horizon = None
-        if estimated > self.accuracy:
+        if estimated > self.accuracy and len(tols) > 1:
             _, horizon = self._difference(tols[0], tols[1])
         return Verified(self.runs[tols[0]], self.options(tols[0]), estimated, horizon, self.tried)
 

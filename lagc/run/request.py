@@ -111,8 +111,11 @@ class Quantity:
 Given = Mapping[str, float | Quantity]
 
 
-def bound_parameters(interface: Interface, given: Given, unused: Sequence[Field] = ()) -> list[float]:
-    """The array p: the model's values with the `given` ones in their place, in SI.
+def bound_parameters(
+    interface: Interface, given: Given, unused: Sequence[Field] = (), demanding: bool = True
+) -> list[float]:
+    """The array p: the model's values with the `given` ones in their place, in SI; NaN for those
+    without a value where that is allowed (`demanding` False).
 
     Raises Refused: LAG0601 unknown name, LAG0602 outside its bounds or not a number, LAG0603 no
     value, LAG0605 wrong unit.
@@ -133,7 +136,7 @@ def bound_parameters(interface: Interface, given: Given, unused: Sequence[Field]
     for f in fields:
         found = values.get(f.name, f.value)
         if found is None:
-            if f.name not in given:
+            if demanding and f.name not in given:
                 unit = f" [{f.unit}]" if f.unit else ""
                 faults.append(Fault("LAG0603", f"parameter `{f.name}`{unit} ({f.place}) has no value",
                                     remedy=f"give it one: -p {f.name}=..."))  # fmt: skip
@@ -192,14 +195,12 @@ def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
 
 
 def _bounds(field: Field, value: float) -> list[Fault]:
-    unit = f" {field.unit}" if field.unit else ""
-    if value < field.minimum:
-        message = f"`{field.name}` = {value:g}{unit} is below its minimum, {field.minimum:g}{unit} ({field.place})"
-    elif value > field.maximum:
-        message = f"`{field.name}` = {value:g}{unit} is above its maximum, {field.maximum:g}{unit} ({field.place})"
-    else:
+    if field.minimum <= value <= field.maximum:
         return []
-    return [Fault("LAG0602", message)]
+    unit = f" {field.unit}" if field.unit else ""
+    low = value < field.minimum
+    bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
+    return [Fault("LAG0602", f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
 
 
 def _request(message: str) -> Fault:

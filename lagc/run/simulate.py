@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from time import perf_counter
 
@@ -54,8 +55,9 @@ def simulate(
         trajectory, options, tried = found.trajectory, found.options, found.tried
         estimated, horizon = found.estimated, found.horizon
     status, message = verdict(system, trajectory, times[-1])
-    if status == "ok" and estimated is not None and request.accuracy is not None and estimated > request.accuracy:
-        status, message, trajectory = _missed(trajectory, estimated, request.accuracy, horizon)
+    asked = request.accuracy
+    if status == "ok" and estimated is not None and asked is not None and estimated > asked:
+        status, message, trajectory = _missed(trajectory, estimated, asked, horizon)
     if trajectory.redundant_rows:
         notes.append(_redundant(system, trajectory))
     return Solution(
@@ -66,6 +68,7 @@ def simulate(
         asked=request.accuracy, estimated=estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
+        interrupted=trajectory.status == INTERRUPTED,
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),
             rhs=sum(r.rhs for r in tried), operations=system.interface.operations,
@@ -145,8 +148,8 @@ def _missed(
     kept = sum(1 for t in trajectory.times if t <= horizon)
     message = (f"the motion can be foretold to {accuracy:g} until t = {horizon:.6g} s only: beyond it, "
                "runs of different tolerance part (it is chaotic, or too sensitive)")  # fmt: skip
-    cut = Trajectory(**{**trajectory.__dict__, "times": trajectory.times[:kept], "states": trajectory.states[:kept],
-                        "t": trajectory.times[kept - 1], "x": trajectory.states[kept - 1]})  # fmt: skip
+    times, states = trajectory.times[:kept], trajectory.states[:kept]
+    cut = dataclasses.replace(trajectory, times=times, states=states, t=times[-1], x=states[-1])
     return "failed", message, cut
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.run.problem import System
 from lagc.run.request import unknown
+from lagc.version import __version__
 
 if TYPE_CHECKING:
     from numpy import float64
@@ -78,6 +80,7 @@ class Solution:
     cost: Cost
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
+    interrupted: bool = False
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
     @property
@@ -154,7 +157,7 @@ class Solution:
 
     def final(self) -> dict[str, float]:
         """Every column at the last recorded time."""
-        last = Solution(**{**self.__dict__, "times": self.times[-1:], "states": self.states[-1:], "_columns": {}})
+        last = dataclasses.replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
         return {name: last.column(name)[0] for name in self.columns} if self.times else {}
 
     @property
@@ -168,12 +171,10 @@ class Solution:
 
     def metadata(self) -> dict[str, object]:
         """What goes with the numbers into a file: plain data."""
-        import lagc
-
         interface = self.system.interface
         fields = (*interface.parameters, *interface.inputs)
         return {
-            "tool": f"lagc {lagc.__version__}", "model": interface.model, "scene": interface.scene,
+            "tool": f"lagc {__version__}", "model": interface.model, "scene": interface.scene,
             "effects": list(interface.effects), "source": interface.source_name,
             "model_hash": interface.model_hash, "backend": self.system.backend,
             "method": self.method, "rtol": self.rtol, "atol": self.atol, "step": self.step,
@@ -202,7 +203,9 @@ class Solution:
     def to_pandas(self) -> object:
         """A pandas DataFrame, a column a quantity, indexed by time; metadata in `attrs`.
         Raises ImportError where pandas is not installed."""
-        import pandas
+        import importlib
+
+        pandas = importlib.import_module("pandas")
 
         frame = pandas.DataFrame({n: self[n] for n in self.columns}, index=pandas.Index(self.t, name="time"))
         frame.attrs.update(self.metadata())

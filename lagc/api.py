@@ -1,0 +1,329 @@
+"""The Python interface: load a model file, compile a scene of it, simulate.
+
+    model = lagc.load("pendulum.lag")
+    system = model.compile(scene="room", backend="c")
+    run = system.simulate(stop=10, accuracy=1e-8, parameters={"l": 0.7})
+    run.t, run["theta"], run.plot(), run.save("run.npz")
+
+Numbers are in SI; a pair (70, "cm") is a number with its unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from time import perf_counter
+from typing import TYPE_CHECKING, TypeAlias
+
+from lagc import library
+from lagc.artifact import Artifact
+from lagc.compiler import Choice, Compilation, check
+from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.run.problem import System
+from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
+from lagc.run.solution import Solution
+
+if TYPE_CHECKING:
+    from lagc.meaning.model import Model
+    from lagc.mechanics.equations import EquationsOfMotion
+    from lagc.optimize.program import Interface, Program
+    from lagc.run.solution import Array
+
+Value: TypeAlias = float | tuple[float, str] | Quantity
+Progress: TypeAlias = Callable[[float], None]
+
+
+def load(path: str) -> ModelFile:
+    """The model file `path`, or a model of the library by its name (`simple_pendulum`).
+
+    Raises Refused where it cannot be read; what is wrong inside it is found by `compile` and `check`.
+    """
+    return ModelFile(library.read(str(path)))
+
+
+def loads(text: str, name: str = "<text>") -> ModelFile:
+    """A model from its text; faults call it `name`."""
+    return ModelFile(Source(name, text))
+
+
+@dataclass(frozen=True)
+class ModelFile:
+    """A model text, not yet compiled."""
+
+    source: Source
+
+    def compile(
+        self,
+        scene: str | None = None,
+        *,
+        model: str | None = None,
+        use: Sequence[str] = (),
+        without: Sequence[str] = (),
+        parameters: Mapping[str, Value] | None = None,
+        backend: str = "auto",
+    ) -> CompiledModel:
+        """One scene of one model (the first where none is named), with the effects `use` added and
+        `without` left out.
+
+        `parameters` here are the values for every run, unless a run gives others; structural
+        integers are built in.  `backend` is "c", "numpy" or "auto" (C where a compiler is found and
+        it pays).  Raises Refused with all faults.
+        """
+        if backend not in ("auto", "c", "numpy"):
+            raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
+        given = quantities(parameters or {})
+        choice = Choice(model, scene, tuple(use), tuple(without), given)
+        return CompiledModel(Compilation(self.source, choice), backend)
+
+    def check(self) -> list[Fault]:
+        """Every fault of the text, in all its scenes."""
+        return check(self.source, Choice())
+
+    def _repr_latex_(self) -> str:
+        from lagc.view.equations import latex
+
+        return latex(self.compile().equations)
+
+
+class Run(Solution):
+    """A Solution that can be looked at."""
+
+    def plot(self, *names: str, path: str | None = None) -> object:
+        """Draw the named columns over time (the coordinates without a name), into the file `path`
+        where one is given.  Raises ImportError where matplotlib is not installed."""
+        from lagc.view.plot import plot
+
+        return plot(self, names=names, path=path)
+
+    def _repr_html_(self) -> str:
+        from lagc.view.html import solution_html
+
+        return solution_html(self)
+
+
+class CompiledModel:
+    """One scene of a model: equations, program, and what simulates it.
+
+    What was compiled before comes out of the cache, stages that nobody asks for are not run.
+    """
+
+    def __init__(self, compilation: Compilation, backend: str = "auto"):
+        self.compilation = compilation
+        self.asked_backend = backend
+        began = perf_counter()
+        self._systems: dict[str, System] = {}
+        self.artifact = self._first_artifact()
+        self.compile_s = perf_counter() - began
+
+    @property
+    def model(self) -> Model:
+        """The model with its names resolved."""
+        return self.compilation.model
+
+    @property
+    def equations(self) -> EquationsOfMotion:
+        return self.compilation.equations
+
+    @property
+    def program(self) -> Program:
+        """What the backends print: straight-line functions, with their operation counts."""
+        return self.compilation.program
+
+    @property
+    def interface(self) -> Interface:
+        """Names, units, sizes."""
+        return self.artifact.interface
+
+    @property
+    def operations(self) -> int:
+        """Arithmetic operations of one right-hand side."""
+        return self.interface.operations
+
+    @property
+    def backend(self) -> str:
+        """The backend that is loaded, or will be first."""
+        return next(reversed(self._systems), self._preferred)
+
+    @property
+    def system(self) -> System:
+        """The loaded system; with the parameters of the last run."""
+        return self.load(self.backend)
+
+    def load(self, backend: str) -> System:
+        """The system of `backend`, compiled where it is not yet."""
+        system = self._systems.get(backend)
+        if system is None:
+            from lagc.run.backends import load
+
+            began = perf_counter()
+            artifact = self.compilation.artifact(backend)
+            system = load(artifact.interface, artifact.sources, backend, artifact.code)
+            self.compile_s += perf_counter() - began
+            self._systems[backend] = system
+        return system
+
+    def simulate(
+        self,
+        stop: Value | None = None,
+        *,
+        accuracy: float | None = None,
+        method: str | None = None,
+        rtol: float | None = None,
+        atol: float | None = None,
+        step: Value | None = None,
+        every: Value | None = None,
+        points: int | None = None,
+        parameters: Mapping[str, Value] | None = None,
+        starts: Mapping[str, Value] | None = None,
+        progress: Progress | None = None,
+    ) -> Run:
+        """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
+        `method` and tolerances or a fixed `step`; see `lagc.run.request.Request`.
+
+        What is not said is the scene's, then the default's.  A run that fails keeps what was
+        computed and says why in `status` and `message`.  Raises Refused for wrong requests.
+        """
+        times = [_seconds(name, v) for name, v in (("stop", stop), ("step", step), ("every", every))]
+        request = Request(times[0], accuracy, method, rtol, atol, times[1], times[2], points,
+                          bound_starts(self.interface, quantities(starts or {})))  # fmt: skip
+        return self.run(request, self._bound(parameters), progress)
+
+    def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
+        """Simulate with the array p given; with `auto`, begin in NumPy and change to C where that
+        takes longer than compiling would."""
+        request.completed(self.interface.simulate)
+        if self.asked_backend != "auto" or self._preferred == "c" or "c" in self._systems:
+            return self._run(self.backend, request, parameters, progress)
+        from lagc.run.backends.compile import CannotCompile, compiler
+
+        patience = _Patience(compile_time(self.interface), progress)
+        watched = patience if compiler() is not None else progress
+        try:
+            return self._run("numpy", request, parameters, watched)
+        except TakesLong:
+            try:
+                self.load("c")
+            except CannotCompile:
+                return self._run("numpy", request, parameters, progress)
+            return self._run("c", request, parameters, progress)
+
+    def _run(
+        self, backend: str, request: Request, parameters: Sequence[float], progress: Progress | None
+    ) -> Run:
+        from lagc.run.simulate import simulate
+
+        system = self.load(backend)
+        system.parameters = list(parameters)
+        found = simulate(system, request, self.compile_s, progress)
+        return Run(**{f.name: getattr(found, f.name) for f in fields(Solution)})
+
+    def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
+        """dx/dt at (t, x), x = (q, v) or (q, v, z) with the work integral z: for other integrators.
+
+        Raises ValueError where x has another length, ArithmeticError where the motion is not
+        determined there.
+        """
+        import numpy
+
+        interface, system = self.interface, self.system
+        state = [float(a) for a in x]
+        wanted = interface.nq + interface.nv
+        if len(state) not in (wanted, interface.nx):
+            raise ValueError(f"x has {len(state)} entries, not {wanted}: {', '.join(self.state_names)}")
+        system.parameters = self._bound(parameters)
+        xdot, lam = [0.0] * interface.nx, [0.0] * interface.nc
+        full = state + [0.0] * (interface.nx - len(state))
+        status = system.rhs(float(t), full, xdot, lam)
+        if status not in (0, 2):
+            raise ArithmeticError(f"the right-hand side has no value at t = {t:g} (status {status})")
+        return numpy.array(xdot[: len(state)])
+
+    def start(self, parameters: Mapping[str, Value] | None = None, **starts: float) -> Array:
+        """A consistent start x = (q, v), for other integrators.  Raises Refused where there is none."""
+        import numpy
+
+        from lagc.run.simulate import begin
+
+        system = self.system
+        system.parameters = self._bound(parameters)
+        found = begin(system, Request(starts=bound_starts(self.interface, starts)))
+        return numpy.array(found.x[: self.interface.nq + self.interface.nv])
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """What x = (q, v) holds."""
+        return (*self.interface.q_names, *self.interface.v_names)
+
+    def _bound(self, parameters: Mapping[str, Value] | None) -> list[float]:
+        given = {**self.compilation.choice.parameters, **quantities(parameters or {})}
+        return bound_parameters(self.interface, given, self.artifact.unused)
+
+    def _first_artifact(self) -> Artifact:
+        return self.compilation.artifact(self._preferred)
+
+    @cached_property
+    def _preferred(self) -> str:
+        """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
+        if self.asked_backend != "auto":
+            return self.asked_backend
+        from lagc.run.backends.compile import cached_library
+
+        artifact = self.compilation.cached_artifact("c")
+        return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
+
+    def _repr_latex_(self) -> str:
+        from lagc.view.equations import latex
+
+        return latex(self.equations)
+
+
+class TakesLong(Exception):
+    """The run has lasted as long as compiling it to C would."""
+
+
+class _Patience:
+    """Progress that gives up after `limit` s: at worst, then, the run costs twice what it must."""
+
+    def __init__(self, limit: float, inner: Progress | None):
+        self.end = perf_counter() + limit
+        self.inner = inner
+
+    def __call__(self, t: float) -> None:
+        if perf_counter() > self.end:
+            raise TakesLong
+        if self.inner is not None:
+            self.inner(t)
+
+
+def compile_time(interface: Interface) -> float:
+    """How long a C compiler will take, s: a guess from the size of the program."""
+    return 0.4 + 1.0e-4 * interface.operations
+
+
+def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:
+    return {name: _quantity(name, value) for name, value in given.items()}
+
+
+def _quantity(name: str, value: Value) -> float | Quantity:
+    if isinstance(value, Quantity):
+        return value
+    if isinstance(value, tuple):
+        number, unit = value
+        return Quantity(float(number), unit)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise Refused([Fault("LAG0602", f"`{name}` must be a number, not {value!r}")]) from None
+
+
+def _seconds(name: str, value: Value | None) -> float | None:
+    if value is None:
+        return None
+    from lagc.run.request import si
+
+    faults: list[Fault] = []
+    found = si(name, _quantity(name, value), "s", faults)
+    if faults:
+        raise Refused(faults)
+    return found

@@ -1,0 +1,146 @@
+"""Compile a model and simulate it.
+
+The accuracy asked is that of the whole motion: method and tolerance are chosen, and the error
+is estimated by comparing runs.  `--method` with `--rtol`, `--atol` or `--step` steers by hand.
+"""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from typing import TYPE_CHECKING
+
+from lagc.cli.exits import DONE, FAILED, INTERRUPTED, Usage
+from lagc.cli.options import (
+    add_backend_option,
+    add_general_options,
+    add_model_options,
+    choice_of,
+    quantities,
+    quantity,
+)
+from lagc.cli.output import print_json, say
+
+if TYPE_CHECKING:
+    from lagc.api import Run
+    from lagc.run.request import Request
+
+METHODS = ("dop853", "dopri5")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser)
+    parser.add_argument("--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
+                        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'")  # fmt: skip
+    parser.add_argument("--stop", metavar="T", help="how long, in s or with a unit: 20, '5[min]'")
+    parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
+    parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
+    parser.add_argument("--rtol", metavar="R", help="by hand: relative tolerance of a step")
+    parser.add_argument("--atol", metavar="A", help="by hand: absolute tolerance of a step; default: as rtol")
+    parser.add_argument("--step", metavar="DT", help="by hand: a fixed step instead of tolerances")
+    parser.add_argument("--every", metavar="DT", help="record a point every DT (dense output, never the step)")
+    parser.add_argument("--points", metavar="N", help="record N points; default 501")
+    parser.add_argument("-o", "--output", metavar="FILE", help="write what was recorded: .csv .npz .parquet")
+    parser.add_argument("--plot", metavar="FILE", nargs="?", const="",
+                        help="draw the motion, into FILE (.png .svg .pdf) or on the screen")  # fmt: skip
+    add_backend_option(parser)
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc import library
+    from lagc.api import CompiledModel
+    from lagc.cli.progress import Bar
+    from lagc.compiler import Compilation
+    from lagc.run.backends.compile import CannotCompile
+    from lagc.run.request import bound_parameters, bound_starts
+
+    if options.output:
+        check_output(options.output)
+    request = request_of(options)
+    choice = choice_of(options)
+    source = library.read(options.file)
+    try:
+        model = CompiledModel(Compilation(source, choice), options.backend)
+        starts = bound_starts(model.interface, quantities(options.starts, "--start"))
+        parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
+        request = dataclasses.replace(request, starts=starts)
+        stop = request.completed(model.interface.simulate).stop or 0.0
+        with Bar(stop, quiet=options.quiet or options.json) as bar:
+            found = model.run(request, parameters, bar)
+    except CannotCompile as error:
+        raise Usage(f"{error}; --backend numpy needs no compiler") from None
+    return deliver(found, options)
+
+
+def check_output(path: str) -> None:
+    """Before anything is computed for it."""
+    from lagc.run.files import CannotSave, check_path
+
+    try:
+        check_path(path)
+    except CannotSave as error:
+        raise Usage(str(error)) from None
+
+
+def deliver(found: Run, options: argparse.Namespace) -> int:
+    """Print, write and draw what was computed, also where the run failed; the exit code."""
+    if options.json:
+        print_json(found.to_dict())
+    else:
+        from lagc.cli.summary import summary
+
+        print(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose))
+    if options.output:
+        from lagc.run.files import CannotSave
+
+        try:
+            found.save(options.output)
+        except CannotSave as error:
+            raise Usage(str(error)) from None
+        say(f"{len(found)} points written to {options.output}", options.quiet or options.json)
+    if options.plot is not None:
+        draw(found, options)
+    if found.interrupted:
+        say(found.message, options.quiet)
+        return INTERRUPTED
+    if found.status == "failed":
+        say(f"error[LAG0620]: {found.message}", options.json)
+        return FAILED
+    return DONE
+
+
+def draw(found: Run, options: argparse.Namespace) -> None:
+    try:
+        found.plot(path=options.plot or None)
+    except ImportError:
+        raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'") from None
+    except (OSError, ValueError) as error:
+        raise Usage(f"`{options.plot}` cannot be drawn: {error}") from None
+    if options.plot:
+        say(f"picture written to {options.plot}", options.quiet or options.json)
+
+
+def request_of(options: argparse.Namespace) -> Request:
+    """What is asked for, less the start values; raises Usage where a word is no number."""
+    from lagc.run.request import Request
+
+    return Request(
+        stop=quantity(options.stop, "s", "--stop"),
+        accuracy=quantity(options.accuracy, "", "--accuracy"),
+        method=options.method,
+        rtol=quantity(options.rtol, "", "--rtol"),
+        atol=quantity(options.atol, "", "--atol"),
+        step=quantity(options.step, "s", "--step"),
+        every=quantity(options.every, "s", "--every"),
+        points=_whole(options.points, "--points"),
+    )
+
+
+def _whole(word: str | None, option: str) -> int | None:
+    if word is None:
+        return None
+    try:
+        return int(word)
+    except ValueError:
+        raise Usage(f"`{option} {word}` is not a whole number") from None

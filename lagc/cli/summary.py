@@ -1,0 +1,79 @@
+"""A run in a dozen lines: where it ended, how good that is, and what it cost."""
+
+from __future__ import annotations
+
+from math import pi
+
+from lagc.run.solution import Solution
+
+MOST = 12  # final values that are shown without --verbose
+
+
+def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
+    if quiet:
+        return "\n".join(_final(run, verbose))
+    interface = run.system.interface
+    effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
+    chosen = " (the first of the file)" if scene_chosen and interface.scene != "default" else ""
+    lines = [f"{interface.model}, scene {interface.scene}{chosen}{effects}"]
+    lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
+    lines.append(f"  {'ended':9} {run.message}")
+    final = _final(run, verbose)
+    lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
+    lines.append(f"  {'accuracy':9} {_accuracy(run)}")
+    if interface.nc or interface.quaternions:
+        lines.append(f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)")
+    lines.append(f"  {'energy':9} {_energy(run)}")
+    lines.append(f"  {'method':9} {_method(run)}, backend {run.system.backend}")
+    lines.append(f"  {'cost':9} {_cost(run)}")
+    return "\n".join(lines)
+
+
+def _final(run: Solution, verbose: bool) -> list[str]:
+    final = run.final()
+    units = run.units
+    names = list(final) if verbose or len(final) <= MOST else list(final)[:MOST]
+    width = max((len(n) for n in names), default=0)
+    lines = [f"{n:{width}} = {value_text(final[n], units[n])}" for n in names]
+    if len(names) < len(final):
+        lines.append(f"and {len(final) - len(names)} more: --json or -v shows them")
+    return lines
+
+
+def value_text(value: float, unit: str) -> str:
+    """A value with its unit, and in degrees too where it is an angle."""
+    text = f"{value:.9g}" + (f" {unit}" if unit else "")
+    if unit in ("rad", "rad/s"):
+        text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
+    return text
+
+
+def _accuracy(run: Solution) -> str:
+    if run.asked is None:
+        return "not verified: the run was steered by hand"
+    if run.estimated is None or run.estimated == float("inf"):
+        return f"asked {run.asked:.0e}, not verified"
+    return f"asked {run.asked:.1e}, estimated {run.estimated:.1e} (global, relative)"
+
+
+def _energy(run: Solution) -> str:
+    e = run.energy
+    work = f", work {e.work:.6g} J" if run.system.nz else ""
+    return f"start {e.start:.6g} J, end {e.end:.6g} J{work}, imbalance {e.imbalance:.1e} J"
+
+
+def _method(run: Solution) -> str:
+    if run.step:
+        return f"{run.method}, fixed step {run.step:g} s"
+    return f"{run.method}, tolerance {run.rtol:.2g}" + ("" if run.atol == run.rtol else f", absolute {run.atol:.2g}")
+
+
+def _cost(run: Solution) -> str:
+    c = run.cost
+    several = f" in {c.integrations} integrations" if c.integrations > 1 else ""
+    return (f"{c.steps} steps ({c.rejected} rejected), {c.rhs} right-hand sides of {c.operations} operations"
+            f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}")  # fmt: skip
+
+
+def seconds(s: float) -> str:
+    return f"{s:.3g} s" if s >= 1.0 else f"{1e3 * s:.3g} ms"

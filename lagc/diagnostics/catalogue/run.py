@@ -1,0 +1,53 @@
+"""Faults of runs (LAG06xx): requests that make no sense, starts that do not exist, runs that end early."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.catalogue import Entry
+
+ENTRIES: dict[str, Entry] = {
+    "LAG0601": Entry(
+        "a run names something that the model does not have",
+        "`-p NAME=...` names a parameter or input, by the name that the model file declares, with the "
+        "instance before it where there is one: `a.bob.m`.  `lagc explain FILE` lists them.",
+    ),
+    "LAG0602": Entry(
+        "a given value is outside its bounds, or not a finite number",
+        "The bounds are the `min` and `max` of the parameter's declaration.",
+    ),
+    "LAG0603": Entry(
+        "a parameter has no value",
+        "It was declared without one, and neither the scene nor the run gives it: say `-p NAME=VALUE`.",
+    ),
+    "LAG0604": Entry(
+        "what is asked of the run makes no sense",
+        "Times and tolerances are positive and finite; `--accuracy` chooses method and tolerance, so that "
+        "it stands without `--method`, `--rtol`, `--atol` and `--step`; a fixed step has no tolerance; "
+        "`--every` and `--points` are two ways to say one thing.",
+    ),
+    "LAG0605": Entry(
+        "a given value has the wrong unit",
+        "The unit in brackets must be one of the quantity that the parameter or start value is: "
+        "`-p 'l=70[cm]'` for a length.  Without brackets the number is in the SI unit.",
+    ),
+    "LAG0606": Entry(
+        "a start value is given for something that does not start",
+        "`--start NAME=...` names a coordinate (`theta`) or a speed (`der(theta)`, or the name of a "
+        "declared `speed`).",
+    ),
+    "LAG0610": Entry(
+        "no start meets all conditions",
+        "The constraints, their rates, the `initial` section and the values that are held (`fixed = true`, "
+        "`--start`) have no common solution near the guesses.  The conditions that are missed most are "
+        "named: let one of the held values go, or change a guess.",
+    ),
+    "LAG0611": Entry(
+        "a start value is not a finite number",
+        "The expression after `start =` or `rate =` divides by zero, or takes the root or logarithm of a "
+        "negative number, for the parameters of this run.",
+    ),
+    "LAG0620": Entry(
+        "the simulation failed",
+        "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "
+        "What was computed until then is printed, written and drawn as asked; the exit code is 3.",
+    ),
+}

@@ -1,0 +1,29 @@
+"""Backends: from the generated code of a model to a System."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import CodeType
+
+from lagc.optimize.program import Interface
+from lagc.run.problem import System
+
+BACKENDS = ("c", "numpy")
+
+
+def load(
+    interface: Interface, sources: Mapping[str, str], backend: str, code: CodeType | None = None
+) -> System:
+    """The system that `sources` (file name -> text, as rendered for `backend`) describe.
+
+    `code` is the compiled text of the NumPy module, where it is at hand.  Raises CannotCompile
+    (`lagc.run.backends.compile`) where the C compiler is missing or fails.
+    """
+    if backend == "c":
+        from lagc.run.backends.c import CSystem
+        from lagc.run.backends.compile import build_library
+
+        return CSystem(interface, build_library(sources), sources)
+    from lagc.run.backends.numpy import NumpySystem, compiled
+
+    return NumpySystem(interface, compiled(sources) if code is None else code)

@@ -1,0 +1,150 @@
+"""Compilers of C, and the cache of shared libraries."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Mapping
+from functools import lru_cache
+
+from lagc import cache
+
+FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-std=c99")
+COMPILERS = ("cc", "gcc", "clang")
+LONGEST = 600.0  # s that one compilation may take
+SUFFIX = ".dll" if sys.platform == "win32" else ".so"
+
+
+class CannotCompile(Exception):
+    """There is no C compiler, or it does not take the generated code; the message says which."""
+
+
+@lru_cache(maxsize=1)
+def compiler() -> tuple[str, ...] | None:
+    """The words that call the C compiler: `LAGC_CC`, else cc, gcc or clang, else `zig cc` where
+    the package ziglang is installed.  None where there is none."""
+    import shutil
+
+    own = os.environ.get("LAGC_CC")
+    if own is not None:
+        words = tuple(own.split())
+        return words if words and shutil.which(words[0]) else None
+    for name in COMPILERS:
+        path = shutil.which(name)
+        if path:
+            return (path,)
+    from importlib.util import find_spec
+
+    if find_spec("ziglang") is not None:
+        return (sys.executable, "-m", "ziglang", "cc")
+    return None
+
+
+def library_name(sources: Mapping[str, str]) -> str:
+    """The cache entry of the library made of `sources`, by their content, flags and machine."""
+    words = [item for name in sorted(sources) for item in (name, sources[name])]
+    return cache.key("library 1", sys.platform, _machine(), *FLAGS, os.environ.get("LAGC_CC", ""), *words)
+
+
+def cached_library(sources: Mapping[str, str]) -> str | None:
+    """The path of the library where it was compiled before."""
+    return _found(library_name(sources))
+
+
+def build_library(sources: Mapping[str, str]) -> str:
+    """The path of the shared library of `sources` (file name -> text), compiled where it is not in
+    the cache.  Raises CannotCompile.
+
+    The library is compiled under a name of its own and then renamed, so that concurrent runs never
+    see half of one.  Where the cache cannot be written, it lives in a temporary folder that goes
+    with the process.
+    """
+    name = library_name(sources)
+    found = _found(name)
+    if found is not None:
+        return found
+    words = compiler()
+    if words is None:
+        raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
+    import shutil
+    import tempfile
+
+    work = tempfile.mkdtemp(prefix="lagc-")
+    try:
+        built = _compile(words, sources, work)
+        kept = _keep(built, name)
+        if kept is not None:
+            return kept
+        import atexit
+
+        private = tempfile.mkdtemp(prefix="lagc-")
+        atexit.register(shutil.rmtree, private, ignore_errors=True)
+        return shutil.move(built, os.path.join(private, "model" + SUFFIX))
+    except OSError as error:
+        raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) -> str:
+    import subprocess
+
+    for name, text in sources.items():
+        with open(os.path.join(folder, name), "w", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    units = [name for name in sources if name.endswith(".c")]
+    target = os.path.join(folder, "model" + SUFFIX)
+    command = [*words, *FLAGS, "-o", target, *units, "-lm"]
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace",
+                              stdin=subprocess.DEVNULL, timeout=LONGEST)  # fmt: skip
+    except subprocess.TimeoutExpired:
+        raise CannotCompile(f"`{words[0]}` took longer than {LONGEST:g} s") from None
+    if done.returncode != 0:
+        lines = (done.stderr or done.stdout).strip().splitlines()
+        first = next((line for line in lines if "error" in line), lines[0] if lines else "it said nothing")
+        raise CannotCompile(f"`{os.path.basename(words[0])}` failed (exit code {done.returncode}): {first}")
+    return target
+
+
+def _path(name: str) -> str | None:
+    root = cache.folder()
+    return None if root is None else os.path.join(root, name[:2], name[2:] + SUFFIX)
+
+
+def _found(name: str) -> str | None:
+    """Only what this user wrote is loaded: a library runs with the user's rights."""
+    path = _path(name)
+    if path is None:
+        return None
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    own = not hasattr(os, "geteuid") or status.st_uid == os.geteuid()
+    return path if own and status.st_size > 0 else None
+
+
+def _keep(built: str, name: str) -> str | None:
+    path = _path(name)
+    if path is None:
+        return None
+    import shutil
+
+    temporary = f"{path}.{os.getpid()}.tmp"
+    try:
+        os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
+        shutil.copyfile(built, temporary)
+        os.chmod(temporary, 0o700)
+        os.replace(temporary, path)
+    except OSError:
+        try:
+            os.unlink(temporary)
+        except OSError:
+            return None
+        return None
+    return path
+
+
+def _machine() -> str:
+    return os.uname().machine if hasattr(os, "uname") else os.environ.get("PROCESSOR_ARCHITECTURE", "")

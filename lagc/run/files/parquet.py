@@ -1,0 +1,22 @@
+"""Apache Parquet by pyarrow: a column a quantity, its unit in the field, the rest in the schema."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from lagc.run.solution import Solution
+
+
+def write(solution: Solution, path: str) -> None:
+    """Raises ImportError where pyarrow is not installed."""
+    pyarrow = importlib.import_module("pyarrow")
+    parquet = importlib.import_module("pyarrow.parquet")
+
+    units = {"time": "s", **solution.units}
+    columns = {"time": solution.times, **{name: solution.column(name) for name in solution.columns}}
+    fields = [pyarrow.field(n, pyarrow.float64(), metadata={"unit": units[n]}) for n in columns]
+    schema = pyarrow.schema(fields, metadata={"lagc": json.dumps(solution.metadata())})
+    parquet.write_table(pyarrow.table(columns, schema=schema), path)
