@@ -6,6 +6,7 @@ Only what keeps the value up to rounding and is certain to pay: nothing is distr
 from __future__ import annotations
 
 from collections.abc import Sequence
+from heapq import heappop, heappush
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
@@ -172,16 +173,13 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
                     products[part] = _numbered(part, atoms, numbers)
     rows = list(products.values())
     made: dict[Product, tuple[Product, Product]] = {}
-    while True:
-        pair = _most_common(rows)
-        if pair is None:
-            break
+    pairs = _Pairs(rows)
+    while (pair := pairs.most_common()) is not None:
         i, j = pair
         whole = _joined(atoms[i], atoms[j])
         made[whole] = (atoms[i], atoms[j])
         atoms.append(whole)
-        for row in rows:
-            _replace(row, i, j, len(atoms) - 1)
+        pairs.replace(pair, len(atoms) - 1)
     for product, row in products.items():
         whole = atoms[row[0]]
         for k in row[1:]:
@@ -204,33 +202,54 @@ def _numbered(product: Product, atoms: list[Product], numbers: dict[Node, int]) 
     return row
 
 
-def _most_common(rows: list[list[int]]) -> tuple[int, int] | None:
-    """The pair of factors that most rows hold (or one row twice), at least two."""
-    counts: dict[tuple[int, int], int] = {}
-    for row in rows:
-        if len(row) < 2:
-            continue
+class _Pairs:
+    """How often each pair of factors occurs in `rows`, kept up to date as rows change."""
+
+    def __init__(self, rows: list[list[int]]) -> None:
+        self.rows = rows
+        self.counts: dict[tuple[int, int], int] = {}
+        self.heap: list[tuple[int, tuple[int, int]]] = []  # stale entries are dropped when met
+        self.holders: dict[tuple[int, int], dict[int, None]] = {}  # rows, as an ordered set
+        for number in range(len(rows)):
+            self._add(number, 1)
+
+    def most_common(self) -> tuple[int, int] | None:
+        """The pair that most rows hold (or one row twice), at least two."""
+        while self.heap:
+            count, pair = self.heap[0]
+            if -count == self.counts[pair]:
+                return pair
+            heappop(self.heap)
+        return None
+
+    def replace(self, pair: tuple[int, int], by: int) -> None:
+        i, j = pair
+        for number in sorted(self.holders[pair]):
+            row = self.rows[number]
+            if i in row and (row.count(i) > 1 if i == j else j in row):
+                self._add(number, -1)
+                while i in row and (row.count(i) > 1 if i == j else j in row):
+                    row.remove(i)
+                    row.remove(j)
+                    row.append(by)
+                self._add(number, 1)
+
+    def _add(self, number: int, sign: int) -> None:
         held: dict[int, int] = {}
-        for k in row:
+        for k in self.rows[number]:
             held[k] = held.get(k, 0) + 1
         keys = sorted(held)
         for n, i in enumerate(keys):
             if held[i] > 1:
-                counts[(i, i)] = counts.get((i, i), 0) + held[i] // 2
+                self._count(number, (i, i), sign * (held[i] // 2))
             for j in keys[n + 1 :]:
-                counts[(i, j)] = counts.get((i, j), 0) + min(held[i], held[j])
-    best: tuple[int, int] | None = None
-    for pair, count in counts.items():
-        if count > 1 and (best is None or (-count, pair) < (-counts[best], best)):
-            best = pair
-    return best
+                self._count(number, (i, j), sign * min(held[i], held[j]))
 
-
-def _replace(row: list[int], i: int, j: int, by: int) -> None:
-    while i in row and (row.count(i) > 1 if i == j else j in row):
-        row.remove(i)
-        row.remove(j)
-        row.append(by)
+    def _count(self, number: int, pair: tuple[int, int], change: int) -> None:
+        count = self.counts[pair] = self.counts.get(pair, 0) + change
+        self.holders.setdefault(pair, {})[number] = None
+        if count > 1:
+            heappush(self.heap, (-count, pair))
 
 
 def _joined(a: Product, b: Product) -> Product:

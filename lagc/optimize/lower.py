@@ -36,6 +36,8 @@ class Lowering:
     def _lower(self, node: Node) -> int:
         op, known, block = node.op, self.known, self.block
         if op == "mul":
+            if node.value == (1, 1):
+                return block.mul(known[node.args[0]], known[node.args[1]])
             over, under = split(node)
             if not under:
                 return self._product(over)
@@ -82,7 +84,9 @@ class Lowering:
 
 def split(node: Node) -> tuple[Product, Product]:
     """Numerator and denominator of a monomial."""
-    pairs = list(zip(node.args, node.value))  # type: ignore[call-overload]
+    pairs = tuple(zip(node.args, node.value))  # type: ignore[call-overload]
+    if min(node.value) > 0:  # type: ignore[call-overload]
+        return pairs, ()
     over = tuple([(b, e) for b, e in pairs if e > 0])
     under = tuple([(b, -e) for b, e in pairs if e < 0])
     return over, under

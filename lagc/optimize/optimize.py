@@ -57,9 +57,11 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 
 def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
     """The elimination, where the right-hand side stays within `LARGEST` operations."""
+    if len(entries) > LARGEST:
+        return None
     right = [*kkt.applied_forces(equations), *(row.gamma for row in equations.rows)]
     size = len(reachable([*entries.values(), *right]))
-    if size > 2 * LARGEST or len(entries) > LARGEST:
+    if size > 2 * LARGEST:
         return None
     plan = kkt.order_of(equations, entries)
     return plan if plan and size + flops(plan) <= LARGEST else None

@@ -19,7 +19,7 @@ FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "atan2", "pow",
 )  # fmt: skip
 STATE = ("p", "t", "x")
-_LARGEST_TRIAL = 1500  # nodes
+_LARGEST_TRIAL = 800  # nodes
 _LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
 _WEIGHTS = {"load": 0, "const": 0, "neg": 0, "div": 4, "sqrt": 4, **dict.fromkeys(FUNCTIONS, 20)}
 
