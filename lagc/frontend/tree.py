@@ -162,13 +162,14 @@ class TypeName:
 
 @dataclass(frozen=True, slots=True)
 class TypeDeclaration:
-    """`type Name = Real[unit] "..." ;`, `display` a preferred unit where `(displayUnit = ...)`."""
+    """`type Name = Real[unit] "..." ;`; `arguments` where `(displayUnit = ...)` is written."""
 
     name: str
     name_span: Span
     definition: TypeName
     description: str | None
     span: Span
+    arguments: tuple[Argument, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

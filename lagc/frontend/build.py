@@ -1,0 +1,390 @@
+"""What each rule of the grammar makes: the nodes of the syntax tree.
+
+One method a rule (or its alias), called by the parser with the rule's children in order (None
+where an optional one is not written) and the span of the whole.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.frontend import tree
+from lagc.frontend.lexer import Token
+from lagc.frontend.places import FILE, arrange
+
+MOST_PARTS = 100  # parts of one name, `a.b[1].c`
+
+Children = list[Any]
+
+
+class Builder:
+    """Makes the tree of `source`; `faults` are those that the grammar itself does not see."""
+
+    def __init__(self, source: Source):
+        self.source = source
+        self.faults: list[Fault] = []
+        self._parts: dict[int, int] = {}  # id of a name with parts -> how many
+
+    # -- files and what holds other declarations ---------------------------------------
+
+    def file(self, c: Children, span: Span) -> tree.Tree:
+        return tree.Tree(self.source, arrange(c, FILE, self.faults))
+
+    def items(self, c: Children, span: Span) -> tuple[Any, ...]:
+        return tuple(c)
+
+    def model(self, c: Children, span: Span) -> tree.ModelDeclaration:
+        partial, name, description, items, _ = c
+        body = arrange(items, "a model", self.faults)
+        return tree.ModelDeclaration(name.text, self._span(name), partial is not None, self._text(description), body, span)
+
+    def package(self, c: Children, span: Span) -> tree.Package:
+        name, description, items, _ = c
+        body = arrange(items, "a package", self.faults)
+        return tree.Package(name.text, self._span(name), self._text(description), body, span)
+
+    def effect(self, c: Children, span: Span) -> tree.Effect:
+        name, description, items, _ = c
+        requires = tuple(n for item in items if isinstance(item, Requires) for n in item.names)
+        excludes = tuple(n for item in items if isinstance(item, Excludes) for n in item.names)
+        rest = [item for item in items if not isinstance(item, Requires | Excludes)]
+        body = arrange(rest, "an effect", self.faults)
+        return tree.Effect(name.text, self._span(name), self._text(description), requires, excludes, body, span)
+
+    def scene(self, c: Children, span: Span) -> tree.Scene:
+        name, description, uses = c
+        return tree.Scene(name.text, self._span(name), self._text(description), uses or (), (), span)
+
+    def scene_with_body(self, c: Children, span: Span) -> tree.Scene:
+        name, description, uses, items, _ = c
+        body = arrange(items, "a scene", self.faults)
+        return tree.Scene(name.text, self._span(name), self._text(description), uses or (), body, span)
+
+    def uses(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
+        return c[0]  # type: ignore[no-any-return]
+
+    def for_loop(self, c: Children, span: Span) -> tree.ForLoop:
+        variable, values, items = c
+        return tree.ForLoop(variable.text, self._span(variable), values, items, span)
+
+    def when(self, c: Children, span: Span) -> tree.When:
+        return tree.When(c[0], span)
+
+    def statement(self, c: Children, span: Span) -> tree.Expression:
+        return c[0]  # type: ignore[no-any-return]
+
+    # -- one line each --------------------------------------------------------------------
+
+    def import_path(self, c: Children, span: Span) -> tree.Import:
+        path = _names(c[0])
+        return tree.Import(path, None, path[-1], False, span)
+
+    def import_all(self, c: Children, span: Span) -> tree.Import:
+        return tree.Import(_names(c[0]), None, None, True, span)
+
+    def import_alias(self, c: Children, span: Span) -> tree.Import:
+        return tree.Import(_names(c[1]), None, c[0].text, False, span)
+
+    def import_file(self, c: Children, span: Span) -> tree.Import:
+        return tree.Import((), self._text(c[0]), None, False, span)
+
+    def extends(self, c: Children, span: Span) -> tree.Extends:
+        path, arguments = c
+        return tree.Extends(_names(path), self._span(path[0]).to(self._span(path[-1])), arguments or (), span)
+
+    def annotation(self, c: Children, span: Span) -> tree.Annotation:
+        return tree.Annotation(c[0], span)
+
+    def requires(self, c: Children, span: Span) -> Requires:
+        return Requires(c[0], span)
+
+    def excludes(self, c: Children, span: Span) -> Excludes:
+        return Excludes(c[0], span)
+
+    def type_declaration(self, c: Children, span: Span) -> tree.TypeDeclaration:
+        name, definition, arguments, description = c
+        return tree.TypeDeclaration(
+            name.text, self._span(name), definition, self._text(description), span, arguments or ()
+        )
+
+    def quantities(self, c: Children, span: Span) -> tree.Quantities:
+        kind, type_name, declarators, unless, description = c
+        return tree.Quantities(kind, type_name, self._described(declarators, description), unless or (), span)
+
+    def quantity_kind(self, c: Children, span: Span) -> str:
+        return c[0].text  # type: ignore[no-any-return]
+
+    def instance(self, c: Children, span: Span) -> tree.Instance:
+        model, declarators, unless, description = c
+        return tree.Instance(
+            self._type_of(model), self._described(declarators, description), unless or (), span
+        )
+
+    def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
+        return tuple(c)
+
+    def declarator(self, c: Children, span: Span) -> tree.Declarator:
+        name, dimensions, arguments, value, description = c
+        return tree.Declarator(
+            name.text, self._span(name), dimensions or (), arguments or (), value, self._text(description), span
+        )
+
+    def function(self, c: Children, span: Span) -> tree.FunctionDeclaration:
+        name, parameters, body, description = c
+        return tree.FunctionDeclaration(
+            name.text, self._span(name), parameters or (), body, self._text(description), span
+        )
+
+    def parameters(self, c: Children, span: Span) -> tuple[tuple[tree.TypeName, str, Span], ...]:
+        return tuple(c)
+
+    def parameter(self, c: Children, span: Span) -> tuple[tree.TypeName, str, Span]:
+        return c[0], c[1].text, self._span(c[1])
+
+    def construct(self, c: Children, span: Span) -> tree.Construct:
+        kind, name, index, value, (unless, description) = c
+        return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, description, span)
+
+    def construct_kind(self, c: Children, span: Span) -> str:
+        return c[0].text  # type: ignore[no-any-return]
+
+    def force(self, c: Children, span: Span) -> tree.Load:
+        return self._load("force", c, span)
+
+    def torque(self, c: Children, span: Span) -> tree.Load:
+        return self._load("torque", c, span)
+
+    def _load(self, kind: str, c: Children, span: Span) -> tree.Load:
+        name, index, value, target, reaction, (unless, description) = c
+        return tree.Load(
+            kind, name.text, self._span(name), index or (), value, target, reaction, unless, description, span
+        )
+
+    def constraint(self, c: Children, span: Span) -> tree.Constraint:
+        name, index, left, relation, right, arguments, (unless, description) = c
+        if arguments is None:
+            right, arguments = _options_apart(right, self.source)
+        return tree.Constraint(
+            name.text, self._span(name), index or (), left, relation.text, self._span(relation), right,
+            arguments, unless, description, span,
+        )  # fmt: skip
+
+    def relation(self, c: Children, span: Span) -> Token:
+        return c[0]  # type: ignore[no-any-return]
+
+    def initial(self, c: Children, span: Span) -> tree.Initial:
+        return tree.Initial((), (), span)
+
+    def condition(self, c: Children, span: Span) -> tree.Initial:
+        left, relation, right, unless = c
+        return tree.Initial((tree.Condition(left, right, self._span(relation), span),), unless or (), span)
+
+    def start(self, c: Children, span: Span) -> tree.Start:
+        return tree.Start(c[0], c[1], span)
+
+    def simulate(self, c: Children, span: Span) -> tree.Simulate:
+        return tree.Simulate(c[0], span)
+
+    # -- parts of declarations -------------------------------------------------------------
+
+    def tail(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
+        return c[0] or (), self._text(c[1])
+
+    def tail_reversed(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
+        return c[1], self._text(c[0])
+
+    def unless(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
+        return c[0]  # type: ignore[no-any-return]
+
+    def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
+        return tuple(tree.Name(token.text, self._span(token)) for token in c)
+
+    def path(self, c: Children, span: Span) -> tuple[Token, ...]:
+        return tuple(c)
+
+    def type(self, c: Children, span: Span) -> tree.TypeName:
+        path, unit = c
+        return tree.TypeName(_names(path), None if unit is None else self._unit(unit), span)
+
+    def arguments(self, c: Children, span: Span) -> tuple[tree.Argument, ...]:
+        return tuple(argument for argument in c if argument is not None)
+
+    def argument(self, c: Children, span: Span) -> tree.Argument:
+        each, left, value = c
+        if value is None and each is None:
+            return tree.Argument(None, None, left, span)
+        if isinstance(left, tree.Name):
+            return tree.Argument(left.name, left.span, value, span, each is not None)
+        if isinstance(left, tree.Call) and isinstance(left.function, tree.Name):
+            name = left.function
+            return tree.Argument(name.name, name.span, value, span, each is not None, left.arguments)
+        self.faults.append(
+            Fault(
+                "LAG0123",
+                "what stands before the `=` of an argument is a name",
+                left.span,
+                remedy="write `name = value`, or `==` to compare",
+            )
+        )
+        return tree.Argument(None, None, value or left, span)
+
+    def subscripts(self, c: Children, span: Span) -> tuple[tree.Expression, ...]:
+        return tuple(c)
+
+    # -- expressions -------------------------------------------------------------------------
+
+    def range(self, c: Children, span: Span) -> tree.Range:
+        first, second, third = c
+        if third is None:
+            return tree.Range(first, None, second, span)
+        return tree.Range(first, second, third, span)
+
+    def conditional(self, c: Children, span: Span) -> tree.Conditional:
+        branches = tuple((c[i], c[i + 1]) for i in range(0, len(c) - 1, 2))
+        return tree.Conditional(branches, c[-1], span)
+
+    def binary(self, c: Children, span: Span) -> tree.Binary:
+        left, op, right = c
+        return tree.Binary(op.text, left, right, self._span(op), span)
+
+    def unary(self, c: Children, span: Span) -> tree.Unary:
+        return tree.Unary(c[0].text, c[1], span)
+
+    def name(self, c: Children, span: Span) -> tree.Name:
+        return tree.Name(c[0].text, span)
+
+    def member(self, c: Children, span: Span) -> tree.Member:
+        return self._part(tree.Member(c[0], c[1].text, self._span(c[1]), span), c[0])
+
+    def index(self, c: Children, span: Span) -> tree.Index:
+        return self._part(tree.Index(c[0], c[1], span), c[0])
+
+    def call(self, c: Children, span: Span) -> tree.Call:
+        return self._part(tree.Call(c[0], c[1], span), c[0])
+
+    def parenthesised(self, c: Children, span: Span) -> tree.Expression:
+        # The parentheses belong to the span, so that a caret under the whole shows them.
+        node = replace(c[0], span=span)
+        if id(c[0]) in self._parts:
+            self._parts[id(node)] = self._parts[id(c[0])]
+        return node  # type: ignore[no-any-return]
+
+    def quantity(self, c: Children, span: Span) -> tree.Expression:
+        value, unit = c
+        return value if unit is None else tree.Quantity(value, self._unit(unit), span)
+
+    def vector(self, c: Children, span: Span) -> tree.Vector:
+        return tree.Vector(tuple(element for element in c if element is not None), span)
+
+    def number(self, c: Children, span: Span) -> tree.Number:
+        text = c[0].text
+        value = float(text)
+        if math.isinf(value):
+            self.faults.append(Fault("LAG0105", "this number is too large: the largest is about 1.8e308", span))
+        return tree.Number(value, text, span)
+
+    def string(self, c: Children, span: Span) -> tree.String:
+        return tree.String(self._text(c[0]) or "", span)
+
+    def boolean(self, c: Children, span: Span) -> tree.Boolean:
+        return tree.Boolean(c[0].text == "true", span)
+
+    # -- helpers -----------------------------------------------------------------------------
+
+    def _span(self, token: Token) -> Span:
+        return Span(self.source, token.start, token.end)
+
+    def _unit(self, token: Token) -> tree.Unit:
+        return tree.Unit(token.text[1:-1].strip(), self._span(token))
+
+    def _text(self, token: Token | None) -> str | None:
+        return None if token is None else unquoted(token.text)
+
+    def _described(
+        self, declarators: tuple[tree.Declarator, ...], description: Token | None
+    ) -> tuple[tree.Declarator, ...]:
+        """A description after `unless` is that of the last name."""
+        if description is None:
+            return declarators
+        return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))
+
+    def _type_of(self, expression: tree.Expression) -> tree.TypeName:
+        path: list[str] = []
+        part = expression
+        while isinstance(part, tree.Member):
+            path.append(part.name)
+            part = part.base
+        if not isinstance(part, tree.Name):
+            self.faults.append(
+                Fault("LAG0110", "a declaration begins with a keyword or the name of a model", expression.span)
+            )
+            return tree.TypeName(("?",), None, expression.span)
+        path.append(part.name)
+        return tree.TypeName(tuple(reversed(path)), None, expression.span)
+
+    def _part(self, node: Any, base: tree.Expression) -> Any:
+        parts = self._parts.get(id(base), 1) + 1
+        self._parts[id(node)] = parts
+        if parts == MOST_PARTS + 1:
+            self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", node.span))
+        return node
+
+
+class Requires:
+    """`requires a, b;` on its way into its effect."""
+
+    def __init__(self, names: tuple[tree.Name, ...], span: Span):
+        self.names = names
+        self.span = span
+
+
+class Excludes(Requires):
+    """`excludes a, b;`."""
+
+
+def unquoted(text: str) -> str:
+    """The text between the quotes, escapes read."""
+    inner = text[1:-1]
+    if "\\" not in inner:
+        return inner
+    signs = {"n": "\n", "t": "\t", "r": "\r"}
+    parts: list[str] = []
+    escaped = False
+    for character in inner:
+        if escaped:
+            parts.append(signs.get(character, character))
+            escaped = False
+        elif character == "\\":
+            escaped = True
+        else:
+            parts.append(character)
+    return "".join(parts)
+
+
+def _names(path: tuple[Token, ...]) -> tuple[str, ...]:
+    return tuple(token.text for token in path)
+
+
+def _options_apart(right: tree.Expression, source: Source) -> tuple[tree.Expression, tuple[tree.Argument, ...]]:
+    """`z >= 2*r (restitution = 0.8)`: the options read as arguments of `r`; give them back."""
+    outer: list[tree.Binary | tree.Unary] = []
+    last = right
+    while isinstance(last, tree.Binary | tree.Unary):
+        outer.append(last)
+        last = last.right if isinstance(last, tree.Binary) else last.operand
+    if not isinstance(last, tree.Call) or not last.arguments or any(a.name is None for a in last.arguments):
+        return right, ()
+    function = last.function
+    if source.text[function.span.end] == "(" or any(node.span.end != last.span.end for node in outer):
+        return right, ()
+    kept: tree.Expression = function
+    for node in reversed(outer):
+        span = Span(source, node.span.start, function.span.end)
+        if isinstance(node, tree.Binary):
+            kept = replace(node, right=kept, span=span)
+        else:
+            kept = replace(node, operand=kept, span=span)
+    return kept, last.arguments

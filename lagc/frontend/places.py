@@ -1,0 +1,137 @@
+"""What may be declared where, and the conditions of an `initial` section gathered."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from lagc.diagnostics.faults import Fault, Span
+from lagc.frontend import tree
+
+FILE = "a file"
+_MECHANICS = frozenset({"model", "effect"})
+_REUSABLE = frozenset({"file", "package", "model", "effect"})
+
+# What is declared -> the blocks in which it may stand.
+_PLACES: dict[str, frozenset[str]] = {
+    "model": frozenset({"file", "package"}),
+    "package": frozenset({"file", "package"}),
+    "import": frozenset({"file", "package", "model"}),
+    "extends": frozenset({"model"}),
+    "type": _REUSABLE,
+    "function": _REUSABLE,
+    "constant": _REUSABLE,
+    "parameter": _MECHANICS | {"scene"},
+    "structural": _MECHANICS | {"scene"},
+    "input": _MECHANICS | {"scene"},
+    "coordinate": _MECHANICS,
+    "speed": _MECHANICS,
+    "output": _MECHANICS,
+    "effect": frozenset({"model"}),
+    "scene": frozenset({"model"}),
+    "requires": frozenset({"effect"}),
+    "excludes": frozenset({"effect"}),
+    "start": frozenset({"scene"}),
+    "simulate": frozenset({"scene"}),
+    "annotation": frozenset({"file", "package", "model", "effect", "scene"}),
+}
+_IN_LOOPS = frozenset(
+    "frame point body joint friction potential kinetic lagrangian dissipation force torque constraint "
+    "initial for when instance".split()
+)
+_SHOWN = {
+    "file": "the top of a file", "package": "a package", "model": "a model", "effect": "an effect",
+    "scene": "a scene", "for": "a loop",
+}  # fmt: skip
+
+
+def arrange(items: Iterable[Any], container: str, faults: list[Fault]) -> tuple[tree.Declaration, ...]:
+    """The declarations of one block (`a model`, `an effect`, ... or FILE), in the order written."""
+    kind = container.rpartition(" ")[2]
+    arranged, _ = _arrange(list(items), kind, False, faults)
+    return arranged
+
+
+def _arrange(
+    items: Sequence[Any], container: str, initial: bool, faults: list[Fault]
+) -> tuple[tuple[tree.Declaration, ...], bool]:
+    """`initial` tells whether the block stands in an initial section, as its loops may."""
+    arranged: list[tree.Declaration] = []
+    outside = True  # one fault for a run of equations outside
+    for item in items:
+        kind = _kind(item)
+        if isinstance(item, tree.Initial):
+            if not item.conditions:
+                initial = True
+                _check(kind, item.span, container, faults)
+            elif initial:
+                _gather(arranged, item)
+            elif outside:
+                outside = False
+                faults.append(_equation_outside(item))
+            continue
+        if isinstance(item, tree.ForLoop):
+            body, _ = _arrange(item.body, "for", initial, faults)
+            arranged.append(replace(item, body=body))
+        else:
+            initial = False
+            arranged.append(item)
+        outside = True
+        _check(kind, item.span, container, faults)
+    return tuple(arranged), initial
+
+
+def _gather(arranged: list[tree.Declaration], item: tree.Initial) -> None:
+    before = arranged[-1] if arranged else None
+    if isinstance(before, tree.Initial) and _same(before.unless, item.unless):
+        conditions = before.conditions + item.conditions
+        arranged[-1] = tree.Initial(conditions, before.unless, before.span.to(item.span))
+    else:
+        arranged.append(item)
+
+
+def _same(some: tuple[tree.Name, ...], others: tuple[tree.Name, ...]) -> bool:
+    return [name.name for name in some] == [name.name for name in others]
+
+
+def _kind(item: Any) -> str:
+    if isinstance(item, tree.Quantities | tree.Construct | tree.Load):
+        return item.kind
+    return _KINDS.get(type(item), type(item).__name__.lower())
+
+
+_KINDS: dict[type, str] = {
+    tree.TypeDeclaration: "type",
+    tree.FunctionDeclaration: "function",
+    tree.ForLoop: "for",
+    tree.ModelDeclaration: "model",
+}
+
+
+def _check(kind: str, span: Span, container: str, faults: list[Fault]) -> None:
+    allowed = _IN_LOOPS if container == "for" else None
+    places = _PLACES.get(kind, _MECHANICS)
+    if kind in allowed if allowed is not None else container in places:
+        return
+    begin = Span(span.source, span.start, min(span.end, span.start + len(kind)))
+    shown = "an instance" if kind == "instance" else f"`{kind}`"
+    good = [_SHOWN[place] for place in _SHOWN if place in places]
+    if container == "for" and places == _MECHANICS:
+        remedy = f"declare it outside, with subscripts: `{kind} Type name[n]`"
+    else:
+        remedy = f"it belongs in {' or '.join(good)}"
+    if kind in ("effect", "scene") and container == "effect":
+        remedy += "; is an `end` missing before it?"
+    faults.append(Fault("LAG0120", f"{shown} cannot stand in {_SHOWN[container]}", begin, remedy=remedy))
+
+
+def _equation_outside(item: tree.Initial) -> Fault:
+    condition = item.conditions[0]
+    return Fault(
+        "LAG0122",
+        "an equation stands in the `initial` section only",
+        condition.span,
+        remedy="for a law of the motion write `constraint name: left = right;`, "
+        "for a condition at the start put `initial` before it",
+    )
