@@ -140,7 +140,7 @@ class Algebra:
                 whole = int(e)
                 powers[atom] = e - whole
                 sums.append((dict(self.atoms[atom].args[0]), whole))
-            elif op == "abs" and e.denominator == 1 and abs(e) >= 2:
+            elif op == "abs" and e.denominator == 1 and (e >= 2 or e <= -2):
                 even = int(e) // 2 * 2 if e > 0 else -(-int(e) // 2 * 2)
                 powers[atom] = e - even
                 sums.append((dict(self.atoms[atom].args[0]), even))
@@ -166,7 +166,8 @@ class Algebra:
 
     def _sum(self, p: Polynomial) -> int:
         self._spend(len(p))
-        return self._atom(Atom("sum", None, (frozen(p),), all(self._is_nonnegative(m, c) for m, c in p.items())))
+        nonnegative = all(self._is_nonnegative(m, c) for m, c in p.items())
+        return self._atom(Atom("sum", None, (frozen(p),), nonnegative))
 
     def _is_nonnegative(self, monomial: Monomial, c: Fraction) -> bool:
         return c >= 0 and all(e % 2 == 0 or self.atoms[a].nonnegative for a, e in monomial)
@@ -202,9 +203,11 @@ class Algebra:
         for atom, e in common:
             whole = e if self.atoms[atom].nonnegative else e // 2 * 2
             if whole:
-                base = self.single(atom, whole * HALF if (whole * HALF).denominator > 1 else int(whole * HALF))
-                if (whole * HALF) % 2 == 1 and not self.atoms[atom].nonnegative:
-                    base = self.power(self.function("abs", self.single(atom)), int(whole * HALF))
+                half = whole * HALF
+                if half % 2 == 1 and not self.atoms[atom].nonnegative:
+                    base = self.power(self.function("abs", self.single(atom)), int(half))
+                else:
+                    base = self.single(atom, half if half.denominator > 1 else int(half))
                 outside = self.multiply(outside, base)
             if e - whole:
                 inside[atom] = e - whole
@@ -276,8 +279,7 @@ def fraction(value: float) -> Fraction:
     near = Fraction(value).limit_denominator(1000)
     if float(near) == value:
         return near
-    decimal = Fraction(repr(value))
-    return decimal
+    return Fraction(repr(value))
 
 
 def constant(c: Fraction) -> Polynomial:

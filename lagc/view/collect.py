@@ -70,8 +70,8 @@ class Collector:
             c, shared = Fraction(1), ()
         terms = self._gathered(p)
         if len(terms) == 1:
-            (term,) = terms
-            return Product(c * term.coefficient, (*sorted((*shared, *term.factors), key=_sums_last), (head, 1)))
+            factors = sorted((*shared, *terms[0].factors), key=_sums_last)
+            return Product(c * terms[0].coefficient, (*factors, (head, 1)))
         if terms[0].coefficient < 0:
             c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
         return Product(c, (*shared, (Sum(tuple(terms)), 1), (head, 1)))
@@ -99,8 +99,9 @@ class Collector:
         return [self._product(coefficient, mine) for mine, coefficient in groups.items()]
 
     def _product(self, coefficient: Polynomial, mine: Monomial) -> Product:
+        no_factors: Monomial = ()
         if not mine and len(coefficient) > 1:
-            c, common, rest = Fraction(1), (), coefficient
+            c, common, rest = Fraction(1), no_factors, coefficient
         else:
             c, common, rest = self.algebra.content(coefficient)
         factors: list[tuple[int | Sum, Exponent]] = list(common)

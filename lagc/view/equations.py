@@ -8,7 +8,7 @@ each up to a factor that is a number or a product of parameters.
 from __future__ import annotations
 
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.formulas import Formula, Sheet, sheet
+from lagc.view.formulas import Sheet, by_kind, sheet
 from lagc.view.text import TextWriter
 
 TITLES = {
@@ -34,11 +34,6 @@ def write(equations: EquationsOfMotion, format: str = "text") -> str:
     return write_text(found)
 
 
-def latex(equations: EquationsOfMotion) -> str:
-    """For a notebook: one displayed block."""
-    return f"$$\n{write(equations, 'latex')}\n$$"
-
-
 def write_text(found: Sheet) -> str:
     writer = TextWriter(found.algebra, found.names)
     lines: list[str] = []
@@ -51,11 +46,6 @@ def write_text(found: Sheet) -> str:
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]
     return "\n".join(lines)
-
-
-def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
-    kinds = [(kind, [f for f in found.formulas if f.kind == kind]) for kind in TITLES]
-    return [(kind, formulas) for kind, formulas in kinds if formulas]
 
 
 def where(found: Sheet) -> list[tuple[str, str]]:

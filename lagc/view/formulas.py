@@ -12,7 +12,7 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Algebra, NamingAlgebra, Polynomial, TooLarge, scaled
-from lagc.view.collect import Collector, Product, Sum
+from lagc.view.collect import Collector, Sum
 from lagc.view.names import Name, names
 from lagc.view.trigonometry import shorten, unit_quaternion
 
@@ -34,7 +34,13 @@ class Sheet:
     formulas: tuple[Formula, ...]
 
 
+KINDS = ("shared", "kinematic", "motion", "position", "velocity")
 ZERO = Sum(())
+
+
+def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
+    kinds = [(kind, [f for f in found.formulas if f.kind == kind]) for kind in KINDS]
+    return [(kind, formulas) for kind, formulas in kinds if formulas]
 
 
 def sheet(equations: EquationsOfMotion) -> Sheet:
@@ -81,7 +87,11 @@ def _definitions(algebra: NamingAlgebra, collector: Collector, shown: dict[Node,
     formulas = []
     for number, (node, p) in enumerate(algebra.definitions, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
-        formulas.append(Formula("shared", shown[node].base, collector.collect(algebra.symbol_only(node)), collector.collect(p)))
+        formulas.append(
+            Formula(
+                "shared", shown[node].base, collector.collect(algebra.symbol_only(node)), collector.collect(p)
+            )
+        )
     return formulas
 
 
@@ -95,7 +105,9 @@ def _kinematic(equations: EquationsOfMotion, collector: Collector, shown: dict[N
         name = shown[equations.q[i]]
         rate = equations.graph.symbol("shown rate", equations.q_names[i])
         shown[rate] = Name(name.base, name.full, 1)
-        formulas.append(Formula("kinematic", equations.q_names[i], collector.collect(algebra.symbol_only(rate)), right))
+        formulas.append(
+            Formula("kinematic", equations.q_names[i], collector.collect(algebra.symbol_only(rate)), right)
+        )
     return formulas
 
 

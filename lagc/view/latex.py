@@ -5,30 +5,37 @@ from __future__ import annotations
 import re
 
 from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Exponent
-from lagc.view.formulas import Sheet
+from lagc.view.formulas import Sheet, by_kind, sheet
 from lagc.view.text import TextWriter
 
-GREEK = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
-    "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega".split()
-)
+_GREEK = """
+    alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon
+    phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega
+"""
+GREEK = frozenset(_GREEK.split())
 FUNCTIONS = {
-    "sin": r"\sin", "cos": r"\cos", "tan": r"\tan", "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan",
-    "sinh": r"\sinh", "cosh": r"\cosh", "tanh": r"\tanh", "exp": r"\exp", "log": r"\ln", "min": r"\min",
-    "max": r"\max", "sign": r"\operatorname{sgn}", "atan2": r"\operatorname{atan2}",
+    "sin": r"\sin", "cos": r"\cos", "tan": r"\tan",
+    "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan",
+    "sinh": r"\sinh", "cosh": r"\cosh", "tanh": r"\tanh",
+    "exp": r"\exp", "log": r"\ln", "min": r"\min", "max": r"\max",
+    "sign": r"\operatorname{sgn}", "atan2": r"\operatorname{atan2}",
 }  # fmt: skip
 RELATIONS = {"lt": "<", "le": r"\le", "eq": "=", "and": r"\land", "or": r"\lor"}
 DOTS = ("", r"\dot", r"\ddot")
 
 
+def equations_latex(equations: EquationsOfMotion) -> str:
+    """For a notebook: the equations as one displayed block."""
+    return f"$$\n{write_latex(sheet(equations))}\n$$"
+
+
 def write_latex(found: Sheet) -> str:
     """One aligned block; the text needs the package amsmath."""
-    from lagc.view.equations import by_kind
-
     writer = LatexWriter(found.algebra, found.names)
     lines = []
-    for kind, formulas in by_kind(found):
+    for _, formulas in by_kind(found):
         for formula in formulas:
             lines.append(f"  {writer.sum(formula.left)} &= {writer.sum(formula.right)}")
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
@@ -75,11 +82,13 @@ class LatexWriter(TextWriter):
         if op == "not":
             return rf"\lnot {args[0]}"
         if op == "select":
-            return rf"\begin{{cases}} {args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}} \end{{cases}}"
-        head = self.raised(FUNCTIONS[op], exponent) if exponent.denominator == 1 and exponent > 0 else FUNCTIONS[op]
-        inside = args[0] if len(args) == 1 and _is_short(args[0]) else None
-        text = f"{head} {inside}" if inside else rf"{head}\left({', '.join(args)}\right)"
-        return text if head != FUNCTIONS[op] or exponent == 1 else self.raised(rf"\left({text}\right)", exponent)
+            cases = rf"{args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}}"
+            return rf"\begin{{cases}} {cases} \end{{cases}}"
+        whole = exponent.denominator == 1
+        head = self.raised(FUNCTIONS[op], exponent) if whole else FUNCTIONS[op]
+        short = len(args) == 1 and _is_short(args[0])
+        text = f"{head} {args[0]}" if short else rf"{head}\left({', '.join(args)}\right)"
+        return text if whole else self.raised(rf"\left({text}\right)", exponent)
 
 
 def letter(name: str, dots: int = 0) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Mapping
-from fractions import Fraction
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
@@ -23,7 +22,8 @@ def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
     variables = _variables(equations, found)
     writer = ScriptWriter(found.algebra, found.names, variables)
     model = equations.model
-    lines = [f'"""Equations of motion of {model.name}, scene {model.scene}, in SI units."""', "", "import sympy", ""]
+    lines = [f"# Equations of motion of {_plain(model.name)}, scene {_plain(model.scene)}, in SI units.", ""]
+    lines += ["import sympy", ""]
     lines += ['t = sympy.Symbol("t", real=True)', *_declarations(equations, variables), ""]
     for formula in found.formulas:
         if formula.kind == "shared":
@@ -31,9 +31,16 @@ def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
     lines.append("equations = [")
     for formula in found.formulas:
         if formula.kind != "shared":
-            lines.append(f"    sympy.Eq({writer.sum(formula.left)}, {writer.sum(formula.right)}),  # {formula.label}")
-    lines += ["]", "", 'if __name__ == "__main__":', "    for equation in equations:", "        sympy.pprint(equation)"]
+            sides = f"{writer.sum(formula.left)}, {writer.sum(formula.right)}"
+            lines.append(f"    sympy.Eq({sides}),  # {_plain(formula.label)}")
+    lines += ["]", "", 'if __name__ == "__main__":']
+    lines += ["    for equation in equations:", "        sympy.pprint(equation)"]
     return "\n".join(lines)
+
+
+def _plain(text: str) -> str:
+    """On one line, so that it stays inside a comment."""
+    return " ".join(text.split())
 
 
 def _variables(equations: EquationsOfMotion, found: Sheet) -> dict[str, str]:
@@ -57,20 +64,19 @@ def _declarations(equations: EquationsOfMotion, variables: Mapping[str, str]) ->
     lines = []
     for p in model.parameters:
         known = "nonnegative=True" if p.minimum >= 0 else "real=True"
-        lines.append(_line(variables[p.name], f'sympy.Symbol("{p.name}", {known})', p.unit, p.description))
+        lines.append(_line(variables[p.name], f"sympy.Symbol({p.name!r}, {known})", p.unit, p.description))
     moving = [(i.name, i.unit, i.description) for i in model.inputs]
     moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
-    moving += [
-        (name, unit, "") for name, unit in zip(equations.v_names, equations.v_units) if not name.startswith("der(")
-    ]
+    speeds = zip(equations.v_names, equations.v_units)
+    moving += [(name, unit, "") for name, unit in speeds if not name.startswith("der(")]
     moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
     for name, unit, description in moving:
-        lines.append(_line(variables[name], f'sympy.Function("{name}", real=True)(t)', unit, description))
+        lines.append(_line(variables[name], f"sympy.Function({name!r}, real=True)(t)", unit, description))
     return lines
 
 
 def _line(variable: str, value: str, unit: str, description: str) -> str:
-    comment = ", ".join(part for part in (unit, " ".join(description.split())) if part)
+    comment = ", ".join(part for part in (unit, _plain(description)) if part)
     return f"{variable} = {value}" + (f"  # {comment}" if comment else "")
 
 
@@ -93,10 +99,9 @@ class ScriptWriter(TextWriter):
     def raised(self, base: str, exponent: Exponent) -> str:
         if exponent == 1:
             return base
-        fraction = Fraction(exponent)
-        if fraction.denominator == 1:
+        if exponent.denominator == 1:
             return f"{base}**{exponent}"
-        return f"{base}**sympy.Rational({fraction.numerator}, {fraction.denominator})"
+        return f"{base}**sympy.Rational({exponent.numerator}, {exponent.denominator})"
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.names.get(node)

@@ -38,11 +38,11 @@ class TextWriter:
 
     def product(self, product: Product) -> str:
         c = product.coefficient
-        over = [(f, e) for f, e in product.factors if e > 0]
-        under = [(f, -e) for f, e in product.factors if e < 0]
+        over = [self.factor(f, e) for f, e in product.factors if e > 0]
+        under = [self.factor(f, -e) for f, e in product.factors if e < 0]
         sign = "-" if c < 0 else ""
         top, bottom = self.coefficient(abs(c))
-        return sign + self.quotient(top, [self.factor(f, e) for f, e in over], bottom, [self.factor(f, e) for f, e in under])
+        return sign + self.quotient(top, over, bottom, under)
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
         above = self.times.join(([top] if top != "1" or not over else []) + over)
@@ -63,9 +63,9 @@ class TextWriter:
     def factor(self, base: int | Sum, exponent: Exponent) -> str:
         atomic = isinstance(base, Sum) or self.algebra.atoms[base].op == "sum"
         if exponent.denominator == 2 and atomic:
-            whole = exponent - Fraction(1, 2)
-            root = self.root(self._inside(base))
-            return root if not whole else self.raised(self.parentheses(self._inside(base)), exponent)
+            if exponent == Fraction(1, 2):
+                return self.root(self._inside(base))
+            return self.raised(self.parentheses(self._inside(base)), exponent)
         if atomic:
             return self.raised(self.parentheses(self._inside(base)), exponent)
         assert not isinstance(base, Sum)

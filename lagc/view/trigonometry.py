@@ -24,13 +24,15 @@ def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
         for monomial in queue:
             if monomial in p:
                 again += _step(algebra, p, monomial)
-        queue = sorted(set(m for m in again if m in p))
+        queue = sorted({m for m in again if m in p})
     return p
 
 
 def _step(algebra: Algebra, p: Polynomial, monomial: Monomial) -> list[Monomial]:
     """Try the identities on one monomial of p; the monomials that changed."""
-    trig = [(a, e) for a, e in monomial if algebra.atoms[a].op in ("sin", "cos") and e > 0 and e.denominator == 1]
+    trig = [
+        (a, e) for a, e in monomial if algebra.atoms[a].op in ("sin", "cos") and e > 0 and e.denominator == 1
+    ]
     for atom, e in trig:
         if e >= 2:
             changed = _pythagoras(algebra, p, monomial, atom)
@@ -76,15 +78,18 @@ def _pythagoras(algebra: Algebra, p: Polynomial, monomial: Monomial, atom: int) 
     return []
 
 
-def _difference(algebra: Algebra, p: Polynomial, monomial: Monomial, first: int, second: int) -> list[Monomial]:
-    twins = _exchange(monomial, [(first, -1), (second, -1), (_twin(algebra, first), 1), (_twin(algebra, second), 1)])
+def _difference(
+    algebra: Algebra, p: Polynomial, monomial: Monomial, first: int, second: int
+) -> list[Monomial]:
+    without = _exchange(monomial, [(first, -1), (second, -1)])
+    twins = _exchange(without, [(_twin(algebra, first), 1), (_twin(algebra, second), 1)])
     c, d = p[monomial], p.get(twins)
     if d is None or abs(c) != abs(d):
         return []
     same = c == d
     a, b = algebra.atoms[first], algebra.atoms[second]
     u, w = dict(a.args[0]), dict(b.args[0])
-    rest = {_exchange(monomial, [(first, -1), (second, -1)]): c}
+    rest = {without: c}
     minus = algebra.add(u, scaled(w, Fraction(-1)))
     plus = algebra.add(u, w)
     if a.op == b.op:  # cos cos + sin sin = cos(u - w); cos cos - sin sin = cos(u + w)
