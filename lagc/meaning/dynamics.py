@@ -1,0 +1,203 @@
+"""Frames, points, given actions and constraints."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from lagc.diagnostics.faults import Span
+from lagc.expr.graph import Node
+from lagc.frontend import tree
+from lagc.meaning import model as nouns
+from lagc.meaning.clock import LATE, VELOCITY
+from lagc.meaning.context import Context
+from lagc.meaning.evaluate import each, evaluate, evaluate_as
+from lagc.meaning.functions import Argument
+from lagc.meaning.motion import velocity_of
+from lagc.meaning.quantities import no_rates
+from lagc.meaning.scope import Entry
+from lagc.meaning.types import describe
+from lagc.meaning.units import ENERGY, NONE, POWER, Dimension, M, dimension, si_text
+from lagc.meaning.values import Array, Body, Frame, Scalar, Thing, Value, Wrong, expect, kind, scalar_of, vector_of, vector_value
+
+FORCE = dimension(kg=1, m=1, s=-2)
+
+
+def _written(entry: Entry) -> tree.Construct:
+    assert isinstance(entry.source, tree.Construct)
+    _no_modifiers(entry)
+    return entry.source
+
+
+def _no_modifiers(entry: Entry) -> None:
+    for modifier in entry.modifiers:
+        raise Wrong("LAG0209", f"the {entry.kind} `{entry.name}` cannot be modified from outside", modifier.argument.span,
+                    "modify the parameters that it is made of")  # fmt: skip
+
+
+def _timely(context: Context, node: Node, span: Span, what: str) -> None:
+    if context.clock.mask(node) & LATE:
+        raise Wrong("LAG0219", f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
+                    "known once the equations are solved", span, "use these in outputs")  # fmt: skip
+
+
+def declare_frame(context: Context, entry: Entry) -> Value:
+    source = _written(entry)
+    value = evaluate(context, source.value, entry.environment)
+    if not isinstance(value, Frame):
+        raise Wrong("LAG0221", f"a frame is `rotate(...)` of another, this is {kind(value)}", source.value.span)
+    for row in value.axes:
+        for node in row:
+            no_rates(context, node, source.value.span, "a frame")
+            _timely(context, node, source.value.span, "a frame")
+    frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
+    entry.nouns.append(frame)
+    return frame
+
+
+def declare_point(context: Context, entry: Entry) -> Value:
+    source = _written(entry)
+    value = evaluate_as(context, source.value, entry.environment, M)
+    vector, found = vector_of(value, source.value.span, "a point")
+    expect(found, M, source.value.span, "a point")
+    for node in vector:
+        no_rates(context, node, source.value.span, "a point")
+        _timely(context, node, source.value.span, "a point")
+    entry.nouns.append(nouns.Point(entry.path, vector, entry.span, entry.effect))
+    return vector_value(vector, M)
+
+
+def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node, Span]:
+    source = _written(entry)
+    span = source.value.span
+    scalar = scalar_of(evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`")
+    expect(scalar.dimension, meant, span, f"the {entry.kind} `{entry.name}`")
+    _timely(context, scalar.node, span, f"a {entry.kind}")
+    return scalar.node, span
+
+
+def declare_potential(context: Context, entry: Entry) -> Value:
+    node, span = _energy_like(context, entry, ENERGY)
+    if context.clock.mask(node) & VELOCITY:
+        raise Wrong("LAG0313", "a potential depends on no rate", span,
+                    "a term of the Lagrangian with rates is `lagrangian L = ...;`")  # fmt: skip
+    entry.nouns.append(nouns.Potential(entry.path, node, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_free_term(context: Context, entry: Entry) -> Value:
+    """`lagrangian` and `kinetic`."""
+    node, _ = _energy_like(context, entry, ENERGY)
+    entry.nouns.append(nouns.Lagrangian(entry.path, node, entry.kind == "kinetic", entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_dissipation(context: Context, entry: Entry) -> Value:
+    node, _ = _energy_like(context, entry, POWER)
+    entry.nouns.append(nouns.Dissipation(entry.path, node, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_load(context: Context, entry: Entry) -> Value:
+    """`force F = vector at point` and `torque M = vector on body from other`."""
+    source = entry.source
+    assert isinstance(source, tree.Load)
+    _no_modifiers(entry)
+    is_force = source.kind == "force"
+    meant = FORCE if is_force else ENERGY
+    jobs = [lambda: evaluate_as(context, source.value, entry.environment, meant),
+            lambda: evaluate(context, source.target, entry.environment)]  # fmt: skip
+    if source.reaction is not None:
+        other = source.reaction
+        jobs.append(lambda: evaluate(context, other, entry.environment))
+    value, target, *reaction = each(context, jobs)
+    vector, found = vector_of(value, source.value.span, f"a {source.kind}")
+    if found is not None and found != meant:
+        named = "Force [N]" if is_force else "Torque [N.m]"
+        raise Wrong("LAG0302", f"a {source.kind} is {named}, this is {describe(found)}", source.value.span)
+    for node in vector:
+        _timely(context, node, source.value.span, f"a {source.kind}")
+    if is_force:
+        if source.reaction is not None:
+            raise Wrong("LAG0221", "`from` belongs to a torque; the opposite force is another `force`", source.reaction.span)
+        velocity = velocity_of(context, Argument(target, source.target.span), None)
+        entry.nouns.append(nouns.Force(entry.path, vector, velocity, entry.span, entry.effect))
+    else:
+        frame = _frame_of(target, source.target)
+        opposite = _frame_of(reaction[0], source.reaction) if reaction and source.reaction else None
+        entry.nouns.append(nouns.Torque(entry.path, vector, frame, opposite, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def _frame_of(value: Value, written: tree.Expression) -> Frame:
+    if isinstance(value, Frame):
+        return value
+    if isinstance(value, Body) and value.frame is not None:
+        return value.frame
+    raise Wrong("LAG0221", f"a torque acts on a solid or a frame, this is {kind(value)}"
+                + (" without a frame" if isinstance(value, Body) else ""), written.span)  # fmt: skip
+
+
+def declare_constraint(context: Context, entry: Entry) -> Value:
+    """The rows lhs - rhs of an equality, those that say nothing left out."""
+    source = entry.source
+    assert isinstance(source, tree.Constraint)
+    _no_modifiers(entry)
+    if source.relation != "=":
+        raise Wrong("LAG0220", f"constraints with `{source.relation}` are part of the language, but not yet of this version",
+                    source.relation_span)  # fmt: skip
+    if source.arguments:
+        raise Wrong("LAG0209", "an equality takes no further data", source.arguments[0].span)
+    left, right = each(context, [lambda: evaluate(context, source.left, entry.environment),
+                                 lambda: evaluate(context, source.right, entry.environment)])  # fmt: skip
+    differences = _residuals(left, right, source)
+    entry.size = None if isinstance(left, Scalar) else len(differences)
+    labels: list[str] = []
+    rows: list[Node] = []
+    units: list[str] = []
+    for k, (node, found) in enumerate(differences):
+        _timely(context, node, source.left.span.to(source.right.span), "a constraint")
+        if not node.is_zero:
+            labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
+            rows.append(node)
+            units.append(si_text(found or NONE))
+    entry.nouns.append(nouns.Constraint(
+        entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, source.left.span, source.right.span, entry.effect))  # fmt: skip
+    return Thing(entry)
+
+
+def _residuals(left: Value, right: Value, source: tree.Constraint | tree.Condition) -> list[tuple[Node, Dimension | None]]:
+    """left - right, component by component.  Raises Wrong."""
+    for value, side in ((left, source.left), (right, source.right)):
+        if not isinstance(value, Scalar | Array | Body):
+            raise Wrong("LAG0307", f"an equality is between numbers or vectors, this is {kind(value)}", side.span)
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
+        pairs = [(left, right)]
+    elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
+        pairs = []
+        for a, b in zip(left.elements, right.elements):
+            pairs.append((scalar_of(a, source.left.span, "a component"), scalar_of(b, source.right.span, "a component")))
+    else:
+        raise Wrong("LAG0306", f"the two sides differ in shape: {kind(left)} and {kind(right)}", source.relation_span)
+    found: list[tuple[Node, Dimension | None]] = []
+    for a, b in pairs:
+        if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
+            message = f"the two sides differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
+            raise Wrong("LAG0301", message, source.relation_span, related=(
+                (source.left.span, describe(a.dimension)), (source.right.span, describe(b.dimension))))  # fmt: skip
+        found.append((a.node - b.node, a.dimension or b.dimension))
+    return found
+
+
+def condition(context: Context, written: tree.Condition, environment: object) -> list[nouns.InitialCondition]:
+    """The scalar conditions of one line of an `initial` section.  Raises Wrong."""
+    from lagc.meaning.scope import Environment
+
+    assert isinstance(environment, Environment)
+    left, right = each(context, [lambda: evaluate(context, written.left, environment),
+                                 lambda: evaluate(context, written.right, environment)])  # fmt: skip
+    found: list[nouns.InitialCondition] = []
+    for node, _ in _residuals(left, right, written):
+        _timely(context, node, written.span, "an initial condition")
+        if not node.is_zero:
+            found.append(nouns.InitialCondition(node, written.span))
+    return found
