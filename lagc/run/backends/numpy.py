@@ -1,0 +1,128 @@
+"""The generated Python module as a System.
+
+One state at a time runs on Python floats, which NumPy would slow down; the module uses NumPy for
+many states at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
+from types import CodeType
+from typing import Any
+
+from lagc.optimize.program import Interface
+from lagc.run.problem import Options, Trajectory, Vector
+
+
+def compiled(sources: Mapping[str, str]) -> CodeType:
+    """The module's text (the one file of `sources`) as code."""
+    ((name, text),) = sources.items()
+    return compile(text, name, "exec", dont_inherit=True)
+
+
+class NumpySystem:
+    """`module` is the namespace that the generated text makes."""
+
+    backend = "numpy"
+
+    def __init__(self, interface: Interface, code: CodeType):
+        self.interface = interface
+        self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
+        self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        # Its dataclasses look their module up by name: this one stands in for it.
+        self.module: dict[str, Any] = {"__name__": __name__}
+        exec(code, self.module)
+        self._p: list[float] = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
+        self.inner: Any = self.module["System"](self._p)
+
+    @property
+    def nx(self) -> int:
+        return self.nq + self.nv + self.nz
+
+    @property
+    def parameters(self) -> list[float]:
+        return self._p
+
+    @parameters.setter
+    def parameters(self, values: Sequence[float]) -> None:
+        self._p = list(values)
+        self.inner = self.module["System"](self._p)
+
+    @property
+    def culprit(self) -> int:
+        found: int = self.inner.culprit
+        return found
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        status: int = self.inner.rhs(t, x, xdot, lam)
+        return status
+
+    def position(self, t: float, x: Vector) -> list[float]:
+        return self._plain("position", self.nh, t, x)
+
+    def velocity(self, t: float, x: Vector) -> list[float]:
+        return self._plain("velocity", self.nc, t, x)
+
+    def scales(self, t: float, x: Vector) -> list[float]:
+        return self._plain("scales", self.nc, t, x)
+
+    def assemble(self, t: float, x: Vector) -> int:
+        status: int = self.inner.assemble(t, x)
+        return status
+
+    def solve(self, r: Vector) -> list[float]:
+        found: list[float] = self.inner.solve(r)
+        return found
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
+        found: list[float] = self.inner.displace(t, x, d)
+        return found
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        return self._plain("energies", 3, t, x)
+
+    def outputs(self, t: float, x: Vector) -> list[float]:
+        if not self.interface.outputs:
+            return []
+        found: list[float] = self.inner.outputs(t, x)
+        return found
+
+    def start(self) -> list[float]:
+        found: list[float] = self.inner.start()
+        return found
+
+    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        ni = len(self.interface.initial_places)
+        if ni == 0:
+            return [], []
+        c, jacobian = [0.0] * ni, [0.0] * (ni * (self.nq + self.nv))
+        self._call("initial", t, x, c, jacobian)
+        return c, jacobian
+
+    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
+        self.inner.rhs(t, x, xdot, lam)
+        return xdot[self.nq : self.nq + self.nv], lam
+
+    def integrate(
+        self,
+        options: Options,
+        t0: float,
+        x0: Vector,
+        times: Sequence[float],
+        progress: Callable[[float], None] | None = None,
+    ) -> Trajectory:
+        own = self.module["Options"](**asdict(options))
+        done: Trajectory = self.module["_integrate"](self.inner, own, t0, list(x0), list(times), progress)
+        return done
+
+    def _plain(self, name: str, length: int, t: float, x: Vector) -> list[float]:
+        result = [0.0] * length
+        if length:
+            self._call(name, t, x, result)
+        return result
+
+    def _call(self, name: str, t: float, x: Vector, *results: list[float]) -> None:
+        """Functions of the Program take p, t, x and write into lists."""
+        self.module[f"fn_{name}"](self._p, t, x, *results)
