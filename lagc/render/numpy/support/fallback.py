@@ -1,0 +1,254 @@
+"""[M G^T; G 0] solved whatever the rank of G: Cholesky of M, and pivoted
+orthogonal factors of G in its metric.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from lagc.render.numpy.support.base import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
+
+# -- what follows is part of generated modules --
+
+SINGULAR = 1e-13  # pivot ratio of a mass matrix that is singular
+DEPENDENT = 1e-8  # share of a row that is independent of the others, below which it is dependent
+STILL_DEPENDENT = 1e-5  # the same while rows are known to be dependent: stages leave the constraints
+CONTRADICTION = 1e-6  # of the size of accelerations
+
+
+class Fallback:
+    """M = L L^T (packed by rows), L^-1 G^T = Q R diag(lengths) with columns in the order of `order`.
+
+    Where M alone is singular, M + weight G^T G takes its place: the same solution, as G a is given.
+    Rows order[rank:] depend on the others.  `b` holds Q by rows, r its factors: r[k][row].
+    """
+
+    def __init__(self, n: int, m: int):
+        self.n, self.m = n, m
+        self.low = [0.0] * (n * (n + 1) // 2)
+        self.weight = 0.0
+        self.g: list[float] = []
+        self.b = [[0.0] * n for _ in range(m)]
+        self.r = [[0.0] * m for _ in range(m)]
+        self.lengths = [0.0] * m
+        self.order = list(range(m))
+        self.rank = m
+        self.culprit = -1
+
+    def factor(self, mass: list[float], g: list[float], dependent: float) -> int:
+        """From M (packed lower rows) and G (by rows); rows below `dependent` are left out."""
+        self.g = g
+        self.weight = 0.0
+        if not self._cholesky(mass):
+            trace, squares = 0.0, 0.0
+            for i in range(self.n):
+                trace += mass[i * (i + 1) // 2 + i]
+            for a in g:
+                squares += a * a
+            if squares > 0.0:
+                self.weight = trace / squares if trace > 0.0 else 1.0 / squares
+            if self.m == 0 or not self._cholesky(mass):
+                return SINGULAR_MASS
+        for i in range(self.m):
+            self._row(i)
+        self._orthogonalise(dependent)
+        if self.rank < self.m:
+            self.culprit = self.order[self.rank]
+            return REDUNDANT
+        return OK
+
+    def solve(self, r1: list[float], r2: list[float]) -> tuple[int, list[float], list[float]]:
+        """(status, s1, s2) with M s1 - G^T s2 = r1, G s1 = r2; s2 as short as possible."""
+        n, m, rank, order, r, b, lengths = self.n, self.m, self.rank, self.order, self.r, self.b, self.lengths
+        z = r1[:]
+        if self.weight > 0.0:
+            for i in range(m):
+                factor = self.weight * r2[i]
+                for j in range(n):
+                    z[j] += factor * self.g[i * n + j]
+        self._lower(z)
+        size, longest = 0.0, 0.0
+        for a in z:
+            size += a * a
+        w = [0.0] * m
+        for k in range(rank):
+            i = order[k]
+            value = r2[i] / lengths[i]
+            for j in range(k):
+                value -= r[j][i] * w[j]
+            w[k] = value / r[k][i]
+            size += w[k] * w[k]
+            if lengths[i] > longest:
+                longest = lengths[i]
+        size = longest * sqrt(size)
+        status = OK if rank == m else REDUNDANT
+        worst = CONTRADICTION
+        for k in range(rank, m):
+            i = order[k]
+            value = 0.0
+            for j in range(rank):
+                value += r[j][i] * w[j]
+            value = r2[i] - lengths[i] * value
+            share = abs(value) / (abs(r2[i]) + size + 1e-300)
+            if share > worst:
+                status, self.culprit, worst = INCONSISTENT, i, share
+        for k in range(rank):
+            q = b[order[k]]
+            value = w[k]
+            for j in range(n):
+                value -= q[j] * z[j]
+            w[k] = value
+        for k in range(rank):
+            q, value = b[order[k]], w[k]
+            for j in range(n):
+                z[j] += q[j] * value
+        self._upper(z)
+        return status, z, self._multipliers(w)
+
+    def _cholesky(self, mass: list[float]) -> bool:
+        n, low = self.n, self.low
+        for i in range(n):
+            start = i * (i + 1) // 2
+            for j in range(i + 1):
+                other = j * (j + 1) // 2
+                value = mass[start + j]
+                for k in range(self.m if self.weight > 0.0 else 0):
+                    value += self.weight * self.g[k * n + i] * self.g[k * n + j]
+                whole = value
+                for k in range(j):
+                    value -= low[start + k] * low[other + k]
+                if j < i:
+                    low[start + j] = value / low[other + j]
+                elif value > SINGULAR * whole:
+                    low[start + j] = sqrt(value)
+                else:
+                    self.culprit = i
+                    return False
+        return True
+
+    def _lower(self, z: list[float]) -> None:
+        """z = L^-1 z."""
+        low = self.low
+        for i in range(self.n):
+            start = i * (i + 1) // 2
+            value = z[i]
+            for k in range(i):
+                value -= low[start + k] * z[k]
+            z[i] = value / low[start + i]
+
+    def _upper(self, z: list[float]) -> None:
+        """z = L^-T z."""
+        low = self.low
+        for i in range(self.n - 1, -1, -1):
+            start = i * (i + 1) // 2
+            value = z[i] / low[start + i]
+            z[i] = value
+            for k in range(i):
+                z[k] -= low[start + k] * value
+
+    def _row(self, i: int) -> None:
+        """Row i of G as a unit vector in the metric of M, and its length."""
+        n = self.n
+        row = self.b[i]
+        row[:] = self.g[i * n : (i + 1) * n]
+        self._lower(row)
+        length = 0.0
+        for a in row:
+            length += a * a
+        length = sqrt(length)
+        self.lengths[i] = length
+        if length > 0.0:
+            row[:] = [a / length for a in row]
+
+    def _orthogonalise(self, dependent: float) -> None:
+        """Modified Gram-Schmidt with pivoting; each new vector is cleaned a second time."""
+        m, b, r, order = self.m, self.b, self.r, self.order
+        for i in range(m):
+            order[i] = i
+        for k in range(m):
+            best, longest = k, -1.0
+            for j in range(k, m):
+                value = 0.0
+                for a in b[order[j]]:
+                    value += a * a
+                if value > longest:
+                    best, longest = j, value
+            if not longest > dependent * dependent:
+                self.rank = k
+                return
+            order[k], order[best] = order[best], order[k]
+            i = order[k]
+            q = b[i]
+            for j in range(k):
+                r[j][i] += _remove(q, b[order[j]])
+            length = 0.0
+            for a in q:
+                length += a * a
+            length = sqrt(length)
+            r[k][i] = length
+            q[:] = [a / length for a in q]
+            for j in range(k + 1, m):
+                r[k][order[j]] = _remove(b[order[j]], q)
+        self.rank = m
+
+    def _multipliers(self, c: list[float]) -> list[float]:
+        """The shortest lam with B lam = Q c: free ones y minimise |base - T y|^2 + |y|^2."""
+        m, rank, order, lengths = self.m, self.rank, self.order, self.lengths
+        found = [0.0] * m
+        self._triangle(c)
+        for k in range(rank):
+            found[order[k]] = c[k]
+        free = m - rank
+        if free == 0:
+            return found
+        table: list[list[float]] = []
+        for f in range(free):
+            i = order[rank + f]
+            column = [self.r[k][i] * lengths[i] for k in range(rank)]
+            self._triangle(column)
+            table.append(column)
+        normal = [[0.0] * free for _ in range(free)]
+        y = [0.0] * free
+        for f in range(free):
+            for e in range(f + 1):
+                value = 1.0 if e == f else 0.0
+                for k in range(rank):
+                    value += table[f][k] * table[e][k]
+                for k in range(e):
+                    value -= normal[f][k] * normal[e][k]
+                normal[f][e] = value / normal[e][e] if e < f else sqrt(value)
+            value = 0.0
+            for k in range(rank):
+                value += table[f][k] * c[k]
+            for k in range(f):
+                value -= normal[f][k] * y[k]
+            y[f] = value / normal[f][f]
+        for f in range(free - 1, -1, -1):
+            value = y[f]
+            for k in range(f + 1, free):
+                value -= normal[k][f] * y[k]
+            y[f] = value / normal[f][f]
+            found[order[rank + f]] = y[f]
+            for k in range(rank):
+                found[order[k]] -= table[f][k] * y[f]
+        return found
+
+    def _triangle(self, c: list[float]) -> None:
+        """c = diag(1/lengths) R^-1 c over the independent rows."""
+        rank, order, r = self.rank, self.order, self.r
+        for k in range(rank - 1, -1, -1):
+            value = c[k]
+            for j in range(k + 1, rank):
+                value -= r[k][order[j]] * c[j]
+            c[k] = value / r[k][order[k]]
+        for k in range(rank):
+            c[k] = c[k] / self.lengths[order[k]]
+
+
+def _remove(vector: list[float], q: list[float]) -> float:
+    """Take the part along q away; its size."""
+    part = 0.0
+    for a, b in zip(vector, q):
+        part += a * b
+    vector[:] = [a - part * b for a, b in zip(vector, q)]
+    return part

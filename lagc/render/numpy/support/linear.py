@@ -1,0 +1,175 @@
+"""A generated module's functions as a `Problem`: right-hand sides watched, and solved another way if bad."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lagc.render.numpy.support.base import FAILED, NOT_FINITE, OK, REDUNDANT
+from lagc.render.numpy.support.fallback import DEPENDENT, STILL_DEPENDENT, Fallback
+
+# -- what follows is part of generated modules --
+
+LEAST_PIVOT = 1e-13  # pivot ratio and residual of a straight solve that is good enough
+LARGEST_RESIDUAL = 1e-10
+
+
+class Equations:
+    """The equations of motion with parameters `p`.
+
+    `model` maps NQ, NV, NZ, NC, NH, NWORK, STRAIGHT, QUATERNIONS and fn_... to what a generated
+    module calls so (its `globals()`).  `redundant_rows`: rows met so far that depended on others.
+    """
+
+    def __init__(self, model: Mapping[str, Any], p: list[float]):
+        self.p = p
+        self.nq: int = model["NQ"]
+        self.nv: int = model["NV"]
+        self.nz: int = model["NZ"]
+        self.nc: int = model["NC"]
+        self.nh: int = model["NH"]
+        self.nx = self.nq + self.nv + self.nz
+        self.quaternions: tuple[int, ...] = tuple(model["QUATERNIONS"])
+        self.culprit = -1
+        self.fallbacks = 0
+        self.redundant_rows: list[int] = []
+        self._straight = bool(model["STRAIGHT"])
+        self._functions = {k[3:]: v for k, v in model.items() if k.startswith("fn_")}
+        self._fn_rhs = self._functions.get("rhs")
+        self._health = [1.0, 0.0]
+        self._lost = False  # rows are known to be dependent
+        self._w = [0.0] * model["NWORK"]
+        self._dense = False  # the last `assemble` is in the fallback
+        self._fallback: Fallback | None = None
+        nv, nc = self.nv, self.nc
+        self._qdot, self._force, self._gamma = [0.0] * self.nq, [0.0] * nv, [0.0] * nc
+        self._mass: list[float] = []
+        self._g: list[float] = []
+
+    def rhs(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
+        """xdot[nx] and lam[nc] at (t, x); a status."""
+        health = self._health
+        if self._straight and not self._lost:
+            self._fn_rhs(self.p, t, x, xdot, lam, health)  # type: ignore[misc]
+            if health[0] >= LEAST_PIVOT and health[1] <= LARGEST_RESIDUAL:
+                return self._finite(xdot, OK)
+        return self._solve_dense(t, x, xdot, lam)
+
+    def position(self, t: float, x: Sequence[float]) -> list[float]:
+        return self._call("position", self.nh, t, x)
+
+    def velocity(self, t: float, x: Sequence[float]) -> list[float]:
+        return self._call("velocity", self.nc, t, x)
+
+    def scales(self, t: float, x: Sequence[float]) -> list[float]:
+        return self._call("scales", self.nc, t, x)
+
+    def assemble(self, t: float, x: Sequence[float]) -> int:
+        """Factors of [M G^T; G 0] at (t, x) for `solve`; a status."""
+        if self._straight and not self._lost:
+            self._functions["assemble"](self.p, t, x, self._w)
+            self._functions["factor"](self._w, self._health)
+            if self._health[0] >= LEAST_PIVOT and self._health[1] <= LARGEST_RESIDUAL:
+                self._dense = False
+                return OK
+        self._dense = True
+        return self._factor_dense(t, x)
+
+    def solve(self, r: Sequence[float]) -> list[float]:
+        """s = (s1, s2) with M s1 - G^T s2 = r1, G s1 = r2, from the last `assemble`."""
+        nv = self.nv
+        if self._dense:
+            assert self._fallback is not None
+            _, s1, s2 = self._fallback.solve(list(r[:nv]), list(r[nv:]))
+            return s1 + s2
+        s = [0.0] * (nv + self.nc)
+        self._functions["solve"](self._w, r, s)
+        return s
+
+    def displace(self, t: float, x: Sequence[float], d: Sequence[float]) -> list[float]:
+        """dq[nq] = N d."""
+        if "displace" not in self._functions:
+            return list(d)
+        dq = [0.0] * self.nq
+        self._functions["displace"](self.p, t, x, d, dq)
+        return dq
+
+    def system(
+        self, t: float, x: Sequence[float]
+    ) -> tuple[list[float], list[float], list[float], list[float], list[float]]:
+        """qdot[nq], M packed by lower rows, r[nv], G[nc*nv] by rows, gamma[nc]; the lists are reused."""
+        nv, nc = self.nv, self.nc
+        if not self._mass:
+            self._mass, self._g = [0.0] * (nv * (nv + 1) // 2), [0.0] * (nc * nv)
+        found = (self._qdot, self._mass, self._force, self._g, self._gamma)
+        self._functions["system"](self.p, t, x, *found)
+        return found
+
+    def _call(self, name: str, length: int, t: float, x: Sequence[float]) -> list[float]:
+        values = [0.0] * length
+        self._functions[name](self.p, t, x, values)
+        return values
+
+    def _finite(self, xdot: list[float], status: int) -> int:
+        total = sum(xdot)
+        if total - total != 0.0:
+            for i, a in enumerate(xdot):
+                if a - a != 0.0:
+                    self.culprit = i
+                    return NOT_FINITE
+        return status
+
+    def _factor_dense(self, t: float, x: Sequence[float]) -> int:
+        """The fallback's factors at (t, x); remembers which rows are dependent."""
+        if self._straight:
+            self.fallbacks += 1
+        qdot, mass, force, g, gamma = self.system(t, x)
+        for values in (mass, g, force, gamma):
+            total = sum(values)
+            if total - total != 0.0:
+                self.culprit = self._where(qdot, force)
+                return NOT_FINITE
+        if self._fallback is None:
+            self._fallback = Fallback(self.nv, self.nc)
+        fallback = self._fallback
+        status = fallback.factor(mass, g, STILL_DEPENDENT if self._lost else DEPENDENT)
+        self._lost = status == REDUNDANT
+        if status != OK:
+            self.culprit = fallback.culprit
+        for row in sorted(fallback.order[fallback.rank :]) if self._lost else ():
+            if row not in self.redundant_rows:
+                self.redundant_rows.append(row)
+        return status
+
+    def _where(self, qdot: list[float], force: list[float]) -> int:
+        for i, a in enumerate(qdot + force):
+            if a - a != 0.0:
+                return i
+        return self.nq
+
+    def _solve_dense(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
+        nq, nv = self.nq, self.nv
+        status = self._factor_dense(t, x)
+        if status in FAILED:
+            return status
+        assert self._fallback is not None
+        status, a, found = self._fallback.solve(self._force, self._gamma)
+        if status in FAILED:
+            self.culprit = self._fallback.culprit
+            return status
+        xdot[:nq] = self._qdot
+        xdot[nq : nq + nv] = a
+        lam[:] = found
+        if self.nz:
+            xdot[nq + nv] = self._power(t, x, a, lam)
+        return self._finite(xdot, status)
+
+    def _power(self, t: float, x: Sequence[float], a: list[float], lam: list[float]) -> float:
+        function = self._functions.get("power")
+        if function is None:
+            return 0.0
+        given = {"p": self.p, "t": t, "x": x, "a": a, "lam": lam}
+        names = function.__code__.co_varnames[: function.__code__.co_argcount - 1]
+        e = [0.0]
+        function(*(given[name] for name in names), e)
+        return e[0]
