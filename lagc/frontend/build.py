@@ -7,17 +7,18 @@ where an optional one is not written) and the span of the whole.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any
+from typing import Any, TypeVar
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend import tree
 from lagc.frontend.lexer import Token
+from lagc.frontend.node import replaced
 from lagc.frontend.places import FILE, arrange
 
 MOST_PARTS = 100  # parts of one name, `a.b[1].c`
 
 Children = list[Any]
+T = TypeVar("T")
 
 
 class Builder:
@@ -39,7 +40,8 @@ class Builder:
     def model(self, c: Children, span: Span) -> tree.ModelDeclaration:
         partial, name, description, items, _ = c
         body = arrange(items, "a model", self.faults)
-        return tree.ModelDeclaration(name.text, self._span(name), partial is not None, self._text(description), body, span)
+        shown = self._text(description)
+        return tree.ModelDeclaration(name.text, self._span(name), partial is not None, shown, body, span)
 
     def package(self, c: Children, span: Span) -> tree.Package:
         name, description, items, _ = c
@@ -52,7 +54,8 @@ class Builder:
         excludes = tuple(n for item in items if isinstance(item, Excludes) for n in item.names)
         rest = [item for item in items if not isinstance(item, Requires | Excludes)]
         body = arrange(rest, "an effect", self.faults)
-        return tree.Effect(name.text, self._span(name), self._text(description), requires, excludes, body, span)
+        shown = self._text(description)
+        return tree.Effect(name.text, self._span(name), shown, requires, excludes, body, span)
 
     def scene(self, c: Children, span: Span) -> tree.Scene:
         name, description, uses = c
@@ -128,8 +131,9 @@ class Builder:
 
     def declarator(self, c: Children, span: Span) -> tree.Declarator:
         name, dimensions, arguments, value, description = c
+        shown = self._text(description)
         return tree.Declarator(
-            name.text, self._span(name), dimensions or (), arguments or (), value, self._text(description), span
+            name.text, self._span(name), dimensions or (), arguments or (), value, shown, span
         )
 
     def function(self, c: Children, span: Span) -> tree.FunctionDeclaration:
@@ -145,8 +149,8 @@ class Builder:
         return c[0], c[1].text, self._span(c[1])
 
     def construct(self, c: Children, span: Span) -> tree.Construct:
-        kind, name, index, value, (unless, description) = c
-        return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, description, span)
+        kind, name, index, value, (unless, shown) = c
+        return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, shown, span)
 
     def construct_kind(self, c: Children, span: Span) -> str:
         return c[0].text  # type: ignore[no-any-return]
@@ -267,7 +271,7 @@ class Builder:
 
     def parenthesised(self, c: Children, span: Span) -> tree.Expression:
         # The parentheses belong to the span, so that a caret under the whole shows them.
-        node = replace(c[0], span=span)
+        node = replaced(c[0], span=span)
         if id(c[0]) in self._parts:
             self._parts[id(node)] = self._parts[id(c[0])]
         return node  # type: ignore[no-any-return]
@@ -283,7 +287,8 @@ class Builder:
         text = c[0].text
         value = float(text)
         if math.isinf(value):
-            self.faults.append(Fault("LAG0105", "this number is too large: the largest is about 1.8e308", span))
+            message = "this number is too large: the largest is about 1.8e308"
+            self.faults.append(Fault("LAG0105", message, span))
         return tree.Number(value, text, span)
 
     def string(self, c: Children, span: Span) -> tree.String:
@@ -309,7 +314,7 @@ class Builder:
         """A description after `unless` is that of the last name."""
         if description is None:
             return declarators
-        return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))
+        return (*declarators[:-1], replaced(declarators[-1], description=self._text(description)))
 
     def _type_of(self, expression: tree.Expression) -> tree.TypeName:
         path: list[str] = []
@@ -318,18 +323,17 @@ class Builder:
             path.append(part.name)
             part = part.base
         if not isinstance(part, tree.Name):
-            self.faults.append(
-                Fault("LAG0110", "a declaration begins with a keyword or the name of a model", expression.span)
-            )
+            message = "a declaration begins with a keyword or the name of a model"
+            self.faults.append(Fault("LAG0110", message, expression.span))
             return tree.TypeName(("?",), None, expression.span)
         path.append(part.name)
         return tree.TypeName(tuple(reversed(path)), None, expression.span)
 
-    def _part(self, node: Any, base: tree.Expression) -> Any:
+    def _part(self, node: T, base: tree.Expression) -> T:
         parts = self._parts.get(id(base), 1) + 1
         self._parts[id(node)] = parts
         if parts == MOST_PARTS + 1:
-            self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", node.span))
+            self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", base.span))
         return node
 
 
@@ -368,7 +372,9 @@ def _names(path: tuple[Token, ...]) -> tuple[str, ...]:
     return tuple(token.text for token in path)
 
 
-def _options_apart(right: tree.Expression, source: Source) -> tuple[tree.Expression, tuple[tree.Argument, ...]]:
+def _options_apart(
+    right: tree.Expression, source: Source
+) -> tuple[tree.Expression, tuple[tree.Argument, ...]]:
     """`z >= 2*r (restitution = 0.8)`: the options read as arguments of `r`; give them back."""
     outer: list[tree.Binary | tree.Unary] = []
     last = right
@@ -384,7 +390,7 @@ def _options_apart(right: tree.Expression, source: Source) -> tuple[tree.Express
     for node in reversed(outer):
         span = Span(source, node.span.start, function.span.end)
         if isinstance(node, tree.Binary):
-            kept = replace(node, right=kept, span=span)
+            kept = replaced(node, right=kept, span=span)
         else:
-            kept = replace(node, operand=kept, span=span)
+            kept = replaced(node, operand=kept, span=span)
     return kept, last.arguments

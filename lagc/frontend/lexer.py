@@ -53,15 +53,16 @@ _PATTERN = re.compile(
 )
 _UNIT = re.compile(r"\[[^\[\]\n]*\]")
 _UNIT_START = re.compile(r"\[[^\[\]\n,;)}]*")
-_SYMBOLS = frozenset("( ) { } [ ] , ; : . + - * / ^ = < > <= >= == <> .*".split())
-_OTHERS = frozenset("!= ** && || := += -= *= /= .. ... ! % & |".split())  # the parser explains these
+_UNKNOWN = frozenset("?@#$~`'\\")  # no sign of any use here; the parser explains the other ones
 
 # What is typed, or pasted, for an ASCII character that the language has.
 _MEANT = {
-    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∙": "*",  # noqa: RUF001
-    "÷": "/", "∕": "/", "≤": "<=", "≥": ">=", "≠": "<>", "；": ";", "，": ",", "：": ":",  # noqa: RUF001
+    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∙": "*",
+    "÷": "/", "∕": "/", "≤": "<=", "≥": ">=", "≠": "<>", "；": ";", "，": ",", "：": ":",
 }
-_BLANKS = frozenset("\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u3000\v\x85\u2028\u2029")
+_BLANKS = frozenset(
+    "\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u3000\v\x85\u2028\u2029"
+)
 _HINTS = {
     "²": "write `^2`", "³": "write `^3`", "°": "write the unit in brackets: `30 [deg]`",
     "“": 'texts stand between straight quotes, "..."', "”": 'texts stand between straight quotes, "..."',
@@ -105,10 +106,10 @@ def tokenise(source: Source) -> Lexed:
             symbol = found.group()
             if symbol == "[" and tokens and _unit_follows(tokens[-1]):
                 end = _unit(source, lexed, position)
-            elif symbol in _SYMBOLS or symbol in _OTHERS:
-                tokens.append(Token(SYMBOL, symbol, position, end))
-            else:
+            elif symbol in _UNKNOWN:
                 lexed.faults.append(_odd(source, symbol, position))
+            else:
+                tokens.append(Token(SYMBOL, symbol, position, end))
         elif kind == "comment":
             lexed.comments.append(Token("comment", found.group(), position, end))
         elif kind == "unclosed":
@@ -151,18 +152,17 @@ def _unclosed(source: Source, lexed: Lexed, opening: str, start: int) -> int:
     """A comment is lost up to the end of the file, a text up to the end of its line."""
     text = source.text
     if opening == "/*":
-        lexed.faults.append(
-            Fault("LAG0103", "this comment is not closed", Span(source, start, start + 2), remedy="close it with `*/`")
-        )
+        span = Span(source, start, start + 2)
+        lexed.faults.append(Fault("LAG0103", "this comment is not closed", span, remedy="close it with `*/`"))
         return len(text)
     newline = text.find("\n", start)
     end = len(text) if newline < 0 else newline
     line = text[start:end].rstrip()
     line = line[:-1].rstrip() if line.endswith(";") else line
     end = start + len(line)
-    lexed.faults.append(
-        Fault("LAG0102", "this text is not closed on its line", Span(source, start, end), remedy='close it with `"`')
-    )
+    span = Span(source, start, end)
+    message = "this text is not closed on its line"
+    lexed.faults.append(Fault("LAG0102", message, span, remedy='close it with `"`'))
     lexed.tokens.append(Token(STRING, line + '"', start, end))
     return end
 

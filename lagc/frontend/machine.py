@@ -21,9 +21,9 @@ MOST_FAULTS = 50
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
 _ALWAYS = frozenset({"if", "not", "true", "false", "end"})
 _CALLED = frozenset({"simulate", "annotation", "initial"})  # keywords before a `(`
-_BLOCKS = {"MODEL": "model", "PACKAGE": "package", "EFFECT": "effect", "SCENE": "scene", "FOR": "for", "WHEN": "when"}
+_BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
 _NESTING = frozenset({"LPAR", "LBRACE", "LSQB", "IF", "NOT", *_BLOCKS})
-_AFTER_NAMES = frozenset("= . [ + - * / ^ , ) ] } : < > <= >= == <> (".split())
+_AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
 
 @dataclass(slots=True)
@@ -159,7 +159,7 @@ class Machine:
         else:
             start = self.position
             begin = self.tokens[start].start
-            value = callback([None if place < 0 else values[place] for place in recipe], Span(self.source, begin, begin))
+            value = callback([None] * len(recipe), Span(self.source, begin, begin))
         if origin == "scene":
             self.blocks = [block for block in self.blocks if block.height < len(self.states)]
         self.states.append(self.tables.actions[self.states[-1]][origin])
@@ -249,8 +249,7 @@ class Machine:
         """Can the machine take the next `count` tokens?  Nothing is built."""
         actions = self.tables.actions
         states = list(self.states)
-        position = self.position
-        for position in range(position, min(position + count, len(self.tokens))):
+        for position in range(self.position, min(self.position + count, len(self.tokens))):
             while True:
                 action = actions[states[-1]].get(self.terminal(position, states[-1]))
                 if action is None:

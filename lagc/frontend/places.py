@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend import tree
+from lagc.frontend.node import replaced
 
 FILE = "a file"
 _MECHANICS = frozenset({"model", "effect"})
@@ -36,10 +36,10 @@ _PLACES: dict[str, frozenset[str]] = {
     "simulate": frozenset({"scene"}),
     "annotation": frozenset({"file", "package", "model", "effect", "scene"}),
 }
-_IN_LOOPS = frozenset(
-    "frame point body joint friction potential kinetic lagrangian dissipation force torque constraint "
-    "initial for when instance".split()
-)
+_IN_LOOPS = frozenset({
+    "frame", "point", "body", "joint", "friction", "potential", "kinetic", "lagrangian", "dissipation",
+    "force", "torque", "constraint", "initial", "for", "when", "instance",
+})  # fmt: skip
 _SHOWN = {
     "file": "the top of a file", "package": "a package", "model": "a model", "effect": "an effect",
     "scene": "a scene", "for": "a loop",
@@ -73,7 +73,7 @@ def _arrange(
             continue
         if isinstance(item, tree.ForLoop):
             body, _ = _arrange(item.body, "for", initial, faults)
-            arranged.append(replace(item, body=body))
+            arranged.append(replaced(item, body=body))
         else:
             initial = False
             arranged.append(item)

@@ -1,39 +1,40 @@
 """The syntax tree: what a `.lag` text says, before anything is looked up.
 
 Every node carries the `span` it was read from.  Sequences are tuples.  `None` means
-"not written".
+"not written".  Nodes are compared by their fields, spans included, and never changed
+(`lagc.frontend.node.replaced` makes changed copies).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Source, Span
+from lagc.frontend.node import node
 
 # -- expressions ------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Number:
     value: float
     text: str  # as written, for the formatter
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Boolean:
     value: bool
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class String:
     value: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Unit:
     """The text between brackets, `kg.m2`; its meaning is looked up later."""
 
@@ -41,7 +42,7 @@ class Unit:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Quantity:
     """A number or vector literal with its unit: `0.5 [m]`, `{1, 0, 0} [rad/s]`."""
 
@@ -50,13 +51,13 @@ class Quantity:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Name:
     name: str
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Member:
     """`base.name`: a part of an instance, a unit vector of a frame, ..."""
 
@@ -66,7 +67,7 @@ class Member:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Index:
     """`base[i, j]`."""
 
@@ -75,7 +76,7 @@ class Index:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Argument:
     """A call's or modification's argument: `name = value`, or a bare value (`name` None).
 
@@ -91,21 +92,21 @@ class Argument:
     arguments: tuple[Argument, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Call:
     function: Expression  # a Name or a Member
     arguments: tuple[Argument, ...]
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Unary:
     op: str  # "-", "+", "not"
     operand: Expression
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Binary:
     """op is one of + - * / ^ < <= > >= == <> and or."""
 
@@ -116,7 +117,7 @@ class Binary:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Conditional:
     """`if c then x elseif d then y else z`: branches are (condition, value) pairs."""
 
@@ -125,7 +126,7 @@ class Conditional:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Vector:
     """`{a, b, c}`; nested for a matrix."""
 
@@ -133,7 +134,7 @@ class Vector:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Range:
     """`1:n` or `1:2:n`."""
 
@@ -151,7 +152,7 @@ Expression: TypeAlias = (
 # -- declarations -----------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class TypeName:
     """`Length`, `lib.Length`, or `Real[kg/m]`."""
 
@@ -160,7 +161,7 @@ class TypeName:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class TypeDeclaration:
     """`type Name = Real[unit] "..." ;`; `arguments` where `(displayUnit = ...)` is written."""
 
@@ -172,7 +173,7 @@ class TypeDeclaration:
     arguments: tuple[Argument, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Declarator:
     """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`."""
 
@@ -185,7 +186,7 @@ class Declarator:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Quantities:
     """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input
     coordinate speed output."""
@@ -197,7 +198,7 @@ class Quantities:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class FunctionDeclaration:
     name: str
     name_span: Span
@@ -207,7 +208,7 @@ class FunctionDeclaration:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Construct:
     """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`,
     `friction f = ...`, `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`.
@@ -225,7 +226,7 @@ class Construct:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Load:
     """`force F = vec at point` / `torque M = vec on body [from other]`.  kind: force, torque."""
 
@@ -241,7 +242,7 @@ class Load:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Constraint:
     """`constraint c: lhs = rhs (restitution = 0.8) unless e;`.  relation: = >= <=."""
 
@@ -258,7 +259,7 @@ class Constraint:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Condition:
     """One line of the `initial` section: `lhs = rhs;`."""
 
@@ -268,7 +269,7 @@ class Condition:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Initial:
     """`initial` ... up to the next section or declaration."""
 
@@ -277,7 +278,7 @@ class Initial:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class ForLoop:
     variable: str
     variable_span: Span
@@ -286,7 +287,7 @@ class ForLoop:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class When:
     """`when cond then ... end when;`: read, and answered with "not yet"."""
 
@@ -294,7 +295,7 @@ class When:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Effect:
     """`effect name "..." [requires a, b;] [excludes c;] declarations end name;`
     or the short `effect gravity Gravity field(...); end gravity;`."""
@@ -308,7 +309,7 @@ class Effect:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Start:
     """`start theta = 30 [deg];` or `start der(theta) = 1;` in a scene."""
 
@@ -317,7 +318,7 @@ class Start:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Simulate:
     """`simulate(stop = 20 [s], accuracy = 1e-8);`"""
 
@@ -325,7 +326,7 @@ class Simulate:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Scene:
     name: str
     name_span: Span
@@ -335,7 +336,7 @@ class Scene:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Extends:
     path: tuple[str, ...]
     path_span: Span
@@ -343,7 +344,7 @@ class Extends:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Import:
     """`import a.b.C;` (alias C), `import X = a.b.C;`, `import a.b.*;`, `import "file.lag";`."""
 
@@ -354,7 +355,7 @@ class Import:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Instance:
     """`Chain a(n = 3), b(n = 4);` and, inside an effect, `Gravity field(g = ...);`."""
 
@@ -364,13 +365,13 @@ class Instance:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Annotation:
     arguments: tuple[Argument, ...]
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class ModelDeclaration:
     """`[partial] model Name "..." ... end Name;`"""
 
@@ -382,7 +383,7 @@ class ModelDeclaration:
     span: Span
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Package:
     name: str
     name_span: Span
@@ -398,7 +399,7 @@ Declaration: TypeAlias = (
 )
 
 
-@dataclass(frozen=True)
+@node
 class Tree:
     """A whole file."""
 
