@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite, log10
+from math import floor, isfinite, log10
 
 from lagc import cache
 from lagc.optimize.program import Interface
@@ -21,6 +21,7 @@ from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 SAFETY = 1.5  # on every estimate
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-14  # no tolerance is below this
+SMALLEST = 1e-15  # no difference in double precision tells of a smaller error
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
@@ -138,8 +139,7 @@ class _Search:
         difference, _ = self._difference(tols[0], tols[1])
         slope = self._slope()
         gain = (tols[0] / tols[1]) ** slope if slope is not None else 1.0
-        floor = 1e-15  # double precision has no smaller differences to show
-        return max(SAFETY * difference * gain, floor)
+        return max(SAFETY * difference * gain, SMALLEST)
 
     def _slope(self) -> float | None:
         """p of C tol^p, from the three finest runs; None where two decades disagree."""
@@ -158,10 +158,11 @@ class _Search:
         """The coarser tolerance of the pair that should meet the target, in steps of a quarter decade."""
         tols = sorted(self.runs)
         slope = self._slope() or 1.0
-        error = self.estimate()
+        difference, _ = self._difference(tols[0], tols[1])
+        error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = min(tol, tols[0] / 2.0)
-        fine: float = 10.0 ** (0.25 * int(4.0 * log10(tol) - 1.0))
+        fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return 10.0 * max(FINEST, fine)
 
     def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
