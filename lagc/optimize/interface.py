@@ -31,8 +31,10 @@ def interface(
     straight: bool,
     work_size: int,
     operations: int,
+    remarks: tuple[str, ...] = (),
 ) -> Interface:
-    """What the run needs to know of `functions`, the functions of the model of `equations`."""
+    """What the run needs to know of `functions`, the functions of the model of `equations`.
+    `remarks` go to the notes."""
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
@@ -65,7 +67,7 @@ def interface(
         functions=tuple(functions),
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
-        notes=(*model.notes, *notes, *equations.dropped),
+        notes=(*model.notes, *notes, *equations.dropped, *remarks),
     )
     digest = _digest(found, functions)
     values = {f.name: getattr(found, f.name) for f in fields(found)}

@@ -10,7 +10,9 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.ldlt import Elimination, Entry, flops
+from lagc.optimize.massless import refuse_massless
 from lagc.optimize.program import Function, Program
+from lagc.optimize.prune import independent, prune
 from lagc.optimize.symbols import Places, places
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
@@ -20,11 +22,14 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     """The functions of `equations`, each as short as it gets.
 
     `work` adds the integral of the power to the state where the power is not identically zero.
+    Raises Refused with LAG0501 where a coordinate has no inertia of any kind.
     """
+    equations, left_out = prune(equations)
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
     entries = kkt.kkt_entries(equations)
+    refuse_massless(equations, entries)
     plan = _straight(equations, entries)
     found = _functions(at, entries, plan, work)
     return Program(
@@ -36,6 +41,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
             straight=plan is not None,
             work_size=kkt.work_size(plan) if plan and equations.rows else 0,
             operations=_operations(equations, found, plan),
+            remarks=(*left_out, *independent(equations)),
         ),
         found,
     )

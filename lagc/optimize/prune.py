@@ -1,0 +1,172 @@
+"""What the equations do not need: coordinates that nothing uses; and which parts of the motion
+do not touch one another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import symbols
+from lagc.mechanics.equations import EquationsOfMotion
+
+_MOST_NAMED = 8  # independent parts that a note lists
+
+
+def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, ...]]:
+    """`equations` without the coordinates and speeds that no inertia, force, constraint, output
+    or condition speaks of, and a note for each.  Where that is all of them, none is left out."""
+    q, v = _kept(equations)
+    if (len(q) == len(equations.q) and len(v) == len(equations.v)) or not v:
+        return equations, ()
+    notes = [
+        f"coordinate `{name}` is used by nothing and left out"
+        for i, name in enumerate(equations.q_names)
+        if i not in q
+    ]
+    return _restricted(equations, q, v), tuple(notes)
+
+
+def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
+    """Indices of the q and v that stay."""
+    reached = symbols(_sources(equations))
+    moving = {j for entry in equations.mass_matrix for j in entry}
+    moving.update(j for row in equations.rows for j in row.jacobian)
+    forces = zip(equations.bias_forces, equations.given_forces)
+    moving.update(j for j, (h, tau) in enumerate(forces) if not (h.is_zero and tau.is_zero))
+    number = {symbol: j for j, symbol in enumerate(equations.v)}
+    moving.update(number[symbol] for symbol in reached if symbol in number)
+    a = {symbol: j for j, symbol in enumerate(equations.a)}
+    moving.update(a[symbol] for symbol in reached if symbol in a)
+    pending = _groups(equations)
+    by_group = {group: symbols([equations.qdot[i] for i in group]) for group in pending}
+    q: set[int] = set()
+    while True:  # a coordinate that stays keeps the speeds and coordinates of its rate
+        staying = [
+            group
+            for group in pending
+            if any(equations.q[i] in reached for i in group)
+            or any(number[s] in moving for s in by_group[group] if s in number)
+        ]
+        if not staying:
+            return sorted(q), sorted(moving)
+        for group in staying:
+            pending.remove(group)
+            q.update(group)
+            reached |= by_group[group]
+            moving.update(number[s] for s in by_group[group] if s in number)
+
+
+def _groups(equations: EquationsOfMotion) -> list[tuple[int, ...]]:
+    """Indices of q that stay or go together: the four of a quaternion, else one."""
+    inside = {k + i for k in equations.quaternions for i in range(4)}
+    return [tuple(range(k, k + 4)) if k in inside else (k,)
+            for k in range(len(equations.q)) if k not in inside or k in equations.quaternions]  # fmt: skip
+
+
+def _sources(equations: EquationsOfMotion) -> list[Node]:
+    """All that a coordinate can matter for, its own rate aside."""
+    found = [
+        *equations.mass_matrix.values(), *equations.bias_forces, *equations.given_forces,
+        equations.kinetic, equations.potential, equations.energy, equations.power,
+        *(residual for residual, _ in equations.initial_conditions),
+        *(o.expression for o in equations.outputs),
+    ]  # fmt: skip
+    for row in equations.rows:
+        found += [row.residual, row.rate, row.gamma, *row.jacobian.values()]
+    return found
+
+
+def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]) -> EquationsOfMotion:
+    new_q = {old: new for new, old in enumerate(q)}
+    new_v = {old: new for new, old in enumerate(v)}
+
+    def columns(table: dict[int, Node]) -> dict[int, Node]:
+        return {new_v[j]: node for j, node in table.items()}
+
+    return replace(
+        equations,
+        q=tuple([equations.q[i] for i in q]),
+        q_names=tuple([equations.q_names[i] for i in q]),
+        q_units=tuple([equations.q_units[i] for i in q]),
+        qdot=tuple([equations.qdot[i] for i in q]),
+        starts_q=tuple([equations.starts_q[i] for i in q]),
+        quaternions=tuple([new_q[k] for k in equations.quaternions if k in new_q]),
+        v=tuple([equations.v[j] for j in v]),
+        a=tuple([equations.a[j] for j in v]),
+        v_names=tuple([equations.v_names[j] for j in v]),
+        v_units=tuple([equations.v_units[j] for j in v]),
+        starts_v=tuple([equations.starts_v[j] for j in v]),
+        bias_forces=tuple([equations.bias_forces[j] for j in v]),
+        given_forces=tuple([equations.given_forces[j] for j in v]),
+        mass_matrix={(new_v[i], new_v[j]): node for (i, j), node in equations.mass_matrix.items()},
+        rows=tuple([replace(row, jacobian=columns(row.jacobian)) for row in equations.rows]),
+        contributions=tuple(
+            [
+                replace(c, forces={new_v[j]: node for j, node in c.forces.items() if j in new_v})
+                for c in equations.contributions
+            ]
+        ),
+    )
+
+
+def independent(equations: EquationsOfMotion) -> tuple[str, ...]:
+    """A note where the motion falls into parts that no inertia, force or constraint ties."""
+    parts = _Parts(len(equations.v))
+    for i, j in equations.mass_matrix:
+        parts.tie(i, j)
+    for row in equations.rows:
+        columns = sorted(row.jacobian)
+        for j in columns[1:]:
+            parts.tie(columns[0], j)
+    number = {symbol: j for j, symbol in enumerate(equations.v)}
+    for q, qdot in zip(equations.q, equations.qdot):
+        near = sorted(number[s] for s in symbols([qdot]) if s in number)
+        for j in near[1:]:
+            parts.tie(near[0], j)
+        if near and q not in number:
+            number[q] = near[0]
+    if parts.count() == 1:
+        return ()
+    for j, (h, tau) in enumerate(zip(equations.bias_forces, equations.given_forces)):
+        entries = [node for at, node in equations.mass_matrix.items() if at[0] == j]
+        _tie_to(parts, j, [h, tau, *entries], number)
+    for row in equations.rows:
+        if row.jacobian:
+            _tie_to(parts, min(row.jacobian), [row.residual, row.gamma], number)
+    groups = parts.groups()
+    if len(groups) < 2 or len(groups) > _MOST_NAMED:
+        return ()
+    names = ["(" + ", ".join(equations.v_names[j] for j in group) + ")" for group in groups]
+    return ("the motion falls into independent parts: " + " ".join(names),)
+
+
+def _tie_to(parts: _Parts, j: int, nodes: list[Node], number: dict[Node, int]) -> None:
+    for k in sorted(number[s] for s in symbols(nodes) if s in number):
+        parts.tie(j, k)
+
+
+class _Parts:
+    """Disjoint sets of speeds."""
+
+    def __init__(self, size: int) -> None:
+        self._leader = list(range(size))
+
+    def find(self, j: int) -> int:
+        while self._leader[j] != j:
+            self._leader[j] = self._leader[self._leader[j]]
+            j = self._leader[j]
+        return j
+
+    def tie(self, i: int, j: int) -> None:
+        a, b = self.find(i), self.find(j)
+        self._leader[max(a, b)] = min(a, b)
+
+    def count(self) -> int:
+        return sum(self.find(j) == j for j in range(len(self._leader)))
+
+    def groups(self) -> list[list[int]]:
+        found: dict[int, list[int]] = {}
+        for j in range(len(self._leader)):
+            found.setdefault(self.find(j), []).append(j)
+        return list(found.values())
