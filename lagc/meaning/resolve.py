@@ -1,0 +1,164 @@
+"""Syntax tree to Model: the table of contents of this room."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TypeVar
+
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.frontend import tree
+from lagc.meaning import model as nouns
+from lagc.meaning.context import Context
+from lagc.meaning.declare import declare
+from lagc.meaning.dynamics import condition
+from lagc.meaning.instantiate import Builder
+from lagc.meaning.namespace import Importer, Namespace
+from lagc.meaning.scene import (
+    Numbers,
+    Setting,
+    check_effects,
+    choose_model,
+    choose_scene,
+    read_command,
+    read_scene,
+    scenes_of,
+    used,
+)
+from lagc.meaning.scope import Environment, Instance
+from lagc.meaning.values import Poisoned, Wrong
+
+RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
+T = TypeVar("T")
+
+
+def resolve(
+    file: tree.Tree,
+    scene: str | None = None,
+    with_effects: Sequence[str] = (),
+    without_effects: Sequence[str] = (),
+    model: str | None = None,
+    parameters: Numbers | None = None,
+    starts: Numbers | None = None,
+    roots: Sequence[str] | None = None,
+) -> nouns.Model:
+    """One scene of a model of the file, every name resolved.
+
+    `parameters` and `starts` are values by full name, in SI or with a unit; `roots` the folders that
+    may be imported from besides that of the file.  Raises Refused with all faults.
+    """
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
+    importer = Importer(file.source, tuple(roots or ()))
+    space = Namespace(file.declarations, None, importer)
+    context = Context(importer, frozenset(), declare)
+    try:
+        declaration, where = choose_model(file, space, model)
+        setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
+        context.uses = setting.uses
+        instance = Instance("", declaration, None)
+        environment = Environment(instance, Namespace(declaration.body, where, importer))
+        simulate = read_scene(context, setting, environment)
+        read_command(context, parameters, starts)
+        Builder(context, instance, {}).build(declaration, where)
+        context.conditions[:0] = instance.conditions
+    except Wrong as wrong:
+        context.report(wrong)
+        context.refuse_faults()
+        raise AssertionError("a fault refuses") from None
+    check_effects(context, setting)
+    found = _evaluate(context, instance)
+    conditions = _conditions(context)
+    _check_given(context, instance)
+    if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
+        context.report(Wrong("LAG0222", f"the model `{declaration.name}` has no coordinates, so nothing can move",
+                             declaration.name_span, "declare one: `coordinate Length x;`"))  # fmt: skip
+    context.refuse_faults()
+    return _model(context, declaration, setting, found, conditions, simulate)
+
+
+def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:
+    """The nouns of every declaration, in order."""
+    found: list[nouns.Noun] = []
+    for entry in instance.in_order():
+        try:
+            context.value(entry, entry.span)
+        except Wrong as wrong:
+            context.report(wrong)
+        except Poisoned:
+            continue
+        found.extend(entry.nouns)
+    return found
+
+
+def _conditions(context: Context) -> list[nouns.InitialCondition]:
+    found: list[nouns.InitialCondition] = []
+    for written, environment in context.conditions:
+        try:
+            found.extend(condition(context, written, environment))
+        except Wrong as wrong:
+            context.report(wrong)
+        except Poisoned:
+            continue
+    return found
+
+
+def _check_given(context: Context, instance: Instance) -> None:
+    """Report what is given to names that take nothing."""
+    for table, what, code in ((context.parameters, "parameter", "LAG0215"), (context.starts, "coordinate or rate", "LAG0224")):
+        kinds = ("parameter", "structural") if what == "parameter" else ("coordinate",)
+        for name, given in table.items():
+            if name in context.taken:
+                continue
+            reason = instance.unused.get(name.removeprefix("der(").removesuffix(")"))
+            if reason is not None:
+                context.report(Wrong(code, f"`{name}` {reason}", given.span))
+                continue
+            known = [n for e in instance.in_order() if e.kind in kinds for n in _names(e.nouns)]
+            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, did_you_mean(name, known)))
+
+
+def _names(found: Sequence[nouns.Noun]) -> list[str]:
+    names = [noun.name for noun in found]
+    return [*names, *(f"der({n.name})" for n in found if isinstance(n, nouns.Coordinate))]
+
+
+def _of(found: Sequence[nouns.Noun], kind: type[T]) -> tuple[T, ...]:
+    return tuple([noun for noun in found if isinstance(noun, kind)])
+
+
+def _model(
+    context: Context, declaration: tree.ModelDeclaration, setting: Setting, found: list[nouns.Noun],
+    conditions: list[nouns.InitialCondition], simulate: dict[str, float],
+) -> nouns.Model:  # fmt: skip
+    coordinates = [n for n in found if isinstance(n, nouns.Coordinate | nouns.Orientation)]
+    actions = [n for n in found if isinstance(
+        n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)]  # fmt: skip
+    effects = tuple([nouns.Effect(path, e.description or "", used(setting, path)) for path, e in context.effects.items()])
+    left_out = [e.name for e in effects if not e.used]
+    notes = setting.notes
+    if setting.scene is None and left_out:
+        notes = (*notes, f"the model has no scenes, the effects are left out: {', '.join(left_out)}")
+    return nouns.Model(
+        name=declaration.name,
+        scene=setting.name,
+        description=declaration.description or "",
+        graph=context.graph,
+        time=context.time,
+        parameters=_of(found, nouns.Parameter),
+        inputs=_of(found, nouns.Input),
+        coordinates=tuple(coordinates),
+        speeds=_of(found, nouns.Speed),
+        frames=_of(found, nouns.Frame),
+        points=_of(found, nouns.Point),
+        bodies=_of(found, nouns.Body),
+        actions=tuple(actions),
+        constraints=_of(found, nouns.Constraint),
+        initial_conditions=tuple(conditions),
+        outputs=_of(found, nouns.Output),
+        effects=effects,
+        scenes=setting.names,
+        simulate=simulate,
+        built_in=tuple(context.built_in),
+        imports=tuple(context.importer.digests),
+        notes=notes,
+    )

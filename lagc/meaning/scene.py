@@ -1,0 +1,205 @@
+"""The choice of a model of the file and of a scene of the model, and what the scene gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.frontend import tree
+from lagc.meaning.context import Context, Given
+from lagc.meaning.evaluate import evaluate_as, integer
+from lagc.meaning.namespace import Namespace
+from lagc.meaning.scope import DEEPEST, Environment
+from lagc.meaning.units import NONE, Dimension, S
+from lagc.meaning.values import Scalar, Wrong, expect, kind
+
+Numbers = Mapping[str, "float | tuple[float, str | None]"]
+
+SIMULATE: dict[str, Dimension] = {
+    "stop": S, "every": S, "step": S, "accuracy": NONE, "points": NONE, "rtol": NONE, "atol": NONE,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A scene, the effects it uses after what the command adds and removes, and how it was chosen."""
+
+    scene: tree.Scene | None
+    name: str
+    names: tuple[str, ...]
+    uses: frozenset[str]
+    notes: tuple[str, ...]
+
+
+def choose_model(file: tree.Tree, space: Namespace, wanted: str | None) -> tuple[tree.ModelDeclaration, Namespace]:
+    """The model that is meant: `wanted`, else the last of the file that is not partial.  Raises Wrong."""
+    if wanted is not None:
+        nowhere = Span(file.source, 0, 0)
+        try:
+            found, where = space.find(tuple(wanted.split(".")), nowhere, "model")
+        except Wrong as wrong:
+            raise Wrong("LAG0215", wrong.fault.message, None, wrong.fault.remedy) from None
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0215", f"`{wanted}` is not a model", None)
+        if found.partial:
+            raise Wrong("LAG0211", f"`{wanted}` is partial, it can only be extended", found.name_span)
+        return found, where
+    models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration)]
+    whole = [m for m in models if not m.partial]
+    if whole:
+        return whole[-1], space
+    if models:
+        raise Wrong("LAG0211", f"`{models[-1].name}` is partial, and the file has no other model", models[-1].name_span)
+    raise Wrong("LAG0215", "the file has no model", Span(file.source, 0, 1), "write `model Name ... end Name;`")
+
+
+def scenes_of(context: Context, model: tree.ModelDeclaration, space: Namespace, depth: int = 0) -> dict[str, tree.Scene]:
+    """The scenes of a model, its own first, then the inherited ones.  Raises Wrong."""
+    found: dict[str, tree.Scene] = {}
+    inner = Namespace(model.body, space, context.importer)
+    for declaration in model.body:
+        if isinstance(declaration, tree.Scene):
+            if declaration.name in found:
+                context.report(Wrong("LAG0202", f"the scene `{declaration.name}` is declared twice", declaration.name_span,
+                                     related=((found[declaration.name].name_span, "first here"),)))  # fmt: skip
+                continue
+            found[declaration.name] = declaration
+    for declaration in model.body:
+        if isinstance(declaration, tree.Extends) and depth < DEEPEST:
+            base, where = inner.find(declaration.path, declaration.path_span, "model")
+            if isinstance(base, tree.ModelDeclaration):
+                for name, scene in scenes_of(context, base, where, depth + 1).items():
+                    found.setdefault(name, scene)
+    return found
+
+
+def choose_scene(
+    scenes: Mapping[str, tree.Scene], wanted: str | None, added: Sequence[str], removed: Sequence[str]
+) -> Setting:
+    """Raises Wrong where there is no such scene, or an effect is both added and removed."""
+    notes: list[str] = []
+    if wanted is None and scenes:
+        wanted = next(iter(scenes))
+        if len(scenes) > 1:
+            notes.append(f"no scene named, the first one is used: {wanted}")
+    elif wanted is None or (wanted == "default" and not scenes):
+        wanted = "default"
+    scene = scenes.get(wanted)
+    if scene is None and (scenes or wanted != "default"):
+        raise Wrong("LAG0215", f"there is no scene `{wanted}`", None,
+                    did_you_mean(wanted, scenes) or (f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"))  # fmt: skip
+    both = [e for e in added if e in removed]
+    if both:
+        raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
+    uses = {n.name for n in scene.uses} if scene else set()
+    uses = (uses | set(added)) - set(removed)
+    return Setting(scene, wanted, tuple(scenes) or ("default",), frozenset(uses), tuple(notes))
+
+
+def read_scene(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
+    """Note what the scene gives in the context; the result is what it says about the run."""
+    simulate: dict[str, float] = {}
+    for d in setting.scene.body if setting.scene else ():
+        try:
+            if isinstance(d, tree.Quantities):
+                _parameters(context, d, environment)
+            elif isinstance(d, tree.Start):
+                name = target_text(context, d.target, environment)
+                context.starts[name] = Given(d.value, environment, span=d.span)
+            elif isinstance(d, tree.Simulate):
+                simulate.update(_simulate(context, d, environment))
+            else:
+                raise Wrong("LAG0221", "this does not belong into a scene", d.span,
+                            "a scene holds `parameter`, `start` and `simulate`")  # fmt: skip
+        except Wrong as wrong:
+            context.report(wrong)
+    return simulate
+
+
+def _parameters(context: Context, d: tree.Quantities, environment: Environment) -> None:
+    if d.kind != "parameter":
+        raise Wrong("LAG0221", "this does not belong into a scene", d.span, "a scene holds `parameter`, `start` and `simulate`")
+    for declarator in d.declarators:
+        if declarator.value is None:
+            raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
+        context.parameters[declarator.name] = Given(declarator.value, environment, span=declarator.name_span)
+
+
+def target_text(context: Context, e: tree.Expression, environment: Environment) -> str:
+    """The full name that `start ... = ` is about: `theta`, `der(a.th[2])`.  Raises Wrong."""
+    if isinstance(e, tree.Name):
+        return e.name
+    if isinstance(e, tree.Member):
+        return f"{target_text(context, e.base, environment)}.{e.name}"
+    if isinstance(e, tree.Index):
+        numbers = [str(integer(context, i, environment, "a subscript")) for i in e.indices]
+        return f"{target_text(context, e.base, environment)}[{','.join(numbers)}]"
+    if isinstance(e, tree.Call) and isinstance(e.function, tree.Name) and e.function.name == "der" and len(e.arguments) == 1:
+        inner = e.arguments[0].value
+        if inner is not None:
+            return f"der({target_text(context, inner, environment)})"
+    raise Wrong("LAG0224", "a start is given to a coordinate or to its rate", e.span, "write `start x = ...;` or `start der(x) = ...;`")
+
+
+def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for argument in d.arguments:
+        name = argument.name
+        if name not in SIMULATE or argument.value is None:
+            span = argument.name_span or argument.span
+            raise Wrong("LAG0209", f"`simulate` has no argument `{name or '?'}`", span,
+                        did_you_mean(name or "", SIMULATE) or f"it has {', '.join(SIMULATE)}")  # fmt: skip
+        value = evaluate_as(context, argument.value, environment, SIMULATE[name])
+        if not isinstance(value, Scalar) or not value.node.is_const:
+            raise Wrong("LAG0208", f"`{name}` is a fixed number, this is {kind(value)}", argument.value.span)
+        expect(value.dimension, SIMULATE[name], argument.value.span, f"`{name}`")
+        number = value.node.value
+        assert isinstance(number, float)
+        if number <= 0:
+            raise Wrong("LAG0308", f"`{name}` is positive", argument.value.span)
+        found[name] = number
+    return found
+
+
+def read_command(context: Context, parameters: Numbers | None, starts: Numbers | None) -> None:
+    """Note what the command or a Python caller gives; it goes before what the scene says."""
+    for table, given in ((context.parameters, parameters), (context.starts, starts)):
+        for name, value in (given or {}).items():
+            number, unit = value if isinstance(value, tuple) else (value, None)
+            table["".join(name.split())] = Given(number=float(number), unit=unit)
+
+
+def check_effects(context: Context, setting: Setting) -> None:
+    """Report every effect that is named and unknown, lacking, or excluded."""
+    known = {*context.effects, *(path.rpartition(".")[2] for path in context.effects)}
+    named = list(setting.scene.uses) if setting.scene else []
+    named += [n for e in context.effects.values() for n in (*e.requires, *e.excludes)]
+    named += [n for n, _ in context.mentioned]
+    written = {n.name for n in named}
+    for name in named:
+        if name.name not in known:
+            context.report(Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, did_you_mean(name.name, known)))
+    for text in sorted(setting.uses - known - written):
+        context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, did_you_mean(text, known)))
+    for path, effect in context.effects.items():
+        if not used(setting, path):
+            continue
+        for other in effect.requires:
+            if other.name in known and not _is_used(setting, path, other.name):
+                context.report(Wrong("LAG0213", f"the effect `{path}` requires `{other.name}`, which the scene "
+                                     f"`{setting.name}` does not use", other.span,
+                                     f"add it: `uses ..., {other.name}`"))  # fmt: skip
+        for other in effect.excludes:
+            if _is_used(setting, path, other.name):
+                context.report(Wrong("LAG0213", f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
+                                     f"`{setting.name}` uses both", other.span, "leave one of them out"))  # fmt: skip
+
+
+def used(setting: Setting, path: str) -> bool:
+    return path in setting.uses or path.rpartition(".")[2] in setting.uses
+
+
+def _is_used(setting: Setting, path: str, name: str) -> bool:
+    return name in setting.uses or path.rpartition(".")[0] + "." + name in setting.uses
