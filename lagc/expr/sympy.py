@@ -20,7 +20,7 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
     `names` gives the sympy object of a symbol; without it a real symbol of the symbol's own name.
     Floats that are integers or simple fractions (0.5, 0.25) become exact numbers.
     """
-    import sympy
+    import sympy  # type: ignore[import-untyped]
 
     def plain(symbol: Node) -> Any:
         return sympy.Symbol(symbol.value[1], real=True)  # type: ignore[index]
@@ -131,11 +131,15 @@ def _piecewise(graph: Graph, args: Sequence[Node]) -> Node:
     return total
 
 
-_FROM_UNARY = {
-    **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
-    **{"exp": "exp", "log": "log", "Abs": "abs", "floor": "floor", "sign": "sign", "Not": "not"},
-}
+_SAME = ["sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "sign"]
+_FROM_UNARY = {"Abs": "abs", "Not": "not", **{op: op for op in _SAME}}
 _FROM_BINARY = {
-    **{"atan2": "atan2", "Min": "min", "Max": "max", "And": "and", "Or": "or"},
-    **{"StrictLessThan": "lt", "LessThan": "le", "Equality": "eq"},
+    "atan2": "atan2",
+    "Min": "min",
+    "Max": "max",
+    "And": "and",
+    "Or": "or",
+    "StrictLessThan": "lt",
+    "LessThan": "le",
+    "Equality": "eq",
 }

@@ -13,6 +13,7 @@ from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import Row
+from lagc.mechanics.linear import solve
 from lagc.mechanics.states import States
 
 _ITERATIONS = 40
@@ -23,9 +24,7 @@ def onto(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> di
     """`state` moved onto `rows`, which must be independent; None where that fails."""
     graph = states.graph
     moved = dict(state)
-    norms = [
-        graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions
-    ]
+    norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
     positions = [*(row.residual for row in rows if row.kind == "holonomic"), *norms]
     if not _solve(positions, [gradient(graph, {x: graph.one}, states.q) for x in positions], moved):
         return None
@@ -58,23 +57,10 @@ def _solve(
 
 def least_norm(matrix: Sequence[Mapping[Node, float]], right: Sequence[float]) -> dict[Node, float] | None:
     """x of least norm with matrix x = right, x = A^T (A A^T)^-1 right; None where A has no full rank."""
-    n = len(matrix)
-    table = [
-        [sum(e * b[x] for x, e in a.items() if x in b) for b in matrix] + [r] for a, r in zip(matrix, right)
-    ]
-    for k in range(n):
-        best = max(range(k, n), key=lambda i: abs(table[i][k]))
-        table[k], table[best] = table[best], table[k]
-        pivot = table[k]
-        if not abs(pivot[k]) > 0.0:
-            return None
-        for i in range(k + 1, n):
-            factor = table[i][k] / pivot[k]
-            if factor:
-                table[i] = [x - factor * y for x, y in zip(table[i], pivot)]
-    y = [0.0] * n
-    for k in reversed(range(n)):
-        y[k] = (table[k][n] - sum(table[k][j] * y[j] for j in range(k + 1, n))) / table[k][k]
+    products = [[sum(e * b[x] for x, e in a.items() if x in b) for b in matrix] for a in matrix]
+    y = solve(products, right)
+    if y is None:
+        return None
     step: dict[Node, float] = {}
     for row, weight in zip(matrix, y):
         for x, e in row.items():

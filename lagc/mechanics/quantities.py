@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
@@ -34,7 +34,7 @@ def output_equations(
     graph, outputs = states.graph, states.model.outputs
     asked = sorted(symbols([o.expression for o in outputs]), key=lambda s: s.index)
     filled: dict[Node, Node] = {}
-    quantities = _Quantities(states, parts, acting, free, totals)
+    quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
     for symbol in asked:
         kind, name = key(symbol)
         if kind == "quantity":
@@ -59,7 +59,7 @@ def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:
     return dict(zip(wanted, tangent(states.graph, rates, states.flow)))
 
 
-class _Quantities:
+class Quantities:
     """Whole-system quantities by name, each computed where asked for."""
 
     def __init__(
@@ -68,20 +68,20 @@ class _Quantities:
         parts: Sequence[Moving],
         acting: Sequence[Acting],
         free: FreeTerms,
-        totals: Energies,
+        kinetic: Node,
+        potential: Node,
     ):
-        self.states, self.parts, self.acting, self.free, self.totals = states, parts, acting, free, totals
-        graph = states.graph
-        self.known: dict[str, Callable[[], Node]] = {
-            "energy()": lambda: graph.add(totals.kinetic, totals.potential),
-            "kinetic()": lambda: totals.kinetic,
-            "potential()": lambda: totals.potential,
+        self.states, self.parts, self.acting, self.free = states, parts, acting, free
+        self.known = {
+            "energy()": kinetic + potential,
+            "kinetic()": kinetic,
+            "potential()": potential,
         }
 
     def value(self, name: str) -> Node:
         """The node of a quantity named as `Model` says; KeyError for any other name."""
         if name in self.known:
-            return self.known[name]()
+            return self.known[name]
         head, _, rest = name.partition("(")
         argument, _, axis = rest.rpartition(")")
         if axis:

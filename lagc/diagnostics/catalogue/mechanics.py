@@ -37,7 +37,8 @@ ENTRIES: dict[str, Entry] = {
         "There is one generalized speed for each rate of a coordinate (three for an orientation); more "
         "cannot be declared.  A further combination of rates can be an `output`.",
         _on_particle(
-            "  speed Velocity u = der(x);\n  speed Velocity w = der(y);\n  speed Velocity s = der(x) + der(y);\n"
+            "  speed Velocity u = der(x);\n  speed Velocity w = der(y);\n"
+            "  speed Velocity s = der(x) + der(y);\n"
         ),
         _on_particle("  speed Velocity u = der(x) + der(y);\n  speed Velocity w = der(x) - der(y);\n"),
     ),
