@@ -47,28 +47,17 @@ def sheet(equations: EquationsOfMotion) -> Sheet:
     """The formulas of `equations`, multiplied out; where that is too long, with shared parts named
     s1, s2, ..."""
     try:
-        return _sheet(equations, Algebra(nonnegative=_nonnegative(equations)))
+        return _sheet(equations, Algebra(nonnegative=nonnegative(equations)))
     except TooLarge:
-        return _sheet(equations, NamingAlgebra(_shared(equations), _nonnegative(equations)))
+        return _sheet(equations, NamingAlgebra(_shared(equations), nonnegative(equations)))
 
 
-def _nonnegative(equations: EquationsOfMotion) -> list[Node]:
+def nonnegative(equations: EquationsOfMotion) -> list[Node]:
     return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
 
 
 def _sheet(equations: EquationsOfMotion, algebra: Algebra) -> Sheet:
-    model = equations.model
-    parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
-    for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):
-        algebra.symbol(node)
-    collector = Collector(
-        algebra,
-        parameters={algebra.symbol(n) for n in parameters},
-        leading=[algebra.symbol(n) for n in equations.a],
-        rates={algebra.symbol(n) for n in equations.v},
-        trailing=[algebra.symbol(n) for n in equations.lam],
-        cancelled={algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value},
-    )
+    collector = collector_of(equations, algebra)
     shown = names(equations)
     formulas = [
         *_kinematic(equations, collector, shown),
@@ -78,6 +67,22 @@ def _sheet(equations: EquationsOfMotion, algebra: Algebra) -> Sheet:
     if isinstance(algebra, NamingAlgebra):
         formulas = [*_definitions(algebra, collector, shown), *formulas]
     return Sheet(algebra, shown, tuple(formulas))
+
+
+def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
+    """What collects terms in the order of the symbols of `equations`."""
+    model = equations.model
+    parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
+    for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):
+        algebra.symbol(node)
+    return Collector(
+        algebra,
+        parameters={algebra.symbol(n) for n in parameters},
+        leading=[algebra.symbol(n) for n in equations.a],
+        rates={algebra.symbol(n) for n in equations.v},
+        trailing=[algebra.symbol(n) for n in equations.lam],
+        cancelled={algebra.symbol(p.symbol) for p in model.parameters if p.minimum >= 0 or p.value},
+    )
 
 
 def _definitions(algebra: NamingAlgebra, collector: Collector, shown: dict[Node, Name]) -> list[Formula]:

@@ -1,0 +1,252 @@
+"""What was inferred from a model: as plain data, and as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from lagc.expr.evaluate import evaluate
+from lagc.meaning.model import Orientation
+from lagc.mechanics.analysis import Analysis, RowKind, analyse
+from lagc.mechanics.equations import EquationsOfMotion, StartValue
+from lagc.optimize.program import Program
+from lagc.view.expression import Expressions
+
+Facts = dict[str, Any]  # what JSON can hold
+MOST = 20  # lines of a section, without --verbose
+
+
+def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
+    """The facts of one scene of a model; numbers in SI."""
+    model, analysis = equations.model, analyse(equations)
+    written = Expressions(equations)
+    interface = program.interface
+    kinetic = analysis.kinetic_parts
+    return {
+        "model": model.name,
+        "scene": model.scene,
+        "description": model.description,
+        "scenes": list(model.scenes),
+        "effects": {
+            "used": [_effect(e.name, e.description) for e in model.effects if e.used],
+            "left_out": [_effect(e.name, e.description) for e in model.effects if not e.used],
+        },
+        "coordinates": _coordinates(equations),
+        "speeds": [{"name": n, "unit": u} for n, u in zip(equations.v_names, equations.v_units)],
+        "parameters": [
+            {"name": p.name, "unit": p.unit, "value": p.value, "description": p.description}
+            for p in interface.parameters
+        ],
+        "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
+        "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
+        "redundant": list(analysis.redundant),
+        "count": _count(analysis),
+        "degrees_of_freedom": analysis.degrees_of_freedom,
+        "positional_freedom": analysis.positional_freedom,
+        "actions": [
+            {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
+            for c in equations.contributions
+        ],
+        "cyclic": list(analysis.cyclic),
+        "conserved": [
+            {"name": c.name, "expression": written.text(c.expression), "reason": c.reason}
+            for c in analysis.conserved
+        ],
+        "kinetic": kinetic and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), kinetic)},
+        "potential": written.text(equations.potential),
+        "pruned": _pruned(equations, program),
+        "operations": {
+            "right_hand_side": interface.operations,
+            "solve": interface.solve,
+            "functions": {name: function.cost for name, function in program.functions.items()},
+        },
+        "notes": list(model.notes),
+    }  # fmt: skip
+
+
+def _effect(name: str, description: str) -> Facts:
+    return {"name": name, "description": description}
+
+
+def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
+    values = {p.symbol: p.value for p in equations.model.parameters if p.value is not None}
+    described = {c.name: c.description for c in equations.model.coordinates}
+    parts = {i + k for i in equations.quaternions for k in range(4)}
+    found: list[Facts] = []
+    for i, (name, unit, start) in enumerate(zip(equations.q_names, equations.q_units, equations.starts_q)):
+        found.append({
+            "name": name,
+            "kind": "part of a unit quaternion" if i in parts else "scalar",
+            "unit": unit,
+            "start": _start(start, values),
+            "fixed": start.fixed,
+            "description": described.get(name, ""),
+        })  # fmt: skip
+    return found
+
+
+def _start(start: StartValue, values: dict[Any, float]) -> float | None:
+    """Its value with the default parameters; None where one has no default."""
+    try:
+        value = evaluate([start.value], values)[0]
+    except KeyError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _constraint(equations: EquationsOfMotion, kind: RowKind) -> Facts:
+    row = next(r for r in equations.rows if r.label == kind.label)
+    return {
+        "name": kind.constraint,
+        "row": kind.label,
+        "kind": "holonomic" if kind.holonomic else "non-holonomic",
+        "time": "rheonomic" if kind.time_dependent else "scleronomic",
+        "affine": kind.affine,
+        "integrable": kind.integrable,
+        "reason": kind.explanation,
+        "effect": row.effect,
+        "line": row.span.line,
+        "unit": row.unit,
+    }
+
+
+def _count(analysis: Analysis) -> Facts:
+    """n accelerations and p multipliers against n equations of motion and p rows."""
+    return {
+        "coordinates": analysis.coordinates,
+        "speeds": analysis.speeds,
+        "rows": analysis.rows,
+        "unknowns": analysis.unknowns,
+        "equations": analysis.speeds + analysis.rows,
+    }
+
+
+def _pruned(equations: EquationsOfMotion, program: Program) -> list[str]:
+    model = equations.model
+    orientations = sum(isinstance(c, Orientation) for c in model.coordinates)
+    states = len(model.coordinates) + 3 * orientations
+    lines = [f"effect `{e.name}` is left out" for e in model.effects if not e.used]
+    lines += [note for note in program.interface.notes if note not in model.notes]
+    if states != len(equations.q):
+        lines.append(f"{states - len(equations.q)} coordinates on which nothing depends")
+    return lines
+
+
+# -- as text -------------------------------------------------------------------
+
+
+def text(facts: Facts, verbose: bool = False) -> str:
+    """The facts for people; `verbose` adds the operation count of every function."""
+    title = f"{facts['model']}, scene {facts['scene']}"
+    blocks = [
+        [title + (f": {facts['description']}" if facts["description"] else "")],
+        [f"note: {note}" for note in facts["notes"]],
+        _effects_text(facts),
+        _section("coordinates", map(_coordinate_line, facts["coordinates"]), verbose),
+        _section("speeds", _speed_lines(facts), verbose),
+        _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
+        _section("actions", map(_action_line, facts["actions"]), verbose),
+        _count_text(facts),
+        _section("cyclic coordinates", facts["cyclic"] or ["none"], verbose),
+        _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing"], verbose),
+        _energies_text(facts),
+        _section("pruned", facts["pruned"] or ["nothing"], verbose),
+        _operations_text(facts, verbose),
+    ]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _section(title: str, lines: Iterable[str], verbose: bool = True) -> list[str]:
+    found = [f"  {line}" for line in lines]
+    if len(found) > MOST and not verbose:
+        found[MOST - 1 :] = [f"  and {len(found) - MOST + 1} more: -v shows them"]
+    return [title, *found] if found else []
+
+
+def _effects_text(facts: Facts) -> list[str]:
+    effects = facts["effects"]
+    lines = [f"{_named(e)}" for e in effects["used"]]
+    lines += [f"{_named(e)} (left out)" for e in effects["left_out"]]
+    return _section("effects", lines)
+
+
+def _named(fact: Facts) -> str:
+    return str(fact["name"]) + (f": {fact['description']}" if fact["description"] else "")
+
+
+def _coordinate_line(fact: Facts) -> str:
+    line = str(fact["name"]) + (f" [{fact['unit']}]" if fact["unit"] else "")
+    if fact["start"] is not None:
+        line += f" starts at {quantity(fact['start'], fact['unit'])}{', held' if fact['fixed'] else ''}"
+    if fact["kind"] != "scalar":
+        line += f", {fact['kind']}"
+    return line + (f": {fact['description']}" if fact["description"] else "")
+
+
+def quantity(value: float, unit: str) -> str:
+    """A value with its unit; angles in degrees."""
+    if unit in ("rad", "rad/s"):
+        return f"{math.degrees(value):.9g} {unit.replace('rad', 'deg')}"
+    return f"{value:.9g} {unit}".rstrip()
+
+
+def _speed_lines(facts: Facts) -> list[str]:
+    """Only where they are more than the rates of the coordinates."""
+    speeds = facts["speeds"]
+    if all(s["name"].startswith("der(") for s in speeds):
+        return []
+    return [s["name"] + (f" [{s['unit']}]" if s["unit"] else "") for s in speeds]
+
+
+def _constraint_line(fact: Facts) -> str:
+    words = [fact["kind"], fact["time"]]
+    if fact["kind"] != "holonomic":
+        words.append("affine in the speeds" if fact["affine"] else "not affine in the speeds")
+    if fact["integrable"]:
+        words.append("integrable")
+    return f"{fact['row']} (line {fact['line']}): {', '.join(words)}; {fact['reason']}"
+
+
+def _action_line(fact: Facts) -> str:
+    return f"{fact['name']}: {fact['kind']}{', conservative' if fact['conservative'] else ''}"
+
+
+def _conserved_line(fact: Facts) -> str:
+    return f"{fact['name']} = {fact['expression']}, since {fact['reason']}"
+
+
+def _count_text(facts: Facts) -> list[str]:
+    count = facts["count"]
+    n, p = count["speeds"], count["rows"]
+    lines = [f"n + p = {n} + {p}: as many unknowns (accelerations, multipliers) as equations"]
+    freedom = str(facts["degrees_of_freedom"])
+    if facts["positional_freedom"] != facts["degrees_of_freedom"]:
+        freedom += f" of the velocities, {facts['positional_freedom']} of the positions"
+    lines.append(f"degrees of freedom: {freedom}")
+    if facts["redundant"]:
+        lines.append(f"redundant rows: {', '.join(facts['redundant'])}; their multipliers are not unique")
+    return _section("count", lines)
+
+
+def _energies_text(facts: Facts) -> list[str]:
+    kinetic = facts["kinetic"]
+    lines = []
+    if kinetic is None:
+        lines.append("kinetic energy: not a polynomial of degree 2 in the speeds")
+    else:
+        lines += [
+            f"{name} = {kinetic[name]}" for name in ("K2", "K1", "K0") if name == "K2" or kinetic[name] != "0"
+        ]
+    if facts["potential"] != "0":
+        lines.append(f"V = {facts['potential']}")
+    return _section("energy", lines)
+
+
+def _operations_text(facts: Facts, verbose: bool) -> list[str]:
+    operations = facts["operations"]
+    how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
+    lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    if verbose:
+        lines += [f"{name}: {cost}" for name, cost in operations["functions"].items()]
+    return _section("operations", lines)

@@ -1,0 +1,35 @@
+"""Single expressions of a model, as a person would write them."""
+
+from __future__ import annotations
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.view.algebra import Algebra, TooLarge
+from lagc.view.formulas import collector_of, nonnegative, tidy
+from lagc.view.names import names
+from lagc.view.text import TextWriter
+
+LIMIT = 20_000  # products
+LONGEST = 2_000  # characters
+
+
+class Expressions:
+    """Writes expressions in t, q, v and the parameters of `equations`."""
+
+    def __init__(self, equations: EquationsOfMotion) -> None:
+        self.equations = equations
+        self.names = names(equations)
+
+    def text(self, node: Node) -> str:
+        """`node` multiplied out and collected; of one that is too long to be read, its size."""
+        algebra = Algebra(nonnegative(self.equations), limit=LIMIT)
+        try:
+            collector = collector_of(self.equations, algebra)
+            p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
+            written = TextWriter(algebra, self.names).sum(collector.collect(p))
+        except TooLarge:
+            written = ""
+        if 0 < len(written) <= LONGEST:
+            return written
+        return f"(an expression of {len(reachable([node]))} parts)"
