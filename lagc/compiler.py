@@ -125,7 +125,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             done |= {scene, model.scene}
             if choice.scene is None and scene is None:
                 scenes = [s for s in model.scenes if s not in done]
-            derive(model)
+            optimize(derive(model), work=False)
         except Refused as refused:
             for fault in refused.faults:
                 span = fault.span
