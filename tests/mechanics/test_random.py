@@ -1,0 +1,69 @@
+"""Random systems against Lagrange's equations by differences in 80 digits, and energy balance.
+
+LAGC_RANDOM_SYSTEMS sets how many systems are tried.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+
+from lagc.expr.derivative import tangent
+from lagc.expr.evaluate import evaluate
+from lagc.mechanics.derive import derive
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.states import build_states
+from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector
+from tests.mechanics.oracle import Oracle
+from tests.mechanics.random_systems import System, model, random_system
+
+COUNT = int(os.environ.get("LAGC_RANDOM_SYSTEMS", "40"))
+CLOSE = 1e-12  # of the largest entry: some thousand roundings in doubles of 1e-16
+
+
+def derived(seed: int) -> tuple[System, EquationsOfMotion]:
+    system = random_system(seed)
+    return system, derive(model(system))
+
+
+def assert_close(found: object, expected: object, scale: float = 0.0) -> None:
+    a = np.array(found, dtype=float)
+    b = np.array([[float(x) for x in row] if isinstance(row, list) else float(row) for row in expected])  # type: ignore[attr-defined]
+    assert a.shape == b.shape or a.size == b.size == 0
+    size = max(scale, float(np.abs(b).max(initial=0.0)), 1.0)
+    assert np.abs(a - b).max(initial=0.0) <= CLOSE * size
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_equations_agree_with_differences(seed: int) -> None:
+    system, e = derived(seed)
+    e.verify()
+    state = random_state(e, seed)
+    oracle = Oracle(system, [state[x] for x in e.q], [state[x] for x in e.v], state[e.time])
+    assert_close(mass_matrix(e, state), oracle.mass_matrix())
+    assert_close(vector(e.bias_forces, state), oracle.bias_forces())
+    assert_close(vector(e.given_forces, state), oracle.given_forces())
+    kept = [row.label for row in e.rows]
+    declared = [label for c in e.model.constraints for label in c.labels]
+    places = [declared.index(label) for label in kept]
+    if places:
+        g, gamma = oracle.jacobian(), oracle.gamma()
+        assert_close(jacobian(e, state), [g[k] for k in places])
+        assert_close(vector([row.gamma for row in e.rows], state), [gamma[k] for k in places])
+
+
+@pytest.mark.parametrize("seed", range(COUNT))
+def test_energy_changes_by_the_power(seed: int) -> None:
+    _, e = derived(seed)
+    state = consistent_state(e, seed)
+    if state is None:
+        pytest.skip("no state near the random one meets the rows")
+    state = motion(e, state)
+    flow = build_states(e.model).flow
+    rate, power = evaluate([tangent(e.graph, [e.energy], flow)[0], e.power], state)
+    moving = np.array([state[x] for x in (*e.v, *e.a, *e.lam)])
+    # a and lam carry the error of a solve: its condition times the rounding of the forces
+    size = 1.0 + float(np.abs(moving).max()) ** 2 * float(np.abs(mass_matrix(e, state)).max())
+    assert abs(rate - power) <= 1e-10 * size
