@@ -34,7 +34,7 @@ class NumpySystem:
         self.module: dict[str, Any] = {"__name__": __name__}
         exec(code, self.module)
         self._p: list[float] = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
-        self.inner: Any = self.module["System"](self._p)
+        self.inner: Any = self._equations()
 
     @property
     def nx(self) -> int:
@@ -47,7 +47,7 @@ class NumpySystem:
     @parameters.setter
     def parameters(self, values: Sequence[float]) -> None:
         self._p = list(values)
-        self.inner = self.module["System"](self._p)
+        self.inner = self._equations()
 
     @property
     def culprit(self) -> int:
@@ -59,13 +59,13 @@ class NumpySystem:
         return status
 
     def position(self, t: float, x: Vector) -> list[float]:
-        return self._plain("position", self.nh, t, x)
+        return self._ask("position", self.nh, t, x)
 
     def velocity(self, t: float, x: Vector) -> list[float]:
-        return self._plain("velocity", self.nc, t, x)
+        return self._ask("velocity", self.nc, t, x)
 
     def scales(self, t: float, x: Vector) -> list[float]:
-        return self._plain("scales", self.nc, t, x)
+        return self._ask("scales", self.nc, t, x)
 
     def assemble(self, t: float, x: Vector) -> int:
         status: int = self.inner.assemble(t, x)
@@ -80,24 +80,21 @@ class NumpySystem:
         return found
 
     def energies(self, t: float, x: Vector) -> list[float]:
-        return self._plain("energies", 3, t, x)
+        return self._ask("energies", 3, t, x)
 
     def outputs(self, t: float, x: Vector) -> list[float]:
-        if not self.interface.outputs:
-            return []
-        found: list[float] = self.inner.outputs(t, x)
-        return found
+        return self._ask("outputs", len(self.interface.outputs), t, x)
 
     def start(self) -> list[float]:
-        found: list[float] = self.inner.start()
-        return found
+        x = [0.0] * self.nx
+        self.module["fn_start"](self._p, x)
+        return x
 
     def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         ni = len(self.interface.initial_places)
-        if ni == 0:
-            return [], []
         c, jacobian = [0.0] * ni, [0.0] * (ni * (self.nq + self.nv))
-        self._call("initial", t, x, c, jacobian)
+        if ni:
+            self.module["fn_initial"](self._p, t, x, c, jacobian)
         return c, jacobian
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
@@ -117,12 +114,17 @@ class NumpySystem:
         done: Trajectory = self.module["_integrate"](self.inner, own, t0, list(x0), list(times), progress)
         return done
 
-    def _plain(self, name: str, length: int, t: float, x: Vector) -> list[float]:
+    def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
+        """The function `name` of the Program, with those of p t x a lam that it reads."""
         result = [0.0] * length
         if length:
-            self._call(name, t, x, result)
+            function = self.module[f"fn_{name}"]
+            names = function.__code__.co_varnames[: function.__code__.co_argcount - 1]
+            given: dict[str, Any] = {"p": self._p, "t": t, "x": x}
+            if "a" in names or "lam" in names:
+                given["a"], given["lam"] = self.accelerations(t, x)
+            function(*(given[n] for n in names), result)
         return result
 
-    def _call(self, name: str, t: float, x: Vector, *results: list[float]) -> None:
-        """Functions of the Program take p, t, x and write into lists."""
-        self.module[f"fn_{name}"](self._p, t, x, *results)
+    def _equations(self) -> Any:
+        return self.module["Equations"](self.module, self._p)
