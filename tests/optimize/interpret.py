@@ -25,8 +25,9 @@ FUNCTIONS = {
     "or": lambda a, b: a or b,
     "not": lambda a: not a,
     "select": lambda c, a, b: a if c else b,
-    **{name: getattr(math, name) for name in
-       ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "atan2", "pow")},
+    **{name: getattr(math, name) for name in (
+        "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "atan2", "pow",
+    )},
 }  # fmt: skip
 
 
