@@ -26,7 +26,8 @@ FUNCTIONS = {
     "not": lambda a: not a,
     "select": lambda c, a, b: a if c else b,
     **{name: getattr(math, name) for name in (
-        "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "atan2", "pow",
+        "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
+        "atan2", "pow",
     )},
 }  # fmt: skip
 

@@ -110,5 +110,6 @@ def test_two_by_two_by_cramer():
     for i, value in enumerate(x):
         block.store("s", i, value)
     block.store("s", 2, ratio)
-    found = interpret(block.function("test", ("w", "r"), (("s", 3),), ""), {"w": [3.0, 1.0, 2.0], "r": [1.0, -4.0]})
+    function = block.function("test", ("w", "r"), (("s", 3),), "")
+    found = interpret(function, {"w": [3.0, 1.0, 2.0], "r": [1.0, -4.0]})
     assert found["s"] == pytest.approx([6.0 / 5.0, -13.0 / 5.0, 5.0 / 6.0], rel=1e-15)

@@ -23,6 +23,11 @@ MODELS = {
     "string pendulum": models.string_pendulum,
     "free solid": models.free_solid,
     "rolling ball": models.rolling_ball,
+    "charged particle": models.charged_particle,
+    "rheonomic disc": models.rheonomic_disc,
+    "knife edge": models.knife_edge,
+    "declared speeds": models.declared_speeds,
+    "constant speed": models.constant_speed,
 }
 
 

@@ -1,0 +1,247 @@
+"""What a program contains and what it does not; sizes, notes, refusals, sameness."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from dataclasses import fields
+
+import numpy as np
+import pytest
+
+from lagc.diagnostics.faults import Refused
+from lagc.expr.derivative import tangent
+from lagc.expr.evaluate import evaluate
+from lagc.meaning.model import Model
+from lagc.mechanics.derive import derive
+from lagc.optimize.optimize import optimize
+from lagc.optimize.program import Program
+from tests.mechanics import models
+from tests.mechanics.builder import Builder
+from tests.optimize.interpret import interpret
+
+
+def double_pendulum(relative: bool = False) -> Model:
+    b = Builder("DoublePendulum")
+    g = b.graph
+    m1, m2, l1, l2 = (b.parameter(name) for name in ("m1", "m2", "l1", "l2"))
+    first, second = b.coordinate("a"), b.coordinate("b")
+    angle = first + second if relative else second
+    x, z = l1 * g.sin(first), -l1 * g.cos(first)
+    b.particle("upper", m1, (x, 0.0, z))
+    b.particle("lower", m2, (x + l2 * g.sin(angle), 0.0, z - l2 * g.cos(angle)))
+    b.gravity(b.parameter("g", 9.81))
+    return b.model()
+
+
+def compiled(model: Model, work: bool = False) -> Program:
+    return optimize(derive(model), work=work)
+
+
+@pytest.mark.parametrize(("relative", "bound"), [(False, 43), (True, 57)])
+def test_operations_of_the_double_pendulum(relative, bound):
+    """By hand: 4 sines and cosines, 3 products and sums for each of sin and cos of the difference,
+    the 2x2 solve in 12 with its health, the rest masses and forces."""
+    rhs = compiled(double_pendulum(relative)).functions["rhs"]
+    assert rhs.cost <= bound
+    assert sum(o.op in ("sin", "cos") for o in rhs.operations) == 4
+    assert sum(o.op == "div" for o in rhs.operations) == 2
+
+
+def test_the_pendulum_has_no_trace_of_what_is_not_in_it():
+    b = Builder("Pendulum")
+    m, length = b.parameter("m"), b.parameter("l")
+    b.parameter("drag", 0.3)  # nothing speaks of it
+    theta = b.coordinate("theta")
+    b.particle("bob", m, (length * b.graph.sin(theta), 0.0, -length * b.graph.cos(theta)))
+    b.gravity(b.parameter("g", 9.81))
+    program = compiled(b.model(), work=True)
+    interface = program.interface
+    assert [p.name for p in interface.parameters] == ["m", "l", "g"]
+    assert "parameter `drag` reaches nothing" in interface.notes
+    assert (interface.nz, interface.nc) == (0, 0)
+    assert list(program.functions) == ["rhs", "system", "energies", "start"]
+    rhs = program.functions["rhs"]
+    assert [o.op for o in rhs.operations].count("sin") == 1
+    assert "cos" not in [o.op for o in rhs.operations]
+    assert {o.payload for o in rhs.operations if o.op == "load" and o.payload[0] == "p"} == {
+        ("p", 0), ("p", 1), ("p", 2),
+    }  # fmt: skip
+
+
+def test_a_coordinate_that_nothing_uses_is_left_out():
+    b = Builder()
+    b.coordinate("idle")
+    x = b.coordinate("x", 0.5)
+    b.orientation("o")
+    b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
+    b.potential("spring", 0.5 * b.parameter("k") * x**2)
+    program = compiled(b.model())
+    interface = program.interface
+    assert interface.q_names == ("x",)
+    assert interface.v_names == ("der(x)",)
+    assert interface.quaternions == ()
+    assert "coordinate `idle` is used by nothing and left out" in interface.notes
+    found = interpret(program.functions["rhs"], {"p": [2.0, 3.0], "t": [0.0], "x": [0.5, 0.1]})
+    assert found["xdot"] == pytest.approx([0.1, -0.75], rel=1e-15)
+
+
+def test_what_an_output_or_a_free_motion_speaks_of_stays():
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    b.output("px", b.graph.symbol("rate", "der(x)"))
+    assert compiled(b.model()).interface.q_names == ("x", "y")
+
+
+def test_independent_parts_are_noted():
+    b = Builder()
+    x, y, z = b.coordinate("x"), b.coordinate("y"), b.coordinate("z")
+    m, k = b.parameter("m"), b.parameter("k")
+    b.particle("p", m, (x, 0.0, 0.0))
+    b.particle("q", m, (y, 0.0, 0.0))
+    b.particle("r", m, (z, 0.0, 0.0))
+    b.potential("spring", k * (x - z) ** 2)
+    notes = compiled(b.model()).interface.notes
+    assert "the motion falls into independent parts: (der(x), der(z)) (der(y))" in notes
+    assert not any("independent" in n for n in compiled(double_pendulum()).interface.notes)
+
+
+def test_a_coordinate_without_inertia_is_refused():
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
+    b.potential("spring", b.parameter("k") * (x - y) ** 2)
+    with pytest.raises(Refused) as refused:
+        compiled(b.model())
+    assert [f.code for f in refused.value.faults] == ["LAG0501"]
+    assert "`y`" in refused.value.faults[0].message
+
+
+def test_a_massless_coordinate_tied_to_a_mass_is_solved():
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
+    b.potential("pull", -1.0 * y)
+    b.constraint("gear", y - 2.0 * x)
+    program = compiled(b.model())
+    found = interpret(program.functions["rhs"], {"p": [4.0], "t": [0.0], "x": [0.0, 0.0, 0.0, 0.0]})
+    assert found["xdot"][2:] == pytest.approx([0.5, 1.0], rel=1e-15)  # m a = 2 * (force 1 on y)
+
+
+def test_work_is_the_last_state_and_its_rate_the_power():
+    program = compiled(models.pendulum(), work=True)
+    interface = program.interface
+    assert (interface.nz, interface.nx) == (1, 3)
+    assert dict(program.functions["start"].outputs) == {"x": 3}
+    arrays = {"p": [f.value for f in interface.parameters], "t": [0.0], "x": [1.0, 2.0, 0.0]}
+    xdot = interpret(program.functions["rhs"], arrays)["xdot"]
+    power = interpret(program.functions["power"], {**arrays, "a": [xdot[1]], "lam": []})["e"]
+    assert xdot[2] == pytest.approx(power[0], rel=1e-14)
+    assert xdot[2] < 0.0  # drag
+
+
+@pytest.mark.parametrize("make", [models.free_solid, models.declared_speeds])
+def test_displace_is_the_linear_part_of_the_rates_of_the_coordinates(make):
+    equations = derive(make())
+    program = optimize(equations)
+    interface = program.interface
+    rng = np.random.default_rng(1)
+    x = [float(a) for a in rng.normal(size=interface.nx)]
+    d = [float(a) for a in rng.normal(size=interface.nv)]
+    p = [f.value for f in interface.parameters]
+    found = interpret(program.functions["displace"], {"p": p, "t": [0.3], "x": x, "d": d})["dq"]
+    values = dict(zip((*equations.q, *equations.v), x))
+    values[equations.time] = 0.3
+    values.update((q.symbol, q.value) for q in equations.model.parameters)
+    graph = equations.graph
+    directions = tangent(graph, equations.qdot, dict(zip(equations.v, map(graph.const, d))))
+    assert found == pytest.approx(evaluate(directions, values), rel=1e-13, abs=1e-13)
+
+
+def test_displace_is_absent_where_speeds_are_the_rates():
+    assert "displace" not in compiled(models.string_pendulum()).functions
+
+
+def test_scales_are_the_sizes_of_the_terms():
+    program = compiled(models.string_pendulum())
+    names = [f.name for f in program.interface.parameters]
+    p = [{"m": 1.0, "l": 0.5, "g": 9.81}[name] for name in names]
+    (scale,) = interpret(program.functions["scales"], {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0]})["s"]
+    assert scale == pytest.approx(0.5 + 0.5 + 1e-3 * (0.6 + 0.8), rel=1e-14)
+
+
+def test_conditions_of_the_start_and_their_derivatives():
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    rate = b.graph.symbol("rate", "der(y)")
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    b.initially(x * x + y * rate - 1.0)
+    found = interpret(
+        compiled(b.model()).functions["initial"], {"p": [1.0], "t": [0.0], "x": [2.0, 3.0, 4.0, 5.0]}
+    )
+    assert found == {"c": [18.0], "J": [4.0, 5.0, 0.0, 3.0]}
+
+
+def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squared():
+    costs = []
+    for n in (25, 50):
+        program = compiled(models.chain(n))
+        assert program.interface.solve == "looped"
+        assert "rhs" not in program.functions
+        costs.append(program.functions["system"].cost)
+    assert costs[1] < 4.2 * costs[0]
+    assert costs[1] < 4 * 50 * 50
+
+
+def test_the_looped_system_gives_the_accelerations():
+    """Against M a = r with M and r evaluated by the expression graph's own evaluator."""
+    n = 25
+    equations = derive(models.chain(n))
+    program = optimize(equations)
+    x = [0.1 * (k % 5) for k in range(n)] + [0.3 * (k % 3) for k in range(n)]
+    found = interpret(program.functions["system"], {
+        "p": [f.value for f in program.interface.parameters], "t": [0.0], "x": x,
+    })  # fmt: skip
+    values = dict(zip((*equations.q, *equations.v), x))
+    values.update((p.symbol, p.value) for p in equations.model.parameters)
+    packed = [equations.mass_matrix[i, j] for i in range(n) for j in range(i + 1)]
+    assert found["M"] == pytest.approx(evaluate(packed, values), rel=1e-12)
+    forces = np.subtract(evaluate(equations.given_forces, values), evaluate(equations.bias_forces, values))
+    assert np.abs(np.array(found["r"]) - forces).max() <= 1e-12 * np.abs(forces).max()
+
+
+def digest() -> str:
+    """Of every byte of some programs that could depend on an order."""
+    text = hashlib.sha256()
+    makes = [models.pendulum, models.string_pendulum, models.free_solid, models.rolling_ball,
+             models.declared_speeds, double_pendulum, lambda: models.chain(12)]  # fmt: skip
+    for make in makes:
+        program = compiled(make(), work=True)
+        text.update(repr(program.interface).encode())
+        for name, f in program.functions.items():
+            text.update(name.encode())
+            text.update(repr([getattr(f, x.name) for x in fields(f)]).encode())
+    return text.hexdigest()
+
+
+def test_programs_do_not_depend_on_the_hash_seed():
+    script = "from tests.optimize.test_optimize import digest; print(digest())"
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", script],
+            env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+            capture_output=True, text=True, check=True,
+        ).stdout
+        for seed in ("0", "1", "77")
+    }  # fmt: skip
+    assert len(found) == 1
+
+
+def test_the_hash_of_a_model_speaks_of_its_numbers_only():
+    first = compiled(double_pendulum()).interface.model_hash
+    assert first == compiled(double_pendulum()).interface.model_hash
+    assert len(first) == 64
+    assert first != compiled(double_pendulum(relative=True)).interface.model_hash
