@@ -81,9 +81,9 @@ class ModelFile:
         return check(self.source, Choice())
 
     def _repr_latex_(self) -> str:
-        from lagc.view.equations import latex
+        from lagc.view.equations import write
 
-        return latex(self.compile().equations)
+        return write(self.compile().equations, "latex")
 
 
 class Run(Solution):
@@ -193,10 +193,15 @@ class CompiledModel:
         """Simulate with the array p given; with `auto`, begin in NumPy and change to C where that
         takes longer than compiling would."""
         request.completed(self.interface.simulate)
-        if self.asked_backend != "auto" or self._preferred == "c" or "c" in self._systems:
-            return self._run(self.backend, request, parameters, progress)
+        if self.asked_backend != "auto":
+            return self._run(self.asked_backend, request, parameters, progress)
         from lagc.run.backends.compile import CannotCompile, compiler
 
+        if self._preferred == "c" or "c" in self._systems:
+            try:
+                return self._run("c", request, parameters, progress)
+            except CannotCompile:
+                return self._run("numpy", request, parameters, progress)
         patience = _Patience(compile_time(self.interface), progress)
         watched = patience if compiler() is not None else progress
         try:
@@ -273,9 +278,9 @@ class CompiledModel:
         return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
 
     def _repr_latex_(self) -> str:
-        from lagc.view.equations import latex
+        from lagc.view.equations import write
 
-        return latex(self.equations)
+        return write(self.equations, "latex")
 
 
 class TakesLong(Exception):

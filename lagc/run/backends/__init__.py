@@ -21,9 +21,8 @@ def load(
     """
     if backend == "c":
         from lagc.run.backends.c import CSystem
-        from lagc.run.backends.compile import build_library
 
-        return CSystem(interface, build_library(sources), sources)
+        return CSystem(interface, sources)
     from lagc.run.backends.numpy import NumpySystem, compiled
 
     return NumpySystem(interface, compiled(sources) if code is None else code)

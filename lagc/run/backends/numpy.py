@@ -54,6 +54,10 @@ class NumpySystem:
         found: int = self.inner.culprit
         return found
 
+    @culprit.setter
+    def culprit(self, value: int) -> None:
+        self.inner.culprit = value
+
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         status: int = self.inner.rhs(t, x, xdot, lam)
         return status
