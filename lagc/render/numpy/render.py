@@ -8,24 +8,34 @@ MARK on), and the verbs of `verbs.py` that a caller uses.
 from __future__ import annotations
 
 import os
+import re
+from functools import cache
 
 from lagc.optimize.program import Field, Interface, Program
 from lagc.render.c.header import ABI_VERSION, LICENCE, equation
 from lagc.render.locals import local_names
 from lagc.render.names import Names, comment, stem
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
+from lagc.render.numpy.verbs import verbs
 
 MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("problem.py", "stages.py", "linear.py", "fallback.py", "projection.py", "integrate.py")
+SUPPORT = ("base.py", "fallback.py", "linear.py", "stages.py", "projection.py", "integrate.py")
+_IMPORTS = """\
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+"""
 
 
 def render(program: Program) -> dict[str, str]:
     """File name -> text; one file, `<model>.py`."""
     file = f"{stem(program.interface.model)}.py"
     names = local_names(program, CALLS.values())
-    parts = [_banner(program.interface, file), ARITHMETIC, _constants(program.interface)]
+    parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
-    return {file: "\n\n".join(parts)}
+    return {file: "\n\n".join([*parts, *_support(), *verbs(program)])}
 
 
 def _banner(interface: Interface, file: str) -> str:
@@ -77,11 +87,13 @@ def _table(name: str, values: tuple[str, ...] | list[str]) -> list[str]:
     return [f"{name} = (", *(f"    {ascii(value)}," for value in values), ")"]
 
 
-def _support() -> str:
-    """The shared text; each file from MARK on."""
+@cache
+def _support() -> tuple[str, ...]:
+    """The shared text; each file from MARK on, without what concerns type checkers only."""
     folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
     parts = []
     for name in SUPPORT:
         with open(os.path.join(folder, name), encoding="utf-8") as file:
-            parts.append(file.read().partition(MARK)[2].strip("\n") + "\n")
-    return "\n\n".join(parts)
+            text = file.read().partition(MARK)[2].strip("\n") + "\n"
+        parts.append(re.sub(r"  # type: ignore\[[^\]]*\]", "", text).replace(": Problem", ""))
+    return tuple(parts)

@@ -1,0 +1,166 @@
+"""The public functions of the generated Python module, as text."""
+
+from __future__ import annotations
+
+from lagc.optimize.program import Program
+
+_ALWAYS = '''\
+_integrate = integrate
+STATUSES = (
+    "done", "the mass matrix is singular", "rows of constraints depend on each other", "rows of constraints contradict",
+    "a value is not finite", "the step became too small", "too many steps", "interrupted",
+)
+
+
+def default_params(**values):
+    """The list p of parameters and inputs: the values of the model, but for those given by keyword
+    (see PARAMETERS).  KeyError for a name that is not one; ValueError where a value is missing."""
+    for name in values:
+        if name not in PARAMETERS:
+            raise KeyError(f"{name!r} is not a parameter: {', '.join(PARAMETERS)}")
+    p = [float(values.get(name, row[0])) for name, row in PARAMETERS.items()]
+    for name, value in zip(PARAMETERS, p):
+        if value != value:
+            raise ValueError(f"the parameter {name!r} needs a value")
+    return p
+
+
+def rhs(t, x, p=None):
+    """xdot[NX].  ArithmeticError where the equations cannot be solved at (t, x)."""
+    return _solved(t, x, p)[1]
+
+
+def accelerations(t, x, p=None):
+    """(a[NV], lam[NC])."""
+    _, xdot, lam = _solved(t, x, p)
+    return xdot[NQ : NQ + NV], lam
+
+
+def integrate(t0, x0, times, p=None, options=None, progress=None):
+    """A Trajectory from (t0, x0) to times[-1] with the states at `times`; see Options."""
+    return _integrate(equations(p), options or Options(), float(t0), _floats(x0), _floats(times), progress)
+
+
+def equations(p=None):
+    """The equations with parameters p (see `default_params`), for many calls."""
+    return Equations(globals(), default_params() if p is None else _floats(p))
+
+
+def _solved(t, x, p):
+    model = equations(p)
+    xdot, lam = [0.0] * NX, [0.0] * NC
+    status = model.rhs(float(t), _floats(x), xdot, lam)
+    if status in FAILED:
+        raise ArithmeticError(f"{STATUSES[status]} (index {model.culprit})")
+    return model, xdot, lam
+
+
+def _floats(values):
+    return [float(v) for v in values]
+'''
+
+_START = '''\
+def start(p=None):
+    """x[NX] as the model gives it: start values, and guesses that the constraints and the initial
+    conditions may still have to move."""
+    x = [0.0] * NX
+    fn_start(equations(p).p, x)
+    return x
+'''
+
+_SYSTEM = '''\
+def mass_matrix(t, x, p=None):
+    """M, NV rows of NV."""
+    packed = equations(p).system(float(t), _floats(x))[1]
+    rows = [packed[i * (i + 1) // 2 :][: i + 1] for i in range(NV)]
+    return [[rows[max(i, j)][min(i, j)] for j in range(NV)] for i in range(NV)]
+
+
+def forces(t, x, p=None):
+    """r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lam."""
+    return equations(p).system(float(t), _floats(x))[2]
+'''
+
+_CONSTRAINTS = '''\
+def constraints(t, x, p=None):
+    """phi[NH], psi[NC] (the rates of all rows), G (NC rows of NV), gamma[NC] with G a = gamma."""
+    model, t, x = equations(p), float(t), _floats(x)
+    _, _, _, g, gamma = model.system(t, x)
+    rows = [g[i * NV : (i + 1) * NV] for i in range(NC)]
+    return model.position(t, x) if NH else [], model.velocity(t, x), rows, gamma
+'''
+
+_ENERGIES = '''\
+def energies(t, x, p=None):
+    """Kinetic, potential, and the energy whose balance the work is."""
+    e = [0.0] * 3
+    fn_energies(equations(p).p, float(t), _floats(x), e)
+    return e
+'''
+
+_OUTPUTS = '''\
+def outputs(t, x, p=None):
+    """y[NY], in the order of Y_NAMES."""
+    model, xdot, lam = _solved(t, x, p)
+    y = [0.0] * NY
+    fn_outputs(model.p, float(t), _floats(x), xdot[NQ : NQ + NV], lam, y)
+    return y
+'''
+
+_MANY = '''\
+def rhs_many(t, x, p=None):
+    """xdot of many states at once: arrays of shape (n_states, NX), t a number or one for each.
+
+    p is as for `rhs`, or an array (n_states, number of parameters).  Needs NumPy, whose functions
+    may differ from the C library's in the last bit.  States that need more care (see `Equations`)
+    are computed one by one, and are NaN where that fails.
+    """
+    import numpy
+
+    x = numpy.asarray(x, dtype=float)
+    p = numpy.asarray(default_params() if p is None else p, dtype=float)
+    t = numpy.broadcast_to(numpy.asarray(t, dtype=float), len(x))
+    p = numpy.broadcast_to(p, (len(x), len(PARAMETERS)))
+    xdot = numpy.empty_like(x)
+    rest = range(len(x))
+    if STRAIGHT:
+        columns, health = [0.0] * NX, [1.0, 0.0]
+        with numpy.errstate(all="ignore"):
+            _vectorised(fn_rhs)(list(p.T), t, list(x.T), columns, [0.0] * NC, health)
+            for k, value in enumerate(columns):
+                xdot[:, k] = value
+            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= LARGEST_RESIDUAL) & numpy.isfinite(xdot).all(axis=1)
+        rest = numpy.flatnonzero(~sound)
+    for i in rest:
+        row = [0.0] * NX
+        failed = equations(p[i]).rhs(float(t[i]), x[i].tolist(), row, [0.0] * NC) in FAILED
+        xdot[i] = numpy.nan if failed else row
+    return xdot
+
+
+def _vectorised(function):
+    """`function` on columns of numbers instead of numbers."""
+    import numpy
+
+    names = {
+        "sin": "sin", "cos": "cos", "tan": "tan", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
+        "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "exp": "exp", "log": "log", "sqrt": "sqrt",
+        "floor": "floor", "sign": "sign", "atan2": "arctan2", "pow": "power", "fabs": "fabs",
+        "select": "where", "both": "logical_and", "either": "logical_or", "inverse": "logical_not",
+    }
+    arrays = {ours: getattr(numpy, theirs) for ours, theirs in names.items()}
+    arrays["minimum"] = lambda a, b: numpy.where(b < a, b, a)
+    arrays["maximum"] = lambda a, b: numpy.where(b > a, b, a)
+    return type(function)(function.__code__, arrays)
+'''
+
+
+def verbs(program: Program) -> list[str]:
+    """Those that the model has a use for."""
+    found = [_ALWAYS]
+    for name, text in (("start", _START), ("system", _SYSTEM), ("energies", _ENERGIES), ("outputs", _OUTPUTS)):
+        if name in program.functions:
+            found.append(text)
+    if program.interface.nc:
+        found.append(_CONSTRAINTS)
+    return [*found, _MANY]
