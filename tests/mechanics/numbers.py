@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 State = dict[Node, float]
 
 
-def random_state(e: EquationsOfMotion, seed: int, parameters: bool = True) -> State:
+def random_state(e: EquationsOfMotion, seed: int) -> State:
     """Random q (unit quaternions), v, t; the parameters at their defaults."""
     r = random.Random(seed)
     state: State = {p.symbol: p.value or 0.0 for p in e.model.parameters}

@@ -101,7 +101,7 @@ class Oracle:
         return (self.lagrangian(q, up, t) - self.lagrangian(q, down, t)) / 2
 
     def mass_matrix(self) -> list[list[Any]]:
-        q, v, t, n = self.q, self.v, self.t, len(self.v)
+        q, t, n = self.q, self.t, len(self.v)
         zero = [mp.mpf(0)] * n
         base = [self.momentum(q, zero, t, j) for j in range(n)]
         return [[self.momentum(q, self.unit(i), t, j) - base[j] for j in range(n)] for i in range(n)]
@@ -155,10 +155,10 @@ class Oracle:
         return [*loops, *rate_residuals(s, q, v, t, F)]
 
     def jacobian(self) -> list[list[Any]]:
-        columns = [
-            slope(lambda e, j=j: self.rates(self.q, [x + e * d for x, d in zip(self.v, self.unit(j))], self.t))
-            for j in range(len(self.v))
-        ]
+        def along(unit: list[Any]) -> Any:
+            return slope(lambda e: self.rates(self.q, [x + e * d for x, d in zip(self.v, unit)], self.t))
+
+        columns = [along(self.unit(j)) for j in range(len(self.v))]
         return [list(row) for row in zip(*columns)]
 
     def gamma(self) -> list[Any]:

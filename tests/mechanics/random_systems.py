@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lagc.expr.graph import Node
-from lagc.meaning.model import Model, Orientation
+from lagc.meaning.model import Model
+from lagc.mechanics.states import rate_symbols
 from tests.mechanics.builder import Builder
 
 Vector = list[Any]
@@ -76,7 +77,9 @@ def random_system(seed: int) -> System:
         inertia = None
         if r.random() < 0.6 or joint == "free":
             inertia = tuple(round(r.uniform(0.1, 1.0), 3) for _ in range(3))
-        drive = (round(r.uniform(0.1, 0.5), 3), round(r.uniform(0.5, 3.0), 3)) if r.random() < 0.2 else (0.0, 1.0)
+        drive = (0.0, 1.0)
+        if r.random() < 0.2:
+            drive = (round(r.uniform(0.1, 0.5), 3), round(r.uniform(0.5, 3.0), 3))
         parent = i - 1 if r.random() < 0.7 else r.randint(-1, i - 1)
         mass = round(r.uniform(0.2, 2.0), 3)
         links.append(Link(parent, joint, triple(), drive, mass, triple(), inertia))  # type: ignore[arg-type]
@@ -102,6 +105,9 @@ def random_system(seed: int) -> System:
         ),
         quadratic=r.random() < 0.2,
     )
+
+
+_GROUND: tuple[Vector, Matrix] = ([0, 0, 0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
 
 
 def turn(axis: str, angle: Any, f: Functions) -> Matrix:
@@ -145,7 +151,7 @@ def poses(s: System, q: Sequence[Any], t: Any, f: Functions) -> list[tuple[Vecto
     joints: list[tuple[Vector, Matrix]] = []
     found: list[tuple[Vector, Matrix]] = []
     for link, part in zip(s.links, shapes(s)):
-        origin, axes = joints[link.parent] if link.parent >= 0 else ([0, 0, 0], [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        origin, axes = joints[link.parent] if link.parent >= 0 else _GROUND
         offset: Vector = list(link.offset)
         if link.drive[0]:
             offset[0] = offset[0] + link.drive[0] * f.sin(link.drive[1] * t)
@@ -213,11 +219,11 @@ def model(s: System) -> Model:
     q: list[Node] = []
     for i, link in enumerate(s.links):
         if link.joint == "free":
-            frame, orientation = b.orientation(f"o{i}")
+            _, orientation = b.orientation(f"o{i}")
             q.extend(orientation.symbols)
         else:
             q.append(b.coordinate(f"q{i}"))
-    v = [r for c in b.coordinates for r in (c.rate_symbols if isinstance(c, Orientation) else (c.rate_symbol,))]
+    v = [rate for c in b.coordinates for rate in rate_symbols(c)]
     frames: dict[int, Any] = {-1: b.world}
     for i, ((place, _), link) in enumerate(zip(poses(s, q, b.time, f), s.links)):
         frame = frames[link.parent]
@@ -235,7 +241,8 @@ def model(s: System) -> Model:
         body = b.bodies[i]
         b.force(f"drag{i}", [-k * x * (1.0 + square(body.velocity)) for x in body.velocity], body.position)
     for i, moment in s.torques:
-        b.torque(f"torque{i}", moment, frames[i], frames[s.links[i].parent] if s.links[i].parent >= 0 else None)
+        parent = s.links[i].parent
+        b.torque(f"torque{i}", moment, frames[i], frames[parent] if parent >= 0 else None)
     if s.damping:
         b.dissipation("damping", damping(s, q, v, b.time, f))
     if s.magnetic:
