@@ -64,16 +64,16 @@ class Algebra:
     def _convert(self, node: Node) -> Polynomial:
         op, args = node.op, [self._done[a] for a in node.args]
         if op == "const":
-            return constant(fraction(node.value))  # type: ignore[arg-type]
+            return constant(fraction(node.value))
         if op == "symbol":
             return self.symbol_only(node)
         if op == "add":
             return self.add(args[0], args[1])
         if op == "scale":
-            return scaled(args[0], fraction(node.value))  # type: ignore[arg-type]
+            return scaled(args[0], fraction(node.value))
         if op == "mul":
             product = constant(Fraction(1))
-            for base, exponent in zip(args, node.value):  # type: ignore[call-overload]
+            for base, exponent in zip(args, node.value):
                 product = self.multiply(product, self.power(base, exponent))
             return product
         if op == "sqrt":

@@ -11,7 +11,7 @@ from lagc.view.names import names
 from lagc.view.text import TextWriter
 
 LIMIT = 20_000  # products
-LONGEST = 2_000  # characters
+LONGEST = 600  # characters
 
 
 class Expressions:

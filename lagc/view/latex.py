@@ -67,7 +67,7 @@ class LatexWriter(TextWriter):
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.names.get(node)
         if name is None:
-            return self.raised(letter(str(node.value[1])), exponent)  # type: ignore[index]
+            return self.raised(letter(str(node.value[1])), exponent)
         return self.raised(letter(name.base, name.order), exponent)
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:

@@ -100,7 +100,7 @@ class TextWriter:
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.names.get(node)
-        text = str(node.value[1]) if name is None else name.base + "'" * name.order  # type: ignore[index]
+        text = str(node.value[1]) if name is None else name.base + "'" * name.order
         return self.raised(text, exponent)
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
