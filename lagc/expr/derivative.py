@@ -19,10 +19,10 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
     if op == "add":
         return (graph.one, graph.one)
     if op == "scale":
-        return (graph.const(node.value),)  # type: ignore[arg-type]
+        return (graph.const(node.value),)
     if op == "mul":
         return tuple(
-            [graph.scale(float(e), graph.div(node, b)) for b, e in zip(args, node.value)]  # type: ignore[call-overload]
+            [graph.scale(float(e), graph.div(node, b)) for b, e in zip(args, node.value)]
         )
     if len(args) == 1:
         return (_unary(graph, node, args[0]),)

@@ -24,7 +24,7 @@ def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]
 def _value(node: Node, known: Mapping[Node, float]) -> float:
     op = node.op
     if op == "const":
-        return node.value  # type: ignore[return-value]
+        return float(node.value)
     if op == "symbol":
         raise KeyError(node.value)
     x = [known[a] for a in node.args]
@@ -32,10 +32,10 @@ def _value(node: Node, known: Mapping[Node, float]) -> float:
         if op == "add":
             return x[0] + x[1]
         if op == "scale":
-            return node.value * x[0]  # type: ignore[operator]
+            return float(node.value * x[0])
         if op == "mul":
             product = 1.0
-            for base, exponent in zip(x, node.value):  # type: ignore[call-overload]
+            for base, exponent in zip(x, node.value):
                 product *= base**exponent
             return product
         if op == "select":

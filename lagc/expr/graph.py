@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 UNARY: dict[str, object] = {
     "sin": math.sin,
@@ -63,7 +63,7 @@ class Node:
     graph: Graph
     op: str
     args: tuple[Node, ...]
-    value: object
+    value: Any  # by `op`, see above
     index: int
 
     def __add__(self, other: Node | Number) -> Node:
@@ -152,9 +152,9 @@ class Graph:
         """c*x for a number c."""
         op = x.op
         if op == "const":
-            return self.const(c * x.value)  # type: ignore[operator]
+            return self.const(c * x.value)
         if op == "scale":
-            c = c * x.value  # type: ignore[operator]
+            c = c * x.value
             x = x.args[0]
         if c == 1.0:
             return x
@@ -167,7 +167,7 @@ class Graph:
             if a.value == 0.0:
                 return b
             if b.op == "const":
-                return self.const(a.value + b.value)  # type: ignore[operator]
+                return self.const(a.value + b.value)
         elif b.op == "const" and b.value == 0.0:
             return a
         met = self._meet(a, b)
@@ -198,18 +198,18 @@ class Graph:
         ca, xa = (a.value, a.args[0]) if a.op == "scale" else (1.0, a)
         cb, xb = (b.value, b.args[0]) if b.op == "scale" else (1.0, b)
         if xa is xb:
-            return self.scale(ca + cb, xa)  # type: ignore[operator]
+            return self.scale(ca + cb, xa)
         if xa.op == "const" and xb.op == "const":
-            return self.const(ca * xa.value + cb * xb.value)  # type: ignore[operator]
+            return self.const(ca * xa.value + cb * xb.value)
         if ca != cb or xa.op != "mul" or xb.op != "mul":
             return None
         swap = {"sin": "cos", "cos": "sin"}
-        for base, exponent in zip(xa.args, xa.value):  # type: ignore[call-overload]
+        for base, exponent in zip(xa.args, xa.value):
             if exponent == 2 and base.op in swap:
                 twin = self._intern(swap[base.op], base.args, None)
                 rest = self.div(xa, self.mul(base, base))
                 if self.mul(rest, self.mul(twin, twin)) is xb:
-                    return self.scale(ca, rest)  # type: ignore[arg-type]
+                    return self.scale(ca, rest)
         return None
 
     def sub(self, a: Node, b: Node) -> Node:
@@ -223,37 +223,37 @@ class Graph:
 
     def mul(self, a: Node, b: Node) -> Node:
         if a.op == "const":
-            return self.scale(a.value, b)  # type: ignore[arg-type]
+            return self.scale(a.value, b)
         if b.op == "const":
-            return self.scale(b.value, a)  # type: ignore[arg-type]
+            return self.scale(b.value, a)
         c = 1.0
         if a.op == "scale":
-            c, a = a.value, a.args[0]  # type: ignore[assignment]
+            c, a = a.value, a.args[0]
         if b.op == "scale":
-            c, b = c * b.value, b.args[0]  # type: ignore[operator]
+            c, b = c * b.value, b.args[0]
         return self.scale(c, self._merge(a, b, 1))
 
     def div(self, a: Node, b: Node) -> Node:
         """a/b.  Division by the constant zero is the caller's to refuse (ZeroDivisionError)."""
         c = 1.0
         if b.op == "const":
-            return self.scale(1.0 / b.value, a)  # type: ignore[operator]
+            return self.scale(1.0 / b.value, a)
         if b.op == "scale":
-            c, b = 1.0 / b.value, b.args[0]  # type: ignore[operator]
+            c, b = 1.0 / b.value, b.args[0]
         if a.op == "const":
-            return self.scale(c * a.value, self._merge(self.one, b, -1))  # type: ignore[operator]
+            return self.scale(c * a.value, self._merge(self.one, b, -1))
         if a.op == "scale":
-            c, a = c * a.value, a.args[0]  # type: ignore[operator]
+            c, a = c * a.value, a.args[0]
         return self.scale(c, self._merge(a, b, -1))
 
     def _merge(self, a: Node, b: Node, sign: int) -> Node:
         """The monomial a * b^sign; neither is a scale, b is no constant."""
         powers: dict[Node, int] = {}
         if a.op == "mul":
-            powers.update(zip(a.args, a.value))  # type: ignore[call-overload]
+            powers.update(zip(a.args, a.value))
         elif a.op != "const":
             powers[a] = 1
-        pairs = zip(b.args, b.value) if b.op == "mul" else ((b, 1),)  # type: ignore[call-overload]
+        pairs = zip(b.args, b.value) if b.op == "mul" else ((b, 1),)
         for base, exponent in pairs:
             powers[base] = powers.get(base, 0) + sign * exponent
         return self._monomial(powers)
@@ -281,18 +281,18 @@ class Graph:
         if n == 0:
             return self.one
         if x.op == "const":
-            return self.const(x.value**n)  # type: ignore[operator]
+            return self.const(x.value**n)
         c = 1.0
         if x.op == "scale":
-            c, x = x.value**n, x.args[0]  # type: ignore[operator]
-        pairs = zip(x.args, x.value) if x.op == "mul" else ((x, 1),)  # type: ignore[call-overload]
+            c, x = x.value**n, x.args[0]
+        pairs = zip(x.args, x.value) if x.op == "mul" else ((x, 1),)
         return self.scale(c, self._monomial({b: e * n for b, e in pairs}))
 
     def pow(self, x: Node, y: Node) -> Node:
         if y.op == "const":
             n = y.value
-            if n == int(n) and abs(n) <= 64:  # type: ignore[call-overload, arg-type]
-                return self.power(x, int(n))  # type: ignore[call-overload]
+            if n == int(n) and abs(n) <= 64:
+                return self.power(x, int(n))
             if n == 0.5:
                 return self.unary("sqrt", x)
             if x.op == "const":
@@ -308,7 +308,7 @@ class Graph:
             folded = _fold(UNARY[op], x.value)
             if folded is not None:
                 return self.const(folded)
-        elif x.op == "scale" and x.value < 0:  # type: ignore[operator]
+        elif x.op == "scale" and x.value < 0:
             if op in ("cos", "cosh", "abs"):
                 return self.unary(op, -x)
             if op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign"):
@@ -352,10 +352,10 @@ class Graph:
         if op == "add":
             return self.add(*args)
         if op == "scale":
-            return self.scale(node.value, args[0])  # type: ignore[arg-type]
+            return self.scale(node.value, args[0])
         if op == "mul":
             product = self.one
-            for base, exponent in zip(args, node.value):  # type: ignore[call-overload]
+            for base, exponent in zip(args, node.value):
                 product = self.mul(product, self.power(base, exponent))
             return product
         if op == "select":

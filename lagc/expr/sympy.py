@@ -23,7 +23,7 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
     import sympy  # type: ignore[import-untyped]
 
     def plain(symbol: Node) -> Any:
-        return sympy.Symbol(symbol.value[1], real=True)  # type: ignore[index]
+        return sympy.Symbol(symbol.value[1], real=True)
 
     leaf = names or plain
     known: dict[Node, Any] = {}
@@ -36,13 +36,13 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
 def _to(sympy: Any, node: Node, args: list[Any]) -> Any:
     op = node.op
     if op == "const":
-        return _number(sympy, node.value)  # type: ignore[arg-type]
+        return _number(sympy, node.value)
     if op == "add":
         return args[0] + args[1]
     if op == "scale":
-        return _number(sympy, node.value) * args[0]  # type: ignore[arg-type]
+        return _number(sympy, node.value) * args[0]
     if op == "mul":
-        exponents: tuple[int, ...] = node.value  # type: ignore[assignment]
+        exponents: tuple[int, ...] = node.value
         return sympy.Mul(*[base**e for base, e in zip(args, exponents)])
     if op == "pow":
         return args[0] ** args[1]

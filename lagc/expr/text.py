@@ -29,10 +29,10 @@ def _wrap(part: tuple[str, int], level: int) -> str:
 def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
     op, parts = node.op, [done[a] for a in node.args]
     if op == "const":
-        value: float = node.value  # type: ignore[assignment]
+        value: float = node.value
         return number(value), _ATOM if value >= 0 else _SUM
     if op == "symbol":
-        return node.value[1], _ATOM  # type: ignore[index]
+        return node.value[1], _ATOM
     if op == "add":
         left, right = parts
         if right[0].startswith("-") and right[1] != _ATOM:
@@ -42,10 +42,10 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         factor = _wrap(parts[0], _PRODUCT)
         if node.value == -1.0:
             return f"-{factor}", _SUM
-        sign = "-" if node.value < 0 else ""  # type: ignore[operator]
-        return f"{sign}{number(abs(node.value))}*{factor}", _SUM if sign else _PRODUCT  # type: ignore[arg-type]
+        sign = "-" if node.value < 0 else ""
+        return f"{sign}{number(abs(node.value))}*{factor}", _SUM if sign else _PRODUCT
     if op == "mul":
-        return _monomial(parts, node.value)  # type: ignore[arg-type]
+        return _monomial(parts, node.value)
     if op == "select":
         return f"if {parts[0][0]} then {parts[1][0]} else {parts[2][0]}", 0
     if op in _INFIX:

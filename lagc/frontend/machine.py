@@ -7,16 +7,19 @@ the text reads on); else it gives the declaration up and goes on behind it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.frontend import mistakes
 from lagc.frontend.build import Builder
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.frontend.tables import Tables
 
+if TYPE_CHECKING:
+    from lagc.frontend.mistakes import Repair
+
 DEEPEST = 100  # brackets, `if`s, signs and blocks inside one another
 MOST_FAULTS = 50
+MOST_REPAIRS = 200
 
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
 _ALWAYS = frozenset({"if", "not", "true", "false", "end"})
@@ -33,6 +36,20 @@ class Block:
     word: Token
     name: Token
     height: int
+
+    @property
+    def closing(self) -> str:
+        """What its `end` names."""
+        return self.word.text if self.word.text in ("for", "when") else self.name.text
+
+    @property
+    def shown(self) -> str:
+        word = self.word.text
+        return f"this `{word}`" if self.closing == word else f"{word} `{self.closing}`"
+
+    def span(self, source: Source) -> Span:
+        last = self.word if self.closing == self.word.text else self.name
+        return Span(source, self.word.start, max(self.word.end, last.end))
 
 
 @dataclass
@@ -52,6 +69,9 @@ class Machine:
         self.starts = [0]  # the number of each entry's first token
         self.depths = [0]
         self.blocks: list[Block] = []
+        self.last_closed: Block | None = None
+        self._reported: set[int] = set()  # where declarations with a fault begin
+        self._repairs = 0
         self.last_end = 0  # where the last token taken ends
         self.builder = Builder(self.source)
         self.callbacks: list[Any] = [
@@ -76,7 +96,7 @@ class Machine:
                         if again != terminal:
                             terminal = again
                             continue
-                    if not self._recover(terminal):
+                    if not self._recover():
                         return None
                     break
                 if action >= 0:
@@ -177,102 +197,170 @@ class Machine:
         """Look at the `end` that comes: does it close the innermost block?  Where an inner block's
         own `end` is missing, put it in and say so; False then."""
         name = self.tokens[self.position + 1]
+        self.last_closed = None
         if not self.blocks:
             return True
         block = self.blocks[-1]
-        if name.kind != WORD or name.text == closing_word(block):
-            self.blocks.pop()
-            return True
-        if any(closing_word(outer) == name.text for outer in self.blocks[:-1]):
-            self._insert_end(block)
-            return False
-        span = Span(self.source, name.start, name.end)
-        self._fault(mistakes.wrong_end(self.source, block.word, block.name, name, span))
-        name.text = closing_word(block)
-        self.blocks.pop()
+        if name.kind == WORD and name.text != block.closing:
+            if any(outer.closing == name.text for outer in self.blocks[:-1]):
+                self._insert_end(block)
+                return False
+            self._report(_wrong_end(self.source, block, name), self.tokens[self.position])
+            self.tokens[self.position + 1] = Token(WORD, block.closing, name.start, name.end)
+        self.last_closed = self.blocks.pop()
         return True
 
     def _insert_end(self, block: Block) -> None:
         at = self.tokens[self.position]
-        where = at.start
-        self._fault(mistakes.missing_end(self.source, block.word, block.name, at))
+        self._report(_missing_end(self.source, block, at), block.word)
         self.tokens[self.position : self.position] = [
-            Token(WORD, "end", where, where),
-            Token(WORD, closing_word(block), where, where),
-            Token(SYMBOL, ";", where, where),
+            Token(WORD, "end", at.start, at.start),
+            Token(WORD, block.closing, at.start, at.start),
+            Token(SYMBOL, ";", at.start, at.start),
         ]
 
     # -- recovery ------------------------------------------------------------------------------
 
-    def _recover(self, terminal: str) -> bool:
+    def _recover(self) -> bool:
         """Say what is wrong at the token that cannot stand here, and get past it.  False where the
         reading ends."""
-        if len(self.faults) >= MOST_FAULTS:
-            return False
+        from lagc.frontend import mistakes
+
         token = self.tokens[self.position]
         bottom = self._item_bottom()
+        if len(self.faults) >= MOST_FAULTS:
+            return False
         if token.kind == END and self.blocks and bottom == len(self.states) - 1:
             self._insert_end(self.blocks[-1])
             return True
-        if bottom is None:
-            return False
         begin = self.starts[bottom + 1] if bottom + 1 < len(self.states) else self.position
-        where = mistakes.Where(self, begin)
-        found = mistakes.explain(where)
-        self._fault(found.fault)
-        if found.repair is not None and self._repair(found.repair):
-            return True
-        self._give_up(bottom, begin)
+        brackets = [
+            value
+            for value in self.values[bottom + 1 :]
+            if type(value) is Token and value.kind == SYMBOL and value.text in ("(", "[", "{")
+        ]
+        found = mistakes.explain(mistakes.Where(self, begin, brackets))
+        self._report(found.fault, self.tokens[begin])
+        if found.repair is None or not self._repair(found.repair, bottom, begin):
+            self._give_up(bottom, begin)
         return True
 
-    def _fault(self, fault: Fault) -> None:
-        self.faults.append(fault)
+    def _report(self, fault: Fault, first: Token) -> None:
+        """One fault a declaration, which begins with the token `first`."""
+        if first.start not in self._reported:
+            self._reported.add(first.start)
+            self.faults.append(fault)
 
-    def _item_bottom(self) -> int | None:
+    def _item_bottom(self) -> int:
         """The height of the topmost state in which a declaration may begin."""
-        for height in range(len(self.states) - 1, -1, -1):
+        for height in range(len(self.states) - 1, 0, -1):
             if "item" in self.tables.actions[self.states[height]]:
                 return height
-        return None
+        return 0
 
-    def _repair(self, repair: tuple[int, list[Token]]) -> bool:
-        """Replace so many tokens by others, where the text then reads on."""
-        count, others = repair
-        before = self.tokens[self.position : self.position + count]
-        self.tokens[self.position : self.position + count] = others
-        if self._reads_on(len(others) + 2):
-            return True
-        self.tokens[self.position : self.position + len(others)] = before
-        return False
+    def accepts(self, terminal: str) -> bool:
+        """Could such a token stand here?"""
+        return self._takes(list(self.states), terminal)
 
-    def _reads_on(self, count: int) -> bool:
-        """Can the machine take the next `count` tokens?  Nothing is built."""
+    def _takes(self, states: list[int], terminal: str) -> bool:
+        """Move `states` over one token; nothing is built."""
         actions = self.tables.actions
-        states = list(self.states)
-        for position in range(self.position, min(self.position + count, len(self.tokens))):
+        while True:
+            action = actions[states[-1]].get(terminal)
+            if action is None:
+                return False
+            if action >= 0:
+                states.append(action)
+                return True
+            origin, length, _, _ = self.tables.rules[~action]
+            if length:
+                del states[-length:]
+            states.append(actions[states[-1]][origin])
+            if terminal == "$END" and states[-1] == self.tables.accept:
+                return True
+
+    def _repair(self, repair: Repair, bottom: int, begin: int) -> bool:
+        """Make the change if the text then reads on, past the place of the fault.  A change before
+        that place reads the declaration again from its beginning."""
+        if self._repairs >= MOST_REPAIRS:
+            return False
+        self._repairs += 1
+        again = repair.at < self.position
+        first = begin if again else repair.at
+        tokens = self.tokens
+        others = list(repair.others)
+        before = tokens[repair.at : repair.at + repair.count]
+        tokens[repair.at : repair.at + repair.count] = others
+        last = max(self.position - repair.count, repair.at) + len(others) + (0 if again else 1)
+        states = self.states[: bottom + 1] if again else list(self.states)
+        if not self._reads_on(states, first, last):
+            tokens[repair.at : repair.at + len(others)] = before
+            return False
+        if again:
+            self._drop(bottom, begin)
+            self.position = begin
+        return True
+
+    def _reads_on(self, states: list[int], first: int, last: int) -> bool:
+        """Can the tokens first..last be taken from `states` on?"""
+        for position in range(first, min(last + 1, len(self.tokens))):
             while True:
-                action = actions[states[-1]].get(self.terminal(position, states[-1]))
-                if action is None:
-                    return False
-                if action >= 0:
-                    states.append(action)
+                terminal = self.terminal(position, states[-1])
+                action = self.tables.actions[states[-1]].get(terminal)
+                if action is None or action >= 0:
                     break
                 origin, length, _, _ = self.tables.rules[~action]
                 if length:
                     del states[-length:]
-                states.append(actions[states[-1]][origin])
-            if self.tokens[position].kind == END:
-                break
+                states.append(self.tables.actions[states[-1]][origin])
+                if terminal == "$END" and states[-1] == self.tables.accept:
+                    return True
+            if action is None:
+                return terminal == "$END"  # what is open is closed there
+            states.append(action)
         return True
 
-    def _give_up(self, bottom: int, begin: int) -> None:
-        """Drop the declaration that began at token `begin` and go on behind it."""
+    def _drop(self, bottom: int, begin: int) -> None:
+        """Forget the declaration that began at token `begin`, on top of height `bottom`."""
         del self.states[bottom + 1 :], self.values[bottom + 1 :], self.starts[bottom + 1 :]
         del self.depths[bottom + 1 :]
         self.blocks = [block for block in self.blocks if block.height < len(self.states)]
-        self.position = mistakes.behind(self.source, self.tokens, begin, self.position, self.tables.keywords)
+        self.last_end = self.tokens[begin - 1].end if begin else 0
+
+    def _give_up(self, bottom: int, begin: int) -> None:
+        """Drop the declaration that began at token `begin` and go on behind it: behind its `;`, or
+        at an `end` or another keyword that begins a line."""
+        self._drop(bottom, begin)
+        for number in range(max(self.position, begin), len(self.tokens)):
+            token = self.tokens[number]
+            self.position = number
+            if token.kind == END:
+                return
+            if token.kind == SYMBOL and token.text == ";":
+                self.position = number + 1
+                return
+            if number > begin and token.kind == WORD and token.text in self.tables.keywords:
+                line = self.source.text.rfind("\n", 0, token.start) + 1
+                if not self.source.text[line : token.start].strip():
+                    return
 
 
-def closing_word(block: Block) -> str:
-    """What its `end` names."""
-    return block.word.text if block.word.text in ("for", "when") else block.name.text
+def _wrong_end(source: Source, block: Block, name: Token) -> Fault:
+    return Fault(
+        "LAG0113",
+        f"this `end` names `{name.text}`, but it closes {block.shown}",
+        Span(source, name.start, name.end),
+        related=((block.span(source), "opened here"),),
+        remedy=f"write `end {block.closing};`",
+    )
+
+
+def _missing_end(source: Source, block: Block, at: Token) -> Fault:
+    before = "the end of the file" if at.kind == END else "this `end`"
+    return Fault(
+        "LAG0112",
+        f"{block.shown} is not closed before {before}",
+        Span(source, at.start, at.end),
+        related=((block.span(source), "opened here"),),
+        remedy=f"write `end {block.closing};`",
+    )

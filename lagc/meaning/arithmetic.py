@@ -9,14 +9,21 @@ from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.frontend import tree
 from lagc.meaning.context import Context
+from lagc.meaning.model import Body
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, over, raised, times
-from lagc.meaning.values import Array, Body, Scalar, Truth, Value, Wrong, kind
+from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, kind
 
 LARGEST_EXPONENT = 1000  # of a quantity with a dimension
 
-_COMPARISONS = {"<": ("lt", False), "<=": ("le", False), ">": ("lt", True), ">=": ("le", True), "==": ("eq", False),
-                "<>": ("eq", False)}  # fmt: skip
+_COMPARISONS = {
+    "<": ("lt", False),
+    "<=": ("le", False),
+    ">": ("lt", True),
+    ">=": ("le", True),
+    "==": ("eq", False),
+    "<>": ("eq", False),
+}
 
 
 def binary(context: Context, e: tree.Binary, left: Value, right: Value) -> Value:
@@ -26,7 +33,9 @@ def binary(context: Context, e: tree.Binary, left: Value, right: Value) -> Value
     for value, side in ((left, e.left), (right, e.right)):
         if not isinstance(value, Scalar | Array):
             remedy = "did you mean its position, `position(...)`?" if isinstance(value, Body) else None
-            raise Wrong("LAG0307", f"`{e.op}` takes numbers and vectors, this is {kind(value)}", side.span, remedy)
+            raise Wrong(
+                "LAG0307", f"`{e.op}` takes numbers and vectors, this is {kind(value)}", side.span, remedy
+            )
     try:
         if e.op in _COMPARISONS:
             return _comparison(context, e, left, right)
@@ -51,7 +60,10 @@ def select(context: Context, condition: Node, first: tuple[Value, Span], second:
         return Truth(context.graph.select(condition, a.node, b.node))
 
     def one(x: Scalar, y: Scalar) -> Scalar:
-        return Scalar(context.graph.select(condition, x.node, y.node), _same(x, y, "the branches", b_span, a_span, b_span))
+        return Scalar(
+            context.graph.select(condition, x.node, y.node),
+            _same(x, y, "the branches", b_span, a_span, b_span),
+        )
 
     if not isinstance(a, Scalar | Array) or not isinstance(b, Scalar | Array):
         wrong, span = (a, a_span) if not isinstance(a, Scalar | Array) else (b, b_span)
@@ -74,7 +86,9 @@ def _shape(value: Value) -> str:
     inner: Value = value
     while isinstance(inner, Array):
         sizes.append(str(len(inner.elements)))
-        inner = inner.elements[0] if inner.elements else Truth  # type: ignore[assignment]
+        if not inner.elements:
+            break
+        inner = inner.elements[0]
     return f"an array of {' x '.join(sizes)}"
 
 
@@ -84,8 +98,9 @@ def _same(a: Scalar, b: Scalar, what: str, span: Span, a_span: Span, b_span: Spa
     if b.dimension is None or a.dimension == b.dimension:
         return a.dimension
     message = f"{what} differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
-    raise Wrong("LAG0301", message, span,
-                related=((a_span, describe(a.dimension)), (b_span, describe(b.dimension))))  # fmt: skip
+    raise Wrong(
+        "LAG0301", message, span, related=((a_span, describe(a.dimension)), (b_span, describe(b.dimension)))
+    )
 
 
 def _sum(e: tree.Binary, left: Value, right: Value) -> Value:
@@ -127,7 +142,9 @@ def _is_matrix(value: Array) -> bool:
 
 def _row_times(e: tree.Binary, row: Value, right: Array) -> Value:
     if not isinstance(row, Array) or len(row.elements) != len(right.elements):
-        raise Wrong("LAG0306", "the columns of the matrix are not as many as the elements of the vector", e.span)
+        raise Wrong(
+            "LAG0306", "the columns of the matrix are not as many as the elements of the vector", e.span
+        )
     total: Value | None = None
     plus = tree.Binary("+", e.left, e.right, e.op_span, e.span)
     for x, y in zip(row.elements, right.elements):
@@ -149,14 +166,21 @@ def _quotient(e: tree.Binary, left: Value, right: Value) -> Value:
 
 def _power(e: tree.Binary, left: Value, right: Value) -> Value:
     if not isinstance(left, Scalar) or not isinstance(right, Scalar):
-        raise Wrong("LAG0306", "`^` takes numbers", e.span, "write the square of a vector as `dot(a, a)` or `norm(a)^2`")
+        raise Wrong(
+            "LAG0306",
+            "`^` takes numbers",
+            e.span,
+            "write the square of a vector as `dot(a, a)` or `norm(a)^2`",
+        )
     if right.dimension not in (None, NONE):
         raise Wrong("LAG0305", f"an exponent is a number, this is {describe(right.dimension)}", e.right.span)
     dimension: Dimension | None = NONE
     if left.dimension not in (None, NONE):
         number = right.node.value
         if not right.node.is_const or not isinstance(number, float):
-            raise Wrong("LAG0305", f"the exponent of {describe(left.dimension)} must be a fixed number", e.right.span)
+            raise Wrong(
+                "LAG0305", f"the exponent of {describe(left.dimension)} must be a fixed number", e.right.span
+            )
         dimension = raised(left.dimension, number) if abs(number) <= LARGEST_EXPONENT else None
         if dimension is None:
             raise Wrong("LAG0305", f"{describe(left.dimension)} has no power {number:g}", e.right.span)
@@ -194,9 +218,14 @@ def _finite(value: Value, e: tree.Binary) -> Value:
         if isinstance(top, Array):
             stack.extend(top.elements)
         elif isinstance(top, Scalar) and top.node.op in ("const", "scale"):
-            if not math.isfinite(top.node.value):  # type: ignore[arg-type]
+            if not math.isfinite(top.node.value):
                 raise Wrong("LAG0309", _no_value(e), e.span)
-        elif isinstance(top, Scalar) and e.op == "^" and all(a.is_const for a in top.node.args) and top.node.args:
+        elif (
+            isinstance(top, Scalar)
+            and e.op == "^"
+            and all(a.is_const for a in top.node.args)
+            and top.node.args
+        ):
             raise Wrong("LAG0309", _no_value(e), e.span)
     return value
 

@@ -13,15 +13,16 @@ from lagc.meaning.context import Context
 from lagc.meaning.evaluate import each, evaluate, evaluate_as
 from lagc.meaning.functions import Argument, unit_vector
 from lagc.meaning.motion import velocity_of
-from lagc.meaning.quantities import given_scalar
-from lagc.meaning.scope import Entry, Environment
-from lagc.meaning.units import KG, NONE, Dimension, M, S, dimension, over
+from lagc.meaning.scope import Entry
+from lagc.meaning.units import KG, NONE, M, S, dimension, over
 from lagc.meaning.values import Array, Scalar, Thing, Value, Wrong, expect, flat, kind, scalar_of, vector_of
+from lagc.meaning.written import given_scalar
 
 INERTIA = dimension(kg=1, m=2)
 GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
 STANDARD = 9.81  # m/s2, where a model says nothing else
 
+_DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
 _PARAMETERS = {
     "Particle": (("mass", "at"), 2),
     "Solid": (("mass", "inertia", "frame", "com", "at"), 3),
@@ -30,28 +31,31 @@ _PARAMETERS = {
 
 def declare_body(context: Context, entry: Entry) -> Value:
     """A particle or a solid.  Raises Wrong."""
+    for modifier in entry.modifiers:
+        raise Wrong(
+            "LAG0209",
+            f"the body `{entry.name}` cannot be modified from outside",
+            modifier.argument.span,
+            "modify the parameters that it is made of",
+        )
     call = _call_of(entry)
     if not isinstance(call.function, tree.Name) or call.function.name not in _PARAMETERS:
         raise Wrong("LAG0221", "a body is a `Particle(...)` or a `Solid(...)`", call.function.span)
-    name = call.function.name
-    parameters, required = _PARAMETERS[name]
-    written = dict(zip(parameters, match(call, parameters, required, f"`{name}`")))
-    own = {**written, **_modified(entry, parameters)}
-    reader = _Reader(context, entry.environment, own)
-    if name == "Particle":
-        jobs = each(context, [lambda: reader.scalar("mass", KG), lambda: reader.place("at")])
-        mass, position = jobs
-        return _body(context, entry, mass, position, None, None)  # type: ignore[arg-type]
-    if own["com"] is None and own["at"] is None:
-        raise Wrong("LAG0210", "`Solid` needs the argument `com`, its centre of mass", call.span,
-                    "write `com = {0, 0, 0}` where that is the origin")  # fmt: skip
-    if own["com"] is not None and own["at"] is not None:
-        raise Wrong("LAG0209", "`com` and `at` are the same, give one", own["at"].span)
-    mass, position, frame, inertia = each(context, [
-        lambda: reader.scalar("mass", KG), lambda: reader.place("com" if own["com"] is not None else "at"),
-        lambda: reader.frame("frame"), lambda: reader.inertia("inertia"),
-    ])  # fmt: skip
-    return _body(context, entry, mass, position, frame, inertia)  # type: ignore[arg-type]
+    given = _arguments(context, entry, call, call.function.name)
+    mass, place = _mass(given["mass"]), given.get("com") or given.get("at")
+    if place is None:
+        remedy = "write `com = {0, 0, 0}` where that is the origin"
+        raise Wrong("LAG0210", "`Solid` needs the argument `com`, its centre of mass", call.span, remedy)
+    if "com" in given and "at" in given:
+        raise Wrong("LAG0209", "`com` and `at` are the same, give one", given["at"].span)
+    position = _place(context, place)
+    frame, inertia = None, None
+    if "frame" in given:
+        frame, inertia = _frame(given["frame"]), _inertia(context, given["inertia"])
+    velocity = velocity_of(context, place, None)
+    body = nouns.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
+    entry.nouns.append(body)
+    return body
 
 
 def _call_of(entry: Entry) -> tree.Call:
@@ -68,57 +72,47 @@ def _call_of(entry: Entry) -> tree.Call:
     return source.value
 
 
-def _modified(entry: Entry, parameters: tuple[str, ...]) -> dict[str, tree.Expression]:
-    for modifier in entry.modifiers:
-        raise Wrong("LAG0209", f"the body `{entry.name}` cannot be modified from outside", modifier.argument.span,
-                    "modify the parameters that it is made of")  # fmt: skip
-    return {}
+def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
+    """What is given, by the parameters' names; faults of all of it are found."""
+    parameters, required = _PARAMETERS[name]
+    written = dict(zip(parameters, match(call, parameters, required, f"`{name}`")))
 
-
-class _Reader:
-    """The arguments of a body, read one by one."""
-
-    def __init__(self, context: Context, environment: Environment, written: dict[str, tree.Expression | None]):
-        self.context = context
-        self.environment = environment
-        self.written = written
-
-    def _expression(self, name: str) -> tree.Expression:
-        expression = self.written[name]
+    def one(parameter: str) -> tuple[str, Argument]:
+        expression = written[parameter]
         assert expression is not None
-        return expression
+        value = evaluate_as(context, expression, entry.environment, _DIMENSIONS[parameter])
+        return parameter, Argument(value, expression.span)
 
-    def scalar(self, name: str, meant: Dimension) -> Node:
-        expression = self._expression(name)
-        value = scalar_of(evaluate_as(self.context, expression, self.environment, meant), expression.span, f"`{name}`")
-        expect(value.dimension, meant, expression.span, f"`{name}`")
-        if value.node.is_const and value.node.value < 0:  # type: ignore[operator]
-            raise Wrong("LAG0308", f"`{name}` is negative", expression.span)
-        return value.node
+    return dict(each(context, one, [p for p in parameters if written[p] is not None]))
 
-    def place(self, name: str) -> Argument:
-        expression = self._expression(name)
-        value = evaluate_as(self.context, expression, self.environment, M)
-        vector, found = vector_of(value, expression.span, f"`{name}`")
-        expect(found, M, expression.span, f"`{name}`")
-        for node in vector:
-            if self.context.clock.mask(node) & (LATE | VELOCITY):
-                raise Wrong("LAG0313", "a position depends on no rate", expression.span)
-        return Argument(value, expression.span)
 
-    def frame(self, name: str) -> nouns.Frame:
-        expression = self._expression(name)
-        value = evaluate(self.context, expression, self.environment)
-        if not isinstance(value, nouns.Frame):
-            raise Wrong("LAG0221", f"`{name}` is a frame, this is {kind(value)}", expression.span)
-        return value
+def _mass(given: Argument) -> Node:
+    scalar = scalar_of(given.value, given.span, "`mass`")
+    expect(scalar.dimension, KG, given.span, "`mass`")
+    if scalar.node.is_const and scalar.node.value < 0:
+        raise Wrong("LAG0308", "a mass is not negative", given.span)
+    return scalar.node
 
-    def inertia(self, name: str) -> nouns.Matrix:
-        expression = self._expression(name)
-        value = evaluate_as(self.context, expression, self.environment, INERTIA)
-        for scalar in flat(value, expression.span, "an inertia"):
-            expect(scalar.dimension, INERTIA, expression.span, "an inertia")
-        return _matrix(self.context, value, expression.span)
+
+def _place(context: Context, given: Argument) -> nouns.Vector:
+    vector, found = vector_of(given.value, given.span, "the place of a body")
+    expect(found, M, given.span, "the place of a body")
+    for node in vector:
+        if context.clock.mask(node) & (LATE | VELOCITY):
+            raise Wrong("LAG0313", "the place of a body depends on no rate", given.span)
+    return vector
+
+
+def _frame(given: Argument) -> nouns.Frame:
+    if not isinstance(given.value, nouns.Frame):
+        raise Wrong("LAG0221", f"`frame` is a frame, this is {kind(given.value)}", given.span)
+    return given.value
+
+
+def _inertia(context: Context, given: Argument) -> nouns.Matrix:
+    for scalar in flat(given.value, given.span, "an inertia"):
+        expect(scalar.dimension, INERTIA, given.span, "an inertia")
+    return _matrix(context, given.value, given.span)
 
 
 def _matrix(context: Context, value: Value, span: Span) -> nouns.Matrix:
@@ -139,18 +133,11 @@ def _matrix(context: Context, value: Value, span: Span) -> nouns.Matrix:
 
 def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
     if a.is_const and b.is_const and c.is_const:
-        values = sorted(float(x.value) for x in (a, b, c))  # type: ignore[arg-type]
+        values = sorted(float(x.value) for x in (a, b, c))
         if values[0] < 0 or values[2] > (values[0] + values[1]) * (1 + 1e-9):
-            raise Wrong("LAG0308", "no body has these moments of inertia: each is at most the sum of the others", span)
-
-
-def _body(
-    context: Context, entry: Entry, mass: Node, place: Argument, frame: nouns.Frame | None, inertia: nouns.Matrix | None
-) -> Value:
-    position, _ = vector_of(place.value, place.span, "a position")
-    body = nouns.Body(entry.path, mass, position, velocity_of(context, place, None), frame, inertia, entry.span, entry.effect)
-    entry.nouns.append(body)
-    return body
+            raise Wrong(
+                "LAG0308", "no body has these moments of inertia: each is at most the sum of the others", span
+            )
 
 
 def declare_gravity(context: Context, entry: Entry) -> Value:
@@ -161,7 +148,9 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
     strength, way = match(call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
-        raise Wrong("LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span)
+        raise Wrong(
+            "LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span
+        )
     g = _strength(context, entry, strength)
     graph = context.graph
     direction: nouns.Vector = (graph.zero, graph.zero, graph.const(-1.0))
@@ -195,6 +184,17 @@ def _strength(context: Context, entry: Entry, written: tree.Expression | None) -
     symbol = context.graph.symbol("parameter", name)
     number = value.node.value
     assert isinstance(number, float)
-    entry.nouns.append(nouns.Parameter(
-        name, symbol, "m/s2", "m/s2", number, float("-inf"), float("inf"), entry.span, "acceleration of gravity"))  # fmt: skip
+    entry.nouns.append(
+        nouns.Parameter(
+            name,
+            symbol,
+            "m/s2",
+            "m/s2",
+            number,
+            float("-inf"),
+            float("inf"),
+            entry.span,
+            "acceleration of gravity",
+        )
+    )
     return symbol

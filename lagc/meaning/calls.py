@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning import functions, motion, rotations
 from lagc.meaning.constants import dotted, space_only
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import each, evaluate, evaluate_as, find
+from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.meaning.functions import RESERVED, Argument, Builtin
 from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Environment
-from lagc.meaning.types import CONSTANTS
-from lagc.meaning.values import Scalar, Thing, Value, Wrong, expect, flat, kind
+from lagc.meaning.types import QuantityType
+from lagc.meaning.values import Value, Wrong, expect, flat
 
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
 
@@ -33,8 +32,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     if builtin is None:
         raise _unknown(name, e, environment)
     arguments = match(e, builtin.parameters, builtin.required, f"`{name}`")
-    values = each(context, [lambda a=a: evaluate(context, a, environment) for a in arguments if a is not None])  # type: ignore[misc]
-    filled = iter(values)
+    filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
     given = [None if a is None else Argument(next(filled), a.span) for a in arguments]
     return _applied(context, builtin, e, given)
 
@@ -46,9 +44,7 @@ def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argum
         raise Wrong("LAG0309", "this has no finite value", e.span) from None
 
 
-def match(
-    e: tree.Call, parameters: tuple[str, ...], required: int, who: str
-) -> list[tree.Expression | None]:
+def match(e: tree.Call, parameters: tuple[str, ...], required: int, who: str) -> list[tree.Expression | None]:
     """The arguments of a call in the order of the parameters; None for one left out.
 
     A last parameter called `*` takes all that is left.  Raises Wrong.
@@ -68,8 +64,12 @@ def match(
         else:
             name = argument.name
             if name not in parameters or name == "*":
-                raise Wrong("LAG0209", f"{who} has no argument `{name}`", argument.name_span or argument.span,
-                            did_you_mean(name, parameters))  # fmt: skip
+                raise Wrong(
+                    "LAG0209",
+                    f"{who} has no argument `{name}`",
+                    argument.name_span or argument.span,
+                    did_you_mean(name, parameters),
+                )
         if name in found:
             raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
         found[name] = argument.value
@@ -97,8 +97,12 @@ def _declared(
         if entry is not None:
             if isinstance(entry.source, tree.FunctionDeclaration):
                 return entry.source, entry.environment
-            raise Wrong("LAG0221", f"`{path[0]}` is a {entry.kind}, not a function", function.span,
-                        related=((entry.span, "declared here"),))  # fmt: skip
+            raise Wrong(
+                "LAG0221",
+                f"`{path[0]}` is a {entry.kind}, not a function",
+                function.span,
+                related=((entry.span, "declared here"),),
+            )
         declared = environment.space.lookup(path[0])
         if declared is None:
             return None
@@ -113,25 +117,37 @@ def _declared(
 
 
 def _inline(
-    context: Context, e: tree.Call, environment: Environment, function: tree.FunctionDeclaration, home: Environment
+    context: Context,
+    e: tree.Call,
+    environment: Environment,
+    function: tree.FunctionDeclaration,
+    home: Environment,
 ) -> Value:
     names = tuple(name for _, name, _ in function.parameters)
     arguments = match(e, names, len(names), f"`{function.name}`")
     types = [type_of(t, home.space) for t, _, _ in function.parameters]
-    values: list[Value] = each(context, [
-        lambda a=a, t=t: evaluate_as(context, a, environment, t.dimension) for a, t in zip(arguments, types)  # type: ignore[misc]
-    ])  # fmt: skip
-    for value, meant, argument, (_, name, span) in zip(values, types, arguments, function.parameters):
-        assert argument is not None
+    written = [a for a in arguments if a is not None]  # all of them: none is optional
+
+    def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
+        return evaluate_as(context, pair[0], environment, pair[1].dimension)
+
+    values = each(context, one, list(zip(written, types)))
+    for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
         for scalar in flat(value, argument.span, f"the argument `{name}`"):
             try:
                 expect(scalar.dimension, meant.dimension, argument.span, f"the argument `{name}`")
             except Wrong as wrong:
                 fault = wrong.fault
-                raise Wrong(fault.code, fault.message, fault.span, related=((span, "declared here"),)) from None
+                raise Wrong(
+                    fault.code, fault.message, fault.span, related=((span, "declared here"),)
+                ) from None
     if context.calls >= DEEPEST:
-        raise Wrong("LAG0225", f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}", e.span,
-                    related=((function.name_span, "declared here"),))  # fmt: skip
+        raise Wrong(
+            "LAG0225",
+            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
+            e.span,
+            related=((function.name_span, "declared here"),),
+        )
     context.calls += 1
     try:
         inner = Environment(home.instance, home.space, dict(zip(names, values)))
@@ -147,21 +163,16 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):
-        return Wrong("LAG0221", f"`{name}` is the value of a whole declaration, not of an expression", span,
-                     f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`")  # fmt: skip
+        return Wrong(
+            "LAG0221",
+            f"`{name}` is the value of a whole declaration, not of an expression",
+            span,
+            f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
+        )
     functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
-    return Wrong("LAG0201", f"there is no function `{name}`", span,
-                 did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]))  # fmt: skip
-
-
-def is_known(context: Context, name: str, environment: Environment, span: Span) -> bool:
-    """Whether a name means anything here."""
-    return name in CONSTANTS or find(context, name, environment, span) is not None
-
-
-def thing_of(value: Value, kinds: tuple[str, ...], span: Span, what: str) -> Thing:
-    """A declaration of one of the given kinds.  Raises Wrong."""
-    if isinstance(value, Thing) and value.entry.kind in kinds:
-        return value
-    said = "a number" if isinstance(value, Scalar) else kind(value)
-    raise Wrong("LAG0221", f"{what}, this is {said}", span)
+    return Wrong(
+        "LAG0201",
+        f"there is no function `{name}`",
+        span,
+        did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
+    )

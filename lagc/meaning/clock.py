@@ -8,7 +8,17 @@ from __future__ import annotations
 from lagc.expr.derivative import partials
 from lagc.expr.graph import Graph, Node
 
-KINDS = ("parameter", "input", "time", "coordinate", "rate", "speed", "acceleration", "multiplier", "quantity")
+KINDS = (
+    "parameter",
+    "input",
+    "time",
+    "coordinate",
+    "rate",
+    "speed",
+    "acceleration",
+    "multiplier",
+    "quantity",
+)
 BIT = {kind: 1 << k for k, kind in enumerate(KINDS)}
 MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"]
 LATE = BIT["acceleration"] | BIT["multiplier"] | BIT["quantity"]  # known once the equations are solved
@@ -62,7 +72,7 @@ class Clock:
                 stack.extend(missing)
                 continue
             stack.pop()
-            found = BIT[top.value[0]] if top.op == "symbol" else 0  # type: ignore[index]
+            found = BIT[top.value[0]] if top.op == "symbol" else 0
             for argument in top.args:
                 found |= known[argument]
             known[top] = found

@@ -12,13 +12,19 @@ from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.values import Value, Wrong, expect, flat
 
 
-def constant_of(context: Context, declared: tree.Quantities, space: Namespace, name: str, span: Span) -> Value:
+def constant_of(
+    context: Context, declared: tree.Quantities, space: Namespace, name: str, span: Span
+) -> Value:
     """The value of a `constant` of a file or a package.  Raises Wrong."""
     declarator = next(d for d in declared.declarators if d.name == name)
     if declared.kind != "constant":
-        raise Wrong("LAG0221", f"`{name}` is a {declared.kind} outside of any model", span,
-                    related=((declarator.name_span, "declared here"),),
-                    remedy="declare it in a model, or make it a `constant`")  # fmt: skip
+        raise Wrong(
+            "LAG0221",
+            f"`{name}` is a {declared.kind} outside of any model",
+            span,
+            related=((declarator.name_span, "declared here"),),
+            remedy="declare it in a model, or make it a `constant`",
+        )
     if declarator.value is None:
         raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
     key = (id(declarator), "constant")
@@ -28,7 +34,9 @@ def constant_of(context: Context, declared: tree.Quantities, space: Namespace, n
         context.running.add(key)
         try:
             meant = type_of(declared.type, space)
-            value = evaluate_as(context, declarator.value, space_only(space, declarator.span), meant.dimension)
+            value = evaluate_as(
+                context, declarator.value, space_only(space, declarator.span), meant.dimension
+            )
         finally:
             context.running.discard(key)
         for scalar in flat(value, declarator.value.span, "a constant"):

@@ -49,7 +49,9 @@ class Context:
         self.starts: dict[str, Given] = {}
         self.taken: set[str] = set()
         self.effects: dict[str, tree.Effect] = {}  # by full name
-        self.mentioned: list[tuple[tree.Name, str]] = []  # effects named by `unless`, with the instance's path
+        self.mentioned: list[
+            tuple[tree.Name, str]
+        ] = []  # effects named by `unless`, with the instance's path
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
@@ -81,9 +83,12 @@ class Context:
             raise Poisoned
         if entry.state == "running":
             raise Wrong(
-                "LAG0205", f"`{entry.path}` depends on itself", span, related=((entry.span, "declared here"),),
+                "LAG0205",
+                f"`{entry.path}` depends on itself",
+                span,
+                related=((entry.span, "declared here"),),
                 remedy="break the circle: one of its members must be given by something else",
-            )  # fmt: skip
+            )
         entry.state = "running"
         try:
             entry.value = self._declare(self, entry)
@@ -117,4 +122,6 @@ class Context:
 
 def _world(graph: Graph) -> Frame:
     one, zero = graph.one, graph.zero
-    return Frame("world", "", ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero), None)
+    return Frame(
+        "world", "", ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero), None
+    )

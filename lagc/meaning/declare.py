@@ -25,11 +25,14 @@ def _function(context: Context, entry: Entry) -> Value:
 
 
 def _instance(context: Context, entry: Entry) -> Value:
-    raise Wrong("LAG0205", f"the size of something depends on `{entry.path}`, which is not there yet", entry.span)
+    raise Wrong(
+        "LAG0205", f"the size of something depends on `{entry.path}`, which is not there yet", entry.span
+    )
 
 
 DECLARE: dict[str, Callable[[Context, Entry], Value]] = {
-    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity, "input": declare_quantity,
+    "constant": declare_quantity, "parameter": declare_quantity, "structural": declare_quantity,
+    "input": declare_quantity,
     "coordinate": declare_quantity, "speed": declare_quantity, "output": declare_quantity,
     "function": _function, "instance": _instance,
     "frame": declare_frame, "point": declare_point, "body": declare_body, "gravity": declare_gravity,

@@ -10,14 +10,26 @@ from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import each, evaluate, evaluate_as
+from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.meaning.functions import Argument
+from lagc.meaning.model import Body, Frame
 from lagc.meaning.motion import velocity_of
-from lagc.meaning.quantities import no_rates
-from lagc.meaning.scope import Entry
+from lagc.meaning.scope import Entry, Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import ENERGY, NONE, POWER, Dimension, M, dimension, si_text
-from lagc.meaning.values import Array, Body, Frame, Scalar, Thing, Value, Wrong, expect, kind, scalar_of, vector_of, vector_value
+from lagc.meaning.values import (
+    Array,
+    Scalar,
+    Thing,
+    Value,
+    Wrong,
+    expect,
+    kind,
+    scalar_of,
+    vector_of,
+    vector_value,
+)
+from lagc.meaning.written import no_rates
 
 FORCE = dimension(kg=1, m=1, s=-2)
 
@@ -30,21 +42,32 @@ def _written(entry: Entry) -> tree.Construct:
 
 def _no_modifiers(entry: Entry) -> None:
     for modifier in entry.modifiers:
-        raise Wrong("LAG0209", f"the {entry.kind} `{entry.name}` cannot be modified from outside", modifier.argument.span,
-                    "modify the parameters that it is made of")  # fmt: skip
+        raise Wrong(
+            "LAG0209",
+            f"the {entry.kind} `{entry.name}` cannot be modified from outside",
+            modifier.argument.span,
+            "modify the parameters that it is made of",
+        )
 
 
 def _timely(context: Context, node: Node, span: Span, what: str) -> None:
     if context.clock.mask(node) & LATE:
-        raise Wrong("LAG0219", f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
-                    "known once the equations are solved", span, "use these in outputs")  # fmt: skip
+        raise Wrong(
+            "LAG0219",
+            f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
+            "known once the equations are solved",
+            span,
+            "use these in outputs",
+        )
 
 
 def declare_frame(context: Context, entry: Entry) -> Value:
     source = _written(entry)
     value = evaluate(context, source.value, entry.environment)
     if not isinstance(value, Frame):
-        raise Wrong("LAG0221", f"a frame is `rotate(...)` of another, this is {kind(value)}", source.value.span)
+        raise Wrong(
+            "LAG0221", f"a frame is `rotate(...)` of another, this is {kind(value)}", source.value.span
+        )
     for row in value.axes:
         for node in row:
             no_rates(context, node, source.value.span, "a frame")
@@ -69,7 +92,9 @@ def declare_point(context: Context, entry: Entry) -> Value:
 def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node, Span]:
     source = _written(entry)
     span = source.value.span
-    scalar = scalar_of(evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`")
+    scalar = scalar_of(
+        evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
+    )
     expect(scalar.dimension, meant, span, f"the {entry.kind} `{entry.name}`")
     _timely(context, scalar.node, span, f"a {entry.kind}")
     return scalar.node, span
@@ -78,8 +103,12 @@ def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node
 def declare_potential(context: Context, entry: Entry) -> Value:
     node, span = _energy_like(context, entry, ENERGY)
     if context.clock.mask(node) & VELOCITY:
-        raise Wrong("LAG0313", "a potential depends on no rate", span,
-                    "a term of the Lagrangian with rates is `lagrangian L = ...;`")  # fmt: skip
+        raise Wrong(
+            "LAG0313",
+            "a potential depends on no rate",
+            span,
+            "a term of the Lagrangian with rates is `lagrangian L = ...;`",
+        )
     entry.nouns.append(nouns.Potential(entry.path, node, entry.span, entry.effect))
     return Thing(entry)
 
@@ -104,12 +133,10 @@ def declare_load(context: Context, entry: Entry) -> Value:
     _no_modifiers(entry)
     is_force = source.kind == "force"
     meant = FORCE if is_force else ENERGY
-    jobs = [lambda: evaluate_as(context, source.value, entry.environment, meant),
-            lambda: evaluate(context, source.target, entry.environment)]  # fmt: skip
-    if source.reaction is not None:
-        other = source.reaction
-        jobs.append(lambda: evaluate(context, other, entry.environment))
-    value, target, *reaction = each(context, jobs)
+    written = [source.value, source.target] + ([] if source.reaction is None else [source.reaction])
+    value, target, *reaction = each(
+        context, lambda e: evaluate_as(context, e, entry.environment, meant), written
+    )
     vector, found = vector_of(value, source.value.span, f"a {source.kind}")
     if found is not None and found != meant:
         named = "Force [N]" if is_force else "Torque [N.m]"
@@ -118,7 +145,11 @@ def declare_load(context: Context, entry: Entry) -> Value:
         _timely(context, node, source.value.span, f"a {source.kind}")
     if is_force:
         if source.reaction is not None:
-            raise Wrong("LAG0221", "`from` belongs to a torque; the opposite force is another `force`", source.reaction.span)
+            raise Wrong(
+                "LAG0221",
+                "`from` belongs to a torque; the opposite force is another `force`",
+                source.reaction.span,
+            )
         velocity = velocity_of(context, Argument(target, source.target.span), None)
         entry.nouns.append(nouns.Force(entry.path, vector, velocity, entry.span, entry.effect))
     else:
@@ -133,8 +164,12 @@ def _frame_of(value: Value, written: tree.Expression) -> Frame:
         return value
     if isinstance(value, Body) and value.frame is not None:
         return value.frame
-    raise Wrong("LAG0221", f"a torque acts on a solid or a frame, this is {kind(value)}"
-                + (" without a frame" if isinstance(value, Body) else ""), written.span)  # fmt: skip
+    raise Wrong(
+        "LAG0221",
+        f"a torque acts on a solid or a frame, this is {kind(value)}"
+        + (" without a frame" if isinstance(value, Body) else ""),
+        written.span,
+    )
 
 
 def declare_constraint(context: Context, entry: Entry) -> Value:
@@ -143,12 +178,14 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
     assert isinstance(source, tree.Constraint)
     _no_modifiers(entry)
     if source.relation != "=":
-        raise Wrong("LAG0220", f"constraints with `{source.relation}` are part of the language, but not yet of this version",
-                    source.relation_span)  # fmt: skip
+        raise Wrong(
+            "LAG0220",
+            f"constraints with `{source.relation}` are part of the language, but not yet of this version",
+            source.relation_span,
+        )
     if source.arguments:
         raise Wrong("LAG0209", "an equality takes no further data", source.arguments[0].span)
-    left, right = each(context, [lambda: evaluate(context, source.left, entry.environment),
-                                 lambda: evaluate(context, source.right, entry.environment)])  # fmt: skip
+    left, right = all_values(context, [source.left, source.right], entry.environment)
     differences = _residuals(left, right, source)
     entry.size = None if isinstance(left, Scalar) else len(differences)
     labels: list[str] = []
@@ -160,41 +197,69 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
             rows.append(node)
             units.append(si_text(found or NONE))
-    entry.nouns.append(nouns.Constraint(
-        entry.path, tuple(labels), tuple(rows), tuple(units), entry.span, source.left.span, source.right.span, entry.effect))  # fmt: skip
+    entry.nouns.append(
+        nouns.Constraint(
+            entry.path,
+            tuple(labels),
+            tuple(rows),
+            tuple(units),
+            entry.span,
+            source.left.span,
+            source.right.span,
+            entry.effect,
+        )
+    )
     return Thing(entry)
 
 
-def _residuals(left: Value, right: Value, source: tree.Constraint | tree.Condition) -> list[tuple[Node, Dimension | None]]:
+def _residuals(
+    left: Value, right: Value, source: tree.Constraint | tree.Condition
+) -> list[tuple[Node, Dimension | None]]:
     """left - right, component by component.  Raises Wrong."""
     for value, side in ((left, source.left), (right, source.right)):
         if not isinstance(value, Scalar | Array | Body):
-            raise Wrong("LAG0307", f"an equality is between numbers or vectors, this is {kind(value)}", side.span)
+            raise Wrong(
+                "LAG0307", f"an equality is between numbers or vectors, this is {kind(value)}", side.span
+            )
     if isinstance(left, Scalar) and isinstance(right, Scalar):
         pairs = [(left, right)]
     elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
         pairs = []
         for a, b in zip(left.elements, right.elements):
-            pairs.append((scalar_of(a, source.left.span, "a component"), scalar_of(b, source.right.span, "a component")))
+            pairs.append(
+                (
+                    scalar_of(a, source.left.span, "a component"),
+                    scalar_of(b, source.right.span, "a component"),
+                )
+            )
     else:
-        raise Wrong("LAG0306", f"the two sides differ in shape: {kind(left)} and {kind(right)}", source.relation_span)
+        raise Wrong(
+            "LAG0306", f"the two sides differ in shape: {kind(left)} and {kind(right)}", source.relation_span
+        )
     found: list[tuple[Node, Dimension | None]] = []
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
-            message = f"the two sides differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
-            raise Wrong("LAG0301", message, source.relation_span, related=(
-                (source.left.span, describe(a.dimension)), (source.right.span, describe(b.dimension))))  # fmt: skip
+            message = (
+                f"the two sides differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
+            )
+            raise Wrong(
+                "LAG0301",
+                message,
+                source.relation_span,
+                related=(
+                    (source.left.span, describe(a.dimension)),
+                    (source.right.span, describe(b.dimension)),
+                ),
+            )
         found.append((a.node - b.node, a.dimension or b.dimension))
     return found
 
 
-def condition(context: Context, written: tree.Condition, environment: object) -> list[nouns.InitialCondition]:
+def condition(
+    context: Context, written: tree.Condition, environment: Environment
+) -> list[nouns.InitialCondition]:
     """The scalar conditions of one line of an `initial` section.  Raises Wrong."""
-    from lagc.meaning.scope import Environment
-
-    assert isinstance(environment, Environment)
-    left, right = each(context, [lambda: evaluate(context, written.left, environment),
-                                 lambda: evaluate(context, written.right, environment)])  # fmt: skip
+    left, right = all_values(context, [written.left, written.right], environment)
     found: list[nouns.InitialCondition] = []
     for node, _ in _residuals(left, right, written):
         _timely(context, node, written.span, "an initial condition")

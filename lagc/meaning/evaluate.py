@@ -13,12 +13,14 @@ from lagc.frontend import tree
 from lagc.meaning.arithmetic import binary, negative, select
 from lagc.meaning.context import Context
 from lagc.meaning.members import element, member
+from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment
 from lagc.meaning.types import CONSTANTS
-from lagc.meaning.units import NONE, S, Dimension, UnknownUnit, unit
-from lagc.meaning.values import Array, Poisoned, Scalar, Text, Thing, Truth, Value, Wrong, flat, kind
+from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
+from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind
 
 T = TypeVar("T")
+Item = TypeVar("Item")
 
 LONGEST_RANGE = 100_000
 BARE = (tree.Number, tree.Unary, tree.Vector, tree.Binary)
@@ -72,9 +74,11 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
     number = value.node.value
     if not value.node.is_const or not isinstance(number, float):
         raise Wrong(
-            "LAG0208", f"{what} must be known when the model is compiled, this is not", expression.span,
+            "LAG0208",
+            f"{what} must be known when the model is compiled, this is not",
+            expression.span,
             remedy="use integers, loop variables and `structural Integer` parameters",
-        )  # fmt: skip
+        )
     if value.dimension not in (None, NONE) or number != math.floor(number):
         raise Wrong("LAG0208", f"{what} is an integer, this is not", expression.span)
     return int(number)
@@ -86,7 +90,11 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
         raise Wrong("LAG0208", "a loop runs over a range, such as `1:n`", expression.span)
     first = integer(context, expression.start, environment, "the start of a range")
     last = integer(context, expression.stop, environment, "the end of a range")
-    step = 1 if expression.step is None else integer(context, expression.step, environment, "the step of a range")
+    step = (
+        1
+        if expression.step is None
+        else integer(context, expression.step, environment, "the step of a range")
+    )
     if step == 0:
         raise Wrong("LAG0208", "the step of a range is not 0", expression.span)
     found = range(first, last + (1 if step > 0 else -1), step)
@@ -95,13 +103,13 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
     return list(found)
 
 
-def each(context: Context, jobs: Iterable[Callable[[], T]]) -> list[T]:
-    """The results of all jobs; where any is at fault, all their faults are reported first."""
+def each(context: Context, find_one: Callable[[Item], T], items: Iterable[Item]) -> list[T]:
+    """`find_one` of all items; where any is at fault, the faults of all are reported first."""
     found: list[T] = []
     failed = False
-    for job in jobs:
+    for item in items:
         try:
-            found.append(job())
+            found.append(find_one(item))
         except Wrong as wrong:
             context.report(wrong)
             failed = True
@@ -110,6 +118,13 @@ def each(context: Context, jobs: Iterable[Callable[[], T]]) -> list[T]:
     if failed:
         raise Poisoned
     return found
+
+
+def all_values(
+    context: Context, expressions: Iterable[tree.Expression], environment: Environment
+) -> list[Value]:
+    """The values of all expressions, with the faults of all."""
+    return each(context, lambda e: evaluate(context, e, environment), expressions)
 
 
 # -- one function a kind of expression -------------------------------------------------
@@ -134,7 +149,10 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
         meant = unit(e.unit.text)
     except UnknownUnit as unknown:
         raise Wrong(
-            "LAG0304", unknown.reason, e.unit.span, remedy=f"did you mean `{unknown.close}`?" if unknown.close else None
+            "LAG0304",
+            unknown.reason,
+            e.unit.span,
+            remedy=f"did you mean `{unknown.close}`?" if unknown.close else None,
         ) from None
     value = evaluate(context, e.value, environment)
 
@@ -142,7 +160,7 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
         if isinstance(value, Array):
             return Array(tuple([converted(x) for x in value.elements]))
         if isinstance(value, Scalar) and value.node.is_const and value.dimension in (None, NONE):
-            number = meant.to_si(value.node.value)  # type: ignore[arg-type]
+            number = meant.to_si(value.node.value)
             if not math.isfinite(number):
                 raise Wrong("LAG0309", "the number is too large", e.span)
             return Scalar(context.graph.const(number), meant.dimension)
@@ -157,9 +175,20 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         return found
     instance = environment.instance
     if e.name in instance.unused:
-        raise Wrong("LAG0214", f"`{e.name}` {instance.unused[e.name]}", e.span,
-                    remedy="use it within the same effect, or let the scene use that effect")  # fmt: skip
-    known = [*environment.bindings, *instance.entries, *environment.space.known(), *CONSTANTS, "time", "world"]
+        raise Wrong(
+            "LAG0214",
+            f"`{e.name}` {instance.unused[e.name]}",
+            e.span,
+            remedy="use it within the same effect, or let the scene use that effect",
+        )
+    known = [
+        *environment.bindings,
+        *instance.entries,
+        *environment.space.known(),
+        *CONSTANTS,
+        "time",
+        "world",
+    ]
     raise Wrong("LAG0201", f"`{e.name}` is not known here", e.span, remedy=did_you_mean(e.name, known))
 
 
@@ -184,14 +213,18 @@ def find(context: Context, name: str, environment: Environment, span: Span) -> V
     return None
 
 
-def outside(context: Context, declared: object, space: object, name: str, span: Span) -> Value:
+def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
     """The value of a constant of a file or a package.  Raises Wrong for anything else."""
     from lagc.meaning.constants import constant_of
 
     if isinstance(declared, tree.Quantities):
         return constant_of(context, declared, space, name, span)
-    words = {tree.ModelDeclaration: "a model", tree.Package: "a package", tree.TypeDeclaration: "a type",
-             tree.FunctionDeclaration: "a function"}  # fmt: skip
+    words = {
+        tree.ModelDeclaration: "a model",
+        tree.Package: "a package",
+        tree.TypeDeclaration: "a type",
+        tree.FunctionDeclaration: "a function",
+    }
     raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
 
 
@@ -232,7 +265,7 @@ def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value
     for node in reversed(spine):
         jobs = [node.left, node.right] if node is spine[-1] else [node.right]
         try:
-            sides = each(context, [lambda x=x: evaluate(context, x, environment) for x in jobs])  # type: ignore[misc]
+            sides = all_values(context, jobs, environment)
         except Poisoned:
             failed = True
             continue
@@ -264,7 +297,7 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
 
 
 def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value:
-    elements = each(context, [lambda x=x: evaluate(context, x, environment) for x in e.elements])  # type: ignore[misc]
+    elements = all_values(context, e.elements, environment)
     for value, written in zip(elements, e.elements):
         flat(value, written.span, "an element of a vector")
         if isinstance(value, Array) != isinstance(elements[0], Array) or (
@@ -283,10 +316,6 @@ def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
     from lagc.meaning.calls import call
 
     return call(context, e, environment)
-
-
-def is_function(value: Value) -> bool:
-    return isinstance(value, Thing) and value.entry.kind == "function"
 
 
 _HOW: dict[type, Callable[..., Value]] = {

@@ -15,7 +15,6 @@ from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, raised, times
 from lagc.meaning.values import Array, Scalar, Value, Wrong, constant, scalar_of, vector_of, vector_value
 
-
 Apply: TypeAlias = Callable[..., Value]
 
 
@@ -74,7 +73,9 @@ def number(x: Argument, what: str) -> Node:
     """The node of an argument that is a pure number.  Raises Wrong."""
     scalar = scalar_of(x.value, x.span, f"what {what}")
     if scalar.dimension not in (None, NONE):
-        raise Wrong("LAG0303", f"{what} a number without a dimension, this is {describe(scalar.dimension)}", x.span)
+        raise Wrong(
+            "LAG0303", f"{what} a number without a dimension, this is {describe(scalar.dimension)}", x.span
+        )
     return scalar.node
 
 
@@ -165,7 +166,9 @@ def shared(given: list[Argument], who: str) -> Dimension | None:
         if dimension is None:
             continue
         if found is not None and found[0] != dimension:
-            message = f"the arguments of {who} differ in dimension: {describe(found[0])} and {describe(dimension)}"
+            message = (
+                f"the arguments of {who} differ in dimension: {describe(found[0])} and {describe(dimension)}"
+            )
             raise Wrong("LAG0301", message, one.span, related=((found[1], describe(found[0])),))
         found = found or (dimension, one.span)
     return None if found is None else found[0]

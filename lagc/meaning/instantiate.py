@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
@@ -32,14 +33,14 @@ class Builder:
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
         for job in self.pending:
-            self._attempt(lambda job=job: self._unfold(*job), job[0].span)  # type: ignore[misc]
+            self._attempt(partial(self._unfold, *job))
         for name, given in self.modifiers.items():
             if name not in self.used:
                 self.context.report(self._unknown_modifier(name, given[0]))
 
-    def _attempt(self, job: object, span: Span) -> None:
+    def _attempt(self, job: Callable[[], None]) -> None:
         try:
-            job()  # type: ignore[operator]
+            job()
         except Wrong as wrong:
             self.context.report(wrong)
         except Poisoned:
@@ -58,12 +59,18 @@ class Builder:
         self.bases.pop()
 
     def _register(
-        self, body: Iterable[tree.Declaration], environment: Environment, effect: str | None, items: list[Item]
+        self,
+        body: Iterable[tree.Declaration],
+        environment: Environment,
+        effect: str | None,
+        items: list[Item],
     ) -> None:
         for declaration in body:
-            self._attempt(lambda d=declaration: self._one(d, environment, effect, items), declaration.span)  # type: ignore[misc]
+            self._attempt(partial(self._one, declaration, environment, effect, items))
 
-    def _one(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+    def _one(
+        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
+    ) -> None:
         excluded = self._excluded(d)
         if excluded is not None:
             for name in names_of(d):
@@ -88,7 +95,12 @@ class Builder:
         elif isinstance(d, tree.When):
             raise Wrong("LAG0220", "`when` is part of the language, but not yet of this version", d.span)
         elif isinstance(d, tree.Start | tree.Simulate):
-            raise Wrong("LAG0221", "this belongs into a scene", d.span, "write it between `scene ... uses ...` and `end`")
+            raise Wrong(
+                "LAG0221",
+                "this belongs into a scene",
+                d.span,
+                "write it between `scene ... uses ...` and `end`",
+            )
 
     def _excluded(self, d: tree.Declaration) -> str | None:
         for name in getattr(d, "unless", ()):
@@ -101,9 +113,15 @@ class Builder:
         return name in self.context.uses or self.instance.path + name in self.context.uses
 
     def _enter(
-        self, kind: str, name: str, d: tree.Declaration, source: Source, environment: Environment,
-        effect: str | None, items: list[Item],
-    ) -> Entry:  # fmt: skip
+        self,
+        kind: str,
+        name: str,
+        d: tree.Declaration,
+        source: Source,
+        environment: Environment,
+        effect: str | None,
+        items: list[Item],
+    ) -> Entry:
         self.context.grow(source.span)
         entry = Entry(kind, name, d, source, environment, effect)
         first = self.instance.entries.get(name)
@@ -119,12 +137,17 @@ class Builder:
         return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
 
     def _construct(
-        self, d: tree.Construct | tree.Load | tree.Constraint, environment: Environment, effect: str | None,
+        self,
+        d: tree.Construct | tree.Load | tree.Constraint,
+        environment: Environment,
+        effect: str | None,
         items: list[Item],
-    ) -> None:  # fmt: skip
+    ) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
-            raise Wrong("LAG0220", f"{_LATER[kind]} are part of the language, but not yet of this version", d.span)
+            raise Wrong(
+                "LAG0220", f"{_LATER[kind]} are part of the language, but not yet of this version", d.span
+            )
         if not d.index:
             self._enter(kind, d.name, d, d, environment, effect, items)
             return
@@ -144,14 +167,18 @@ class Builder:
         self.context.effects[path] = d
         self.instance.effects[d.name] = d
         for declaration in d.body:
-            if isinstance(declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration):
+            if isinstance(
+                declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration
+            ):
                 raise Wrong("LAG0221", "this does not belong into an effect", declaration.span)
         if self._uses(d.name):
             self._register(d.body, environment, d.name, items)
             return
         for declaration in d.body:
             for name in names_of(declaration):
-                self.instance.unused.setdefault(name, f"belongs to the effect `{d.name}`, which the scene does not use")
+                self.instance.unused.setdefault(
+                    name, f"belongs to the effect `{d.name}`, which the scene does not use"
+                )
                 self.used.add(name)
 
     def _extends(self, d: tree.Extends, environment: Environment) -> None:
@@ -162,7 +189,9 @@ class Builder:
             self.modifiers.setdefault(name, []).extend(given)
         self._body_of(found, space)
 
-    def _postpone(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+    def _postpone(
+        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
+    ) -> None:
         """What needs values to be unfolded keeps its place in the order of declaration."""
         place: list[Item] = []
         items.append(place)
@@ -176,22 +205,30 @@ class Builder:
 
     # -- what is unfolded when sizes can be asked for -------------------------------------------
 
-    def _unfold(self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]) -> None:
+    def _unfold(
+        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
+    ) -> None:
         if isinstance(d, tree.ForLoop):
             self._loop(d, environment, effect, items)
         elif isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 entry = self.instance.entries[declarator.name]
                 if entry.source is declarator:
-                    self._attempt(lambda e=entry: self._instance(d, e, effect, items), declarator.span)  # type: ignore[misc]
+                    self._attempt(partial(self._instance, d, entry, effect, items))
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
             self._element(d, environment, effect, items)
 
     def _loop(self, d: tree.ForLoop, environment: Environment, effect: str | None, items: list[Item]) -> None:
         for declaration in d.body:
-            if isinstance(declaration, tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial):
+            if isinstance(
+                declaration, tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial
+            ):
                 continue
-            remedy = "declare an array before the loop, `coordinate Angle th[n];`" if isinstance(declaration, tree.Quantities) else None
+            remedy = (
+                "declare an array before the loop, `coordinate Angle th[n];`"
+                if isinstance(declaration, tree.Quantities)
+                else None
+            )
             raise Wrong("LAG0221", "this does not belong into a loop", declaration.span, remedy)
         for number in integers(self.context, d.range, environment):
             self.context.grow(d.span)
@@ -205,9 +242,12 @@ class Builder:
                 self._unfold(*job)
 
     def _element(
-        self, d: tree.Construct | tree.Load | tree.Constraint, environment: Environment, effect: str | None,
+        self,
+        d: tree.Construct | tree.Load | tree.Constraint,
+        environment: Environment,
+        effect: str | None,
         items: list[Item],
-    ) -> None:  # fmt: skip
+    ) -> None:
         container = self.instance.entries[d.name]
         assert container.elements is not None
         numbers = tuple([integer(self.context, i, environment, "a subscript") for i in d.index])
@@ -227,8 +267,12 @@ class Builder:
         space = entry.environment.space
         if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
             if source.dimensions:
-                raise Wrong("LAG0221", f"there are no arrays of `{d.type.path[0]}` declared this way", source.span,
-                            "write `body b[i] = ...;` in a loop")  # fmt: skip
+                raise Wrong(
+                    "LAG0221",
+                    f"there are no arrays of `{d.type.path[0]}` declared this way",
+                    source.span,
+                    "write `body b[i] = ...;` in a loop",
+                )
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
             items.append(entry)
             return
@@ -238,8 +282,11 @@ class Builder:
         own = modifiers_of(source.arguments, entry.environment)
         for modifier in entry.modifiers:
             if modifier.argument.value is not None:
-                raise Wrong("LAG0209", f"`{entry.name}` is an instance of a model, it has no value",
-                            modifier.argument.span)  # fmt: skip
+                raise Wrong(
+                    "LAG0209",
+                    f"`{entry.name}` is an instance of a model, it has no value",
+                    modifier.argument.span,
+                )
             for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
@@ -253,8 +300,13 @@ class Builder:
             element = Entry("instance", entry.name, d, source, entry.environment, effect)
             element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
             entry.elements[numbers] = element
-            chosen = {n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()}
-            element.state, element.value = "done", self._nested(found, where, element.path + ".", chosen, items)
+            chosen = {
+                n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()
+            }
+            element.state, element.value = (
+                "done",
+                self._nested(found, where, element.path + ".", chosen, items),
+            )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
         try:
@@ -265,12 +317,21 @@ class Builder:
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
         if found.partial:
-            raise Wrong("LAG0211", f"`{found.name}` is partial, it can only be extended", d.type.span,
-                        related=((found.name_span, "declared here"),))  # fmt: skip
+            raise Wrong(
+                "LAG0211",
+                f"`{found.name}` is partial, it can only be extended",
+                d.type.span,
+                related=((found.name_span, "declared here"),),
+            )
         return found, where
 
     def _nested(
-        self, model: tree.ModelDeclaration, space: Namespace, path: str, modifiers: Modifiers, items: list[Item]
+        self,
+        model: tree.ModelDeclaration,
+        space: Namespace,
+        path: str,
+        modifiers: Modifiers,
+        items: list[Item],
     ) -> Part:
         above: Instance | None = self.instance
         while above is not None:
@@ -291,9 +352,13 @@ class Builder:
 
 
 def instantiate(
-    context: Context, declaration: tree.ModelDeclaration, space: Namespace, path: str, modifiers: Modifiers,
+    context: Context,
+    declaration: tree.ModelDeclaration,
+    space: Namespace,
+    path: str,
+    modifiers: Modifiers,
     parent: Instance | None,
-) -> Instance:  # fmt: skip
+) -> Instance:
     """The instance of a model under `path` ("" for the main one)."""
     context.grow(declaration.name_span)
     instance = Instance(path, declaration, parent, 0 if parent is None else parent.depth + 1)

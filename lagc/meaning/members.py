@@ -18,8 +18,12 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         return _of_instance(context, value, e)
     known = _members(value)
     if e.name not in known:
-        raise Wrong("LAG0206", f"{kind(value)} has no `{e.name}`", e.name_span,
-                    did_you_mean(e.name, known) or (f"it has {', '.join(known)}" if known else None))  # fmt: skip
+        raise Wrong(
+            "LAG0206",
+            f"{kind(value)} has no `{e.name}`",
+            e.name_span,
+            did_you_mean(e.name, known) or (f"it has {', '.join(known)}" if known else None),
+        )
     if isinstance(value, Frame):
         axis = _AXES.index(e.name)
         return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)
@@ -62,7 +66,9 @@ def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
     owner = instance.path.rstrip(".")
     if e.name in instance.unused:
         raise Wrong("LAG0214", f"`{e.name}` of `{owner}` {instance.unused[e.name]}", e.name_span)
-    raise Wrong("LAG0206", f"`{owner}` has no `{e.name}`", e.name_span, did_you_mean(e.name, instance.entries))
+    raise Wrong(
+        "LAG0206", f"`{owner}` has no `{e.name}`", e.name_span, did_you_mean(e.name, instance.entries)
+    )
 
 
 def element(context: Context, base: Value, numbers: list[int], e: tree.Index) -> Value:
@@ -72,16 +78,25 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
         entry = elements.get(tuple(numbers))
         if entry is None:
             written = ", ".join(str(n) for n in numbers)
-            raise Wrong("LAG0207", f"there is no `{base.entry.path}[{written}]`", e.span, _declared(list(elements)),
-                        related=((base.entry.span, "declared here"),))  # fmt: skip
+            raise Wrong(
+                "LAG0207",
+                f"there is no `{base.entry.path}[{written}]`",
+                e.span,
+                _declared(list(elements)),
+                related=((base.entry.span, "declared here"),),
+            )
         return context.value(entry, e.span)
-    value = base
+    value: Value = base
     for number, index in zip(numbers, e.indices):
         if not isinstance(value, Array):
             raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span)
         if not 1 <= number <= len(value.elements):
-            raise Wrong("LAG0207", f"there is no element {number}, there are {len(value.elements)}", index.span,
-                        "elements are counted from 1")  # fmt: skip
+            raise Wrong(
+                "LAG0207",
+                f"there is no element {number}, there are {len(value.elements)}",
+                index.span,
+                "elements are counted from 1",
+            )
         value = value.elements[number - 1]
     return value
 

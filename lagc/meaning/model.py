@@ -14,7 +14,8 @@ acceleration    "der(der(theta))"    the time derivative of the rate above; "der
 multiplier      "string", "roll[2]"  multiplier of a constraint's row; outputs only
 quantity        "energy()", ...      a whole-system quantity, filled in by `mechanics`; outputs only:
                                      energy() kinetic() potential() power(F) momentum(theta)
-                                     momentum().x|y|z (total linear) angular_momentum().x|y|z (about the origin)
+                                     momentum().x|y|z (total linear)
+                                     angular_momentum().x|y|z (about the origin)
 
 A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
 `meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.

@@ -9,9 +9,20 @@ from lagc.meaning.clock import BIT, LATE, VELOCITY
 from lagc.meaning.context import Context
 from lagc.meaning.functions import Argument, Table
 from lagc.meaning.model import Body, Constraint, Frame, Potential
-from lagc.meaning.units import ENERGY, KG, NONE, POWER, M, S, Dimension, dimension, over, times
+from lagc.meaning.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, times
 from lagc.meaning.units import unit as unit_of
-from lagc.meaning.values import Array, Scalar, Thing, Value, Wrong, expect, kind, scalar_of, vector_of, vector_value
+from lagc.meaning.values import (
+    Array,
+    Scalar,
+    Thing,
+    Value,
+    Wrong,
+    expect,
+    kind,
+    scalar_of,
+    vector_of,
+    vector_value,
+)
 
 TABLE = Table()
 
@@ -25,8 +36,12 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
     """d(node)/dt.  Raises Wrong for what has none that is known."""
     mask = context.clock.mask(node)
     if mask & BIT["input"]:
-        raise Wrong("LAG0311", "the time derivative of an input is not known", span,
-                    "write it as a function of `time`")  # fmt: skip
+        raise Wrong(
+            "LAG0311",
+            "the time derivative of an input is not known",
+            span,
+            "write it as a function of `time`",
+        )
     if mask & LATE:
         raise Wrong("LAG0219", "the time derivative of an acceleration or of a reaction is not known", span)
     return context.clock.derivative(node)
@@ -85,7 +100,9 @@ def _acceleration(context: Context, span: Span, of: Argument) -> Value:
 def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
     frame = of.value.frame if isinstance(of.value, Body) else of.value
     if not isinstance(frame, Frame):
-        raise Wrong("LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span)
+        raise Wrong(
+            "LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span
+        )
     return vector_value(vectors.matvec(frame.axes, frame.angular_velocity), TURN)
 
 
@@ -138,7 +155,12 @@ def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
         return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
     scalar = scalar_of(of.value, of.span, "what has a momentum")
     symbol = scalar.node.value
-    if scalar.node.op != "symbol" or not isinstance(symbol, tuple) or symbol[0] != "coordinate" or scalar.dimension is None:
+    if (
+        scalar.node.op != "symbol"
+        or not isinstance(symbol, tuple)
+        or symbol[0] != "coordinate"
+        or scalar.dimension is None
+    ):
         raise Wrong("LAG0221", "a coordinate or a body has a momentum, this is neither", of.span)
     return _quantity(context, f"momentum({symbol[1]})", over(times(ENERGY, S), scalar.dimension))
 
@@ -170,7 +192,9 @@ _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangia
 @TABLE.enter("reaction", "of")
 def _reaction(context: Context, span: Span, of: Argument) -> Value:
     """The multipliers of a constraint; 0 for a row that says nothing."""
-    nouns = of.value.entry.nouns if isinstance(of.value, Thing) and of.value.entry.kind == "constraint" else []
+    nouns = (
+        of.value.entry.nouns if isinstance(of.value, Thing) and of.value.entry.kind == "constraint" else []
+    )
     if not nouns or not isinstance(nouns[0], Constraint):
         raise Wrong("LAG0221", f"a constraint has a reaction, this is {kind(of.value)}", of.span)
     row = nouns[0]

@@ -15,13 +15,17 @@ from lagc.frontend import tree
 from lagc.meaning.values import Wrong
 
 LARGEST_FILE = 4_000_000
-Declared = tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
+Declared = (
+    tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
+)
 
 
 class Namespace:
     """Names of one file, package or model body; `parent` is asked next."""
 
-    def __init__(self, declarations: Iterable[tree.Declaration], parent: Namespace | None, importer: Importer):
+    def __init__(
+        self, declarations: Iterable[tree.Declaration], parent: Namespace | None, importer: Importer
+    ):
         self.parent = parent
         self.importer = importer
         self.names: dict[str, Declared] = {}
@@ -33,18 +37,26 @@ class Namespace:
                 for declarator in declaration.declarators:
                     self.names.setdefault(declarator.name, declaration)
             elif isinstance(
-                declaration, tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration
+                declaration,
+                tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration,
             ):
                 self._add(declaration)
 
-    def _add(self, declaration: tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration) -> None:
+    def _add(
+        self,
+        declaration: tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration,
+    ) -> None:
         first = self.names.get(declaration.name)
         if first is not None:
             place = first.span if isinstance(first, tree.Quantities) else first.name_span
             self.importer.report(
-                Wrong("LAG0202", f"`{declaration.name}` is declared twice", declaration.name_span,
-                      related=((place, "first here"),))
-            )  # fmt: skip
+                Wrong(
+                    "LAG0202",
+                    f"`{declaration.name}` is declared twice",
+                    declaration.name_span,
+                    related=((place, "first here"),),
+                )
+            )
             return
         self.names[declaration.name] = declaration
 
@@ -83,9 +95,11 @@ class Namespace:
         if found is None:
             close = difflib.get_close_matches(path[-1], sorted(set(self.known())), n=1)
             raise Wrong(
-                "LAG0203", f"there is no {what} `{'.'.join(path)}`", span,
+                "LAG0203",
+                f"there is no {what} `{'.'.join(path)}`",
+                span,
                 remedy=f"did you mean `{close[0]}`?" if close else None,
-            )  # fmt: skip
+            )
         return found
 
 
@@ -111,7 +125,9 @@ class Importer:
             space = self._packages[id(package)] = Namespace(package.body, parent, self)
         return space
 
-    def brought(self, declaration: tree.Import, name: str, space: Namespace) -> tuple[Declared, Namespace] | None:
+    def brought(
+        self, declaration: tree.Import, name: str, space: Namespace
+    ) -> tuple[Declared, Namespace] | None:
         """What `import ...` brings under `name`, if anything.  Raises Wrong where the import is at fault."""
         if declaration.file is None and not declaration.wildcard:
             if name != (declaration.alias or declaration.path[-1]):
@@ -144,9 +160,11 @@ class Importer:
         path = os.path.realpath(os.path.join(folder, written))
         if not self._allowed(path):
             raise Wrong(
-                "LAG0217", f"`{written}` is outside the folders that may be imported from", declaration.span,
+                "LAG0217",
+                f"`{written}` is outside the folders that may be imported from",
+                declaration.span,
                 remedy="put the file in the folder of the model or below",
-            )  # fmt: skip
+            )
         return self._read(path, declaration.span)
 
     def _allowed(self, path: str) -> bool:
@@ -162,9 +180,11 @@ class Importer:
                 if names[length - 1] in space.names:
                     return space.find(names[length - 1 :], declaration.span, "declaration")
         raise Wrong(
-            "LAG0216", f"there is nothing to import called `{'.'.join(names)}`", declaration.span,
+            "LAG0216",
+            f"there is nothing to import called `{'.'.join(names)}`",
+            declaration.span,
             remedy=f"looked for {os.path.join(*names[:1])}.lag in: {', '.join(self.roots)}",
-        )  # fmt: skip
+        )
 
     def _read(self, path: str, span: Span) -> Namespace:
         from lagc.frontend.parse import parse

@@ -9,10 +9,10 @@ from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
 from lagc.meaning.model import Orientation
-from lagc.meaning.quantities import attributes_of, fixed, given_scalar, still
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import NONE, Dimension, S, over
 from lagc.meaning.values import Value, Wrong, expect, flat
+from lagc.meaning.written import attributes_of, fixed, given_scalar, still
 
 PARTS = "wxyz"
 _SMALLEST = 1e-6  # norm of a start that has a direction
@@ -23,8 +23,12 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     if source.dimensions:
         raise Wrong("LAG0221", "there are no arrays of orientations", source.span)
     if source.value is not None:
-        raise Wrong("LAG0209", "a coordinate is unknown, it has no value", source.value.span,
-                    "give its value at the start: `(start = ...)`")  # fmt: skip
+        raise Wrong(
+            "LAG0209",
+            "a coordinate is unknown, it has no value",
+            source.value.span,
+            "give its value at the start: `(start = ...)`",
+        )
     attributes = attributes_of(entry, ("start", "fixed", "rate"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", f"{name}.{part}") for part in PARTS)
@@ -34,30 +38,59 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     for symbol, rate in zip((w, x, y, z), runs):
         context.clock.runs(symbol, 0.5 * rate)
     for rate in rates:
-        context.clock.runs(rate, graph.symbol("acceleration", f"der({rate.value[1]})"))  # type: ignore[index]
+        context.clock.runs(rate, graph.symbol("acceleration", f"der({rate.value[1]})"))
     one, zero = graph.one, graph.zero
-    start = _numbers(context, entry, attributes.get("start"), (one, zero, zero, zero), NONE, "start",
-                     [f"{name}.{part}" for part in PARTS])  # fmt: skip
-    turning = _numbers(context, entry, attributes.get("rate"), (zero, zero, zero), over(NONE, S), "rate",
-                       [f"{name}.rate.{axis}" for axis in "xyz"])  # fmt: skip
+    start = _numbers(
+        context,
+        entry,
+        attributes.get("start"),
+        (one, zero, zero, zero),
+        NONE,
+        "start",
+        [f"{name}.{part}" for part in PARTS],
+    )
+    turning = _numbers(
+        context,
+        entry,
+        attributes.get("rate"),
+        (zero, zero, zero),
+        over(NONE, S),
+        "rate",
+        [f"{name}.rate.{axis}" for axis in "xyz"],
+    )
     held = fixed(context, attributes)
     orientation = Orientation(
-        name, (w, x, y, z), (a, b, c), _unit(context, entry, start), (turning[0], turning[1], turning[2]),
-        held, held and "rate" in attributes, entry.span, source.description or "", entry.effect,
-    )  # fmt: skip
+        name,
+        (w, x, y, z),
+        (a, b, c),
+        _unit(context, entry, start),
+        (turning[0], turning[1], turning[2]),
+        held,
+        held and "rate" in attributes,
+        entry.span,
+        source.description or "",
+        entry.effect,
+    )
     entry.nouns.append(orientation)
     return orientation
 
 
 def _numbers(
-    context: Context, entry: Entry, modifier: Modifier | None, default: tuple[Node, ...], dimension: Dimension,
-    attribute: str, names: list[str],
-) -> list[Node]:  # fmt: skip
+    context: Context,
+    entry: Entry,
+    modifier: Modifier | None,
+    default: tuple[Node, ...],
+    dimension: Dimension,
+    attribute: str,
+    names: list[str],
+) -> list[Node]:
     what = f"the {attribute} of `{entry.path}`"
     found = list(default)
     if modifier is not None and modifier.argument.value is not None:
         expression = modifier.argument.value
-        scalars = flat(evaluate_as(context, expression, modifier.environment, dimension), expression.span, what)
+        scalars = flat(
+            evaluate_as(context, expression, modifier.environment, dimension), expression.span, what
+        )
         if len(scalars) != len(default):
             written = "{w, x, y, z}" if len(default) == 4 else "{x, y, z}"
             raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)
@@ -77,9 +110,11 @@ def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node
     w, x, y, z = start
     square = w * w + x * x + y * y + z * z
     if square.is_const:
-        length = math.sqrt(square.value)  # type: ignore[arg-type]
+        length = math.sqrt(square.value)
         if length < _SMALLEST:
-            raise Wrong("LAG0309", f"the start of `{entry.path}` is zero, which is no orientation", entry.span)
+            raise Wrong(
+                "LAG0309", f"the start of `{entry.path}` is zero, which is no orientation", entry.span
+            )
         if length == 1.0:
             return (w, x, y, z)
     norm = context.graph.sqrt(square)

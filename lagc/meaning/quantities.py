@@ -3,28 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.text import number as number_text
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
-from lagc.meaning.clock import LATE, MOVING, VELOCITY
-from lagc.meaning.context import Context, Given
+from lagc.meaning.clock import LATE
+from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate, evaluate_as, integer
 from lagc.meaning.instantiate import subscripts
 from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
-from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, over, unit
-from lagc.meaning.values import Array, Scalar, Text, Truth, Value, Wrong, expect, flat, kind
+from lagc.meaning.units import Dimension, S, UnknownUnit, over, unit
+from lagc.meaning.values import Scalar, Text, Value, Wrong, expect, flat, kind
+from lagc.meaning.written import (
+    attributes_of,
+    elements,
+    fixed,
+    given_scalar,
+    shape,
+    shaped,
+    still,
+    written_value,
+)
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
-    "input": ("min", "max", "displayUnit"), "coordinate": ("start", "fixed", "rate", "displayUnit"), "speed": ("displayUnit",),
+    "input": ("min", "max", "displayUnit"), "coordinate": ("start", "fixed", "rate", "displayUnit"),
+    "speed": ("displayUnit",),
     "output": ("displayUnit",),
 }  # fmt: skip
 
@@ -58,7 +68,11 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
     """The value of a quantity, and its nouns.  Raises Wrong."""
     source, declaration = entry.source, entry.declaration
     assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
-    if entry.kind == "coordinate" and declaration.type is not None and declaration.type.path == ("Orientation",):
+    if (
+        entry.kind == "coordinate"
+        and declaration.type is not None
+        and declaration.type.path == ("Orientation",)
+    ):
         from lagc.meaning.orientations import declare_orientation
 
         return declare_orientation(context, entry, source)
@@ -69,30 +83,6 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
     return _DECLARE[entry.kind](context, quantity)
 
 
-def attributes_of(entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
-    """What the modifications of a declaration and the declaration itself say, outermost first."""
-    source = entry.source
-    assert isinstance(source, tree.Declarator)
-    own = [Modifier(a, entry.environment) for a in source.arguments]
-    outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
-    found: dict[str, Modifier] = {}
-    for modifier in [*outer, *own]:
-        argument = modifier.argument
-        if argument.name is None:
-            raise Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
-        if argument.name not in known:
-            raise Wrong("LAG0209", f"a {entry.kind} has no `{argument.name}`", argument.name_span or argument.span,
-                        did_you_mean(argument.name, known) or _has(entry.kind, known))  # fmt: skip
-        if argument.value is None or argument.arguments:
-            raise Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span)
-        found.setdefault(argument.name, modifier)
-    return found
-
-
-def _has(kind_: str, known: Sequence[str]) -> str | None:
-    return f"a {kind_} has {', '.join(known)}" if known else None
-
-
 def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:
     modifier = attributes.get("displayUnit")
     if modifier is None:
@@ -101,104 +91,15 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
     assert argument.value is not None
     value = evaluate(context, argument.value, modifier.environment)
     if not isinstance(value, Text):
-        raise Wrong("LAG0307", f"`displayUnit` is a text such as \"deg\", this is {kind(value)}", argument.value.span)
+        raise Wrong(
+            "LAG0307", f'`displayUnit` is a text such as "deg", this is {kind(value)}', argument.value.span
+        )
     try:
         dimension = unit(value.text).dimension
     except UnknownUnit as unknown:
         raise Wrong("LAG0304", unknown.reason, argument.value.span) from None
     expect(dimension, meant.dimension, argument.value.span, "the displayed quantity")
     return value.text
-
-
-# -- values that are written -------------------------------------------------------------------
-
-
-def written_value(entry: Entry) -> Modifier | None:
-    """The value that counts: the outermost modification's, else the declaration's."""
-    for modifier in entry.modifiers:
-        if modifier.argument.value is not None:
-            return modifier
-    source = entry.source
-    assert isinstance(source, tree.Declarator)
-    if source.value is None:
-        return None
-    return Modifier(tree.Argument(None, None, source.value, source.value.span), entry.environment)
-
-
-def elements(
-    context: Context, modifier: Modifier, sizes: list[int], dimension: Dimension, what: str
-) -> list[Scalar]:
-    """One scalar an element: of an array of that shape, or one value for all.  Raises Wrong."""
-    expression = modifier.argument.value
-    assert expression is not None
-    value = evaluate_as(context, expression, modifier.environment, dimension)
-    if modifier.index and _rank(value) >= len(modifier.index) + len(sizes):
-        for number in modifier.index:
-            if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
-                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", expression.span)
-            value = value.elements[number - 1]
-    count = math.prod(sizes)
-    if isinstance(value, Scalar):
-        found = [value] * count
-    elif not sizes:
-        raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", expression.span)
-    else:
-        found = flat(value, expression.span, what)
-        if _shape(value) != sizes:
-            shown = " x ".join(str(n) for n in sizes)
-            raise Wrong("LAG0306", f"{what} has {shown} elements, this has {len(found)}", expression.span)
-    for scalar in found:
-        expect(scalar.dimension, dimension, expression.span, what)
-    return found
-
-
-def _rank(value: Value) -> int:
-    return len(_shape(value))
-
-
-def _shape(value: Value) -> list[int]:
-    found: list[int] = []
-    while isinstance(value, Array):
-        found.append(len(value.elements))
-        if not value.elements:
-            break
-        value = value.elements[0]
-    return found
-
-
-def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
-    """The scalars (rows first) as a number or an array."""
-    if not sizes:
-        return scalars[0]
-    step = len(scalars) // sizes[0] if sizes[0] else 0
-    return Array(tuple([shaped(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
-
-
-def still(context: Context, node: Node, span: Span, what: str) -> None:
-    """Raises Wrong where `node` moves: it must be made of parameters alone."""
-    if context.clock.mask(node) & (MOVING | LATE):
-        raise Wrong("LAG0311", f"{what} depends on the motion, it may depend on parameters only", span)
-
-
-def given_scalar(context: Context, given: Given, dimension: Dimension, what: str) -> Scalar:
-    """A value from a scene or from the command.  Raises Wrong."""
-    if given.expression is not None and given.environment is not None:
-        value = evaluate_as(context, given.expression, given.environment, dimension)
-        if not isinstance(value, Scalar):
-            raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", given.expression.span)
-        expect(value.dimension, dimension, given.expression.span, what)
-        return value
-    number = given.number
-    if given.unit is not None:
-        try:
-            meant = unit(given.unit or "1")
-        except UnknownUnit as unknown:
-            raise Wrong("LAG0304", f"{what}: {unknown.reason}", None) from None
-        expect(meant.dimension, dimension, given.span, what)  # type: ignore[arg-type]
-        number = meant.to_si(number)
-    if not math.isfinite(number):
-        raise Wrong("LAG0309", f"{what} is not finite", None)
-    return Scalar(context.graph.const(number), dimension)
 
 
 # -- the kinds -----------------------------------------------------------------------------------
@@ -213,13 +114,15 @@ def _values(context: Context, quantity: Quantity) -> list[Scalar | None]:
     if whole is not None and whole.expression is not None and whole.environment is not None:
         argument = tree.Argument(None, None, whole.expression, whole.expression.span)
         modifier = Modifier(argument, whole.environment)
-    if modifier is None or all(o is not None for o in overrides) and overrides:
+    if modifier is None or (all(o is not None for o in overrides) and overrides):
         found: list[Scalar | None] = [None] * math.prod(quantity.sizes)
     else:
         found = list(elements(context, modifier, quantity.sizes, quantity.type.dimension, what))
     for k, given in enumerate(overrides):
         if given is not None:
-            found[k] = given_scalar(context, given, quantity.type.dimension, f"`{quantity.name(quantity.subscripts[k])}`")
+            found[k] = given_scalar(
+                context, given, quantity.type.dimension, f"`{quantity.name(quantity.subscripts[k])}`"
+            )
     return found
 
 
@@ -231,15 +134,19 @@ def _bounds(context: Context, quantity: Quantity) -> tuple[float, float]:
             scalar = elements(context, modifier, [], quantity.type.dimension, f"`{name}`")[0]
             if not scalar.node.is_const:
                 raise Wrong("LAG0208", f"`{name}` is a fixed number", modifier.argument.span)
-            found[k] = scalar.node.value  # type: ignore[assignment]
+            found[k] = scalar.node.value
     return found[0], found[1]
 
 
 def _check_bounds(name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str) -> None:
     if not bounds[0] <= value <= bounds[1]:
-        side, limit = ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
+        side, limit = (
+            ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
+        )
         shown = f" [{unit_text}]" if unit_text else ""
-        raise Wrong("LAG0308", f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}", span)
+        raise Wrong(
+            "LAG0308", f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}", span
+        )
 
 
 def _fixed(context: Context, quantity: Quantity) -> Value:
@@ -251,8 +158,12 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         span = quantity.source.value.span if quantity.source.value else entry.span
         if scalar is None:
-            raise Wrong("LAG0210", f"the {entry.kind} `{name}` has no value", entry.span,
-                        "write `= value`" + (" or give it with `-p`" if entry.kind == "structural" else ""))  # fmt: skip
+            raise Wrong(
+                "LAG0210",
+                f"the {entry.kind} `{name}` has no value",
+                entry.span,
+                "write `= value`" + (" or give it with `-p`" if entry.kind == "structural" else ""),
+            )
         still(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
@@ -278,12 +189,22 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 context.built_in.append(name)
                 found.append(Scalar(scalar.node, quantity.type.dimension))
                 continue
-            value = scalar.node.value  # type: ignore[assignment]
+            value = scalar.node.value
             assert value is not None
             _check_bounds(name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
-        entry.nouns.append(nouns.Parameter(
-            name, symbol, quantity.type.unit, quantity.display, value, *bounds, entry.span, quantity.description))  # fmt: skip
+        entry.nouns.append(
+            nouns.Parameter(
+                name,
+                symbol,
+                quantity.type.unit,
+                quantity.display,
+                value,
+                *bounds,
+                entry.span,
+                quantity.description,
+            )
+        )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -295,24 +216,34 @@ def _input(context: Context, quantity: Quantity) -> Value:
         default = 0.0
         if scalar is not None:
             if not scalar.node.is_const:
-                raise Wrong("LAG0208", f"the default of the input `{entry.path}` is a fixed number", entry.span)
-            default = scalar.node.value  # type: ignore[assignment]
+                raise Wrong(
+                    "LAG0208", f"the default of the input `{entry.path}` is a fixed number", entry.span
+                )
+            default = scalar.node.value
         name = quantity.name(subscript)
         symbol = context.graph.symbol("input", name)
-        entry.nouns.append(nouns.Input(name, symbol, quantity.type.unit, default, entry.span, quantity.description))
+        entry.nouns.append(
+            nouns.Input(name, symbol, quantity.type.unit, default, entry.span, quantity.description)
+        )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
 
 def starts(
-    context: Context, quantity: Quantity, attribute: str, dimension: Dimension, name: Callable[[tuple[int, ...]], str]
+    context: Context,
+    quantity: Quantity,
+    attribute: str,
+    dimension: Dimension,
+    name: Callable[[tuple[int, ...]], str],
 ) -> tuple[list[Node], bool]:
     """The start (or rate) of each element, and whether one is given at all."""
     modifier = quantity.attributes.get(attribute)
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
     what = f"the {attribute} of `{quantity.entry.path}`"
-    found = [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
+    found = (
+        [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
+    )
     said = modifier is not None
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
@@ -327,24 +258,20 @@ def starts(
     return [scalar.node for scalar in found], said
 
 
-def fixed(context: Context, attributes: dict[str, Modifier]) -> bool:
-    modifier = attributes.get("fixed")
-    if modifier is None or modifier.argument.value is None:
-        return False
-    value = evaluate(context, modifier.argument.value, modifier.environment)
-    if not isinstance(value, Truth) or not value.node.is_const:
-        raise Wrong("LAG0307", f"`fixed` is true or false, this is {kind(value)}", modifier.argument.value.span)
-    return bool(value.node.value)
-
-
 def _coordinate(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     if quantity.source.value is not None:
-        raise Wrong("LAG0209", "a coordinate is unknown, it has no value", quantity.source.value.span,
-                    "give its value at the start: `(start = ...)`")  # fmt: skip
+        raise Wrong(
+            "LAG0209",
+            "a coordinate is unknown, it has no value",
+            quantity.source.value.span,
+            "give its value at the start: `(start = ...)`",
+        )
     dimension = quantity.type.dimension
     at_start, _ = starts(context, quantity, "start", dimension, quantity.name)
-    rates, rate_said = starts(context, quantity, "rate", over(dimension, S), lambda s: f"der({quantity.name(s)})")
+    rates, rate_said = starts(
+        context, quantity, "rate", over(dimension, S), lambda s: f"der({quantity.name(s)})"
+    )
     held = fixed(context, quantity.attributes)
     found: list[Scalar] = []
     for subscript, start, rate in zip(quantity.subscripts, at_start, rates):
@@ -352,9 +279,22 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
         symbol, speed = graph.symbol("coordinate", name), graph.symbol("rate", f"der({name})")
         context.clock.runs(symbol, speed)
         context.clock.runs(speed, graph.symbol("acceleration", f"der(der({name}))"))
-        entry.nouns.append(nouns.Coordinate(
-            name, symbol, speed, quantity.type.unit, quantity.display, start, rate, held, held and rate_said,
-            entry.span, quantity.description, entry.effect))  # fmt: skip
+        entry.nouns.append(
+            nouns.Coordinate(
+                name,
+                symbol,
+                speed,
+                quantity.type.unit,
+                quantity.display,
+                start,
+                rate,
+                held,
+                held and rate_said,
+                entry.span,
+                quantity.description,
+                entry.effect,
+            )
+        )
         found.append(Scalar(symbol, dimension))
     return shaped(found, quantity.sizes)
 
@@ -363,7 +303,12 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     modifier = written_value(entry)
     if modifier is None:
-        raise Wrong("LAG0210", f"the speed `{entry.path}` needs a value", entry.span, "write `= ` a combination of `der(...)`")
+        raise Wrong(
+            "LAG0210",
+            f"the speed `{entry.path}` needs a value",
+            entry.span,
+            "write `= ` a combination of `der(...)`",
+        )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values):
@@ -372,7 +317,9 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))
-        entry.nouns.append(nouns.Speed(name, symbol, scalar.node, quantity.type.unit, entry.span, quantity.description))
+        entry.nouns.append(
+            nouns.Speed(name, symbol, scalar.node, quantity.type.unit, entry.span, quantity.description)
+        )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 
@@ -387,19 +334,23 @@ def _output(context: Context, quantity: Quantity) -> Value:
     scalars = flat(value, expression.span, f"`{entry.path}`")
     for scalar in scalars:
         expect(scalar.dimension, quantity.type.dimension, expression.span, f"`{entry.path}`")
-    sizes = _shape(value)
+    sizes = shape(value)
     if quantity.sizes and sizes != quantity.sizes:
-        raise Wrong("LAG0306", f"`{entry.path}` is declared with another shape than its value has", expression.span)
+        raise Wrong(
+            "LAG0306", f"`{entry.path}` is declared with another shape than its value has", expression.span
+        )
     for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
-        entry.nouns.append(nouns.Output(
-            quantity.name(subscript), scalar.node, quantity.type.unit, quantity.display, entry.span, quantity.description))  # fmt: skip
+        entry.nouns.append(
+            nouns.Output(
+                quantity.name(subscript),
+                scalar.node,
+                quantity.type.unit,
+                quantity.display,
+                entry.span,
+                quantity.description,
+            )
+        )
     return value
-
-
-def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
-    """Raises Wrong where `node` depends on a rate or a speed."""
-    if context.clock.mask(node) & VELOCITY:
-        raise Wrong("LAG0313", f"{what} depends on no rate", span)
 
 
 _DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {

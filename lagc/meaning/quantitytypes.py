@@ -27,7 +27,9 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         if name.path[0] in TYPES:
             return TYPES[name.path[0]]
         known = [*TYPES, *space.known()]
-        raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, did_you_mean(name.path[0], known))
+        raise Wrong(
+            "LAG0203", f"there is no type `{name.path[0]}`", name.span, did_you_mean(name.path[0], known)
+        )
     found, where = space.find(name.path, name.span, "type")
     if not isinstance(found, tree.TypeDeclaration):
         raise Wrong("LAG0203", f"`{'.'.join(name.path)}` is not a type of quantity", name.span)
@@ -42,7 +44,10 @@ def _real(written: tree.Unit) -> QuantityType:
         meant = unit(text or "1")
     except UnknownUnit as unknown:
         raise Wrong(
-            "LAG0304", unknown.reason, written.span, remedy=f"did you mean `{unknown.close}`?" if unknown.close else None
+            "LAG0304",
+            unknown.reason,
+            written.span,
+            remedy=f"did you mean `{unknown.close}`?" if unknown.close else None,
         ) from None
     if meant.factor != 1.0:
         from lagc.meaning.units import si_text

@@ -70,8 +70,14 @@ def resolve(
     conditions = _conditions(context)
     _check_given(context, instance)
     if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
-        context.report(Wrong("LAG0222", f"the model `{declaration.name}` has no coordinates, so nothing can move",
-                             declaration.name_span, "declare one: `coordinate Length x;`"))  # fmt: skip
+        context.report(
+            Wrong(
+                "LAG0222",
+                f"the model `{declaration.name}` has no coordinates, so nothing can move",
+                declaration.name_span,
+                "declare one: `coordinate Length x;`",
+            )
+        )
     context.refuse_faults()
     return _model(context, declaration, setting, found, conditions, simulate)
 
@@ -104,7 +110,10 @@ def _conditions(context: Context) -> list[nouns.InitialCondition]:
 
 def _check_given(context: Context, instance: Instance) -> None:
     """Report what is given to names that take nothing."""
-    for table, what, code in ((context.parameters, "parameter", "LAG0215"), (context.starts, "coordinate or rate", "LAG0224")):
+    for table, what, code in (
+        (context.parameters, "parameter", "LAG0215"),
+        (context.starts, "coordinate or rate", "LAG0224"),
+    ):
         kinds = ("parameter", "structural") if what == "parameter" else ("coordinate",)
         for name, given in table.items():
             if name in context.taken:
@@ -127,13 +136,22 @@ def _of(found: Sequence[nouns.Noun], kind: type[T]) -> tuple[T, ...]:
 
 
 def _model(
-    context: Context, declaration: tree.ModelDeclaration, setting: Setting, found: list[nouns.Noun],
-    conditions: list[nouns.InitialCondition], simulate: dict[str, float],
-) -> nouns.Model:  # fmt: skip
+    context: Context,
+    declaration: tree.ModelDeclaration,
+    setting: Setting,
+    found: list[nouns.Noun],
+    conditions: list[nouns.InitialCondition],
+    simulate: dict[str, float],
+) -> nouns.Model:
     coordinates = [n for n in found if isinstance(n, nouns.Coordinate | nouns.Orientation)]
-    actions = [n for n in found if isinstance(
-        n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)]  # fmt: skip
-    effects = tuple([nouns.Effect(path, e.description or "", used(setting, path)) for path, e in context.effects.items()])
+    actions = [
+        n
+        for n in found
+        if isinstance(n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)
+    ]
+    effects = tuple(
+        [nouns.Effect(path, e.description or "", used(setting, path)) for path, e in context.effects.items()]
+    )
     left_out = [e.name for e in effects if not e.used]
     notes = setting.notes
     if setting.scene is None and left_out:

@@ -43,7 +43,9 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
             raise Wrong("LAG0209", "a turn by an orientation takes no angle", angle.span)
         return _oriented(context, parent, axis.value)
     if angle is None:
-        raise Wrong("LAG0210", "`rotate` needs a frame, an axis and an angle; or a frame and an orientation", span)
+        raise Wrong(
+            "LAG0210", "`rotate` needs a frame, an axis and an angle; or a frame and an orientation", span
+        )
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
     own = _in_frame(parent, vector)
     for k in range(3):
@@ -98,7 +100,9 @@ def _about(context: Context, parent: Frame, axis: Vector, angle: Argument) -> Fr
     skew: Matrix = ((graph.zero, -z, y), (z, graph.zero, -x), (-y, x, graph.zero))
     rows: list[Vector] = []
     for i in range(3):
-        row = [(1.0 - c) * axis[i] * axis[j] + s * skew[i][j] + (c if i == j else graph.zero) for j in range(3)]
+        row = [
+            (1.0 - c) * axis[i] * axis[j] + s * skew[i][j] + (c if i == j else graph.zero) for j in range(3)
+        ]
         rows.append((row[0], row[1], row[2]))
     turn: Matrix = (rows[0], rows[1], rows[2])
     rates = [derivative(context, component, angle.span) for component in axis]

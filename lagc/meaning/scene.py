@@ -33,7 +33,9 @@ class Setting:
     notes: tuple[str, ...]
 
 
-def choose_model(file: tree.Tree, space: Namespace, wanted: str | None) -> tuple[tree.ModelDeclaration, Namespace]:
+def choose_model(
+    file: tree.Tree, space: Namespace, wanted: str | None
+) -> tuple[tree.ModelDeclaration, Namespace]:
     """The model that is meant: `wanted`, else the last of the file that is not partial.  Raises Wrong."""
     if wanted is not None:
         nowhere = Span(file.source, 0, 0)
@@ -51,19 +53,33 @@ def choose_model(file: tree.Tree, space: Namespace, wanted: str | None) -> tuple
     if whole:
         return whole[-1], space
     if models:
-        raise Wrong("LAG0211", f"`{models[-1].name}` is partial, and the file has no other model", models[-1].name_span)
-    raise Wrong("LAG0215", "the file has no model", Span(file.source, 0, 1), "write `model Name ... end Name;`")
+        raise Wrong(
+            "LAG0211",
+            f"`{models[-1].name}` is partial, and the file has no other model",
+            models[-1].name_span,
+        )
+    raise Wrong(
+        "LAG0215", "the file has no model", Span(file.source, 0, 1), "write `model Name ... end Name;`"
+    )
 
 
-def scenes_of(context: Context, model: tree.ModelDeclaration, space: Namespace, depth: int = 0) -> dict[str, tree.Scene]:
+def scenes_of(
+    context: Context, model: tree.ModelDeclaration, space: Namespace, depth: int = 0
+) -> dict[str, tree.Scene]:
     """The scenes of a model, its own first, then the inherited ones.  Raises Wrong."""
     found: dict[str, tree.Scene] = {}
     inner = Namespace(model.body, space, context.importer)
     for declaration in model.body:
         if isinstance(declaration, tree.Scene):
             if declaration.name in found:
-                context.report(Wrong("LAG0202", f"the scene `{declaration.name}` is declared twice", declaration.name_span,
-                                     related=((found[declaration.name].name_span, "first here"),)))  # fmt: skip
+                context.report(
+                    Wrong(
+                        "LAG0202",
+                        f"the scene `{declaration.name}` is declared twice",
+                        declaration.name_span,
+                        related=((found[declaration.name].name_span, "first here"),),
+                    )
+                )
                 continue
             found[declaration.name] = declaration
     for declaration in model.body:
@@ -88,8 +104,13 @@ def choose_scene(
         wanted = "default"
     scene = scenes.get(wanted)
     if scene is None and (scenes or wanted != "default"):
-        raise Wrong("LAG0215", f"there is no scene `{wanted}`", None,
-                    did_you_mean(wanted, scenes) or (f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"))  # fmt: skip
+        raise Wrong(
+            "LAG0215",
+            f"there is no scene `{wanted}`",
+            None,
+            did_you_mean(wanted, scenes)
+            or (f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"),
+        )
     both = [e for e in added if e in removed]
     if both:
         raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
@@ -111,8 +132,12 @@ def read_scene(context: Context, setting: Setting, environment: Environment) -> 
             elif isinstance(d, tree.Simulate):
                 simulate.update(_simulate(context, d, environment))
             else:
-                raise Wrong("LAG0221", "this does not belong into a scene", d.span,
-                            "a scene holds `parameter`, `start` and `simulate`")  # fmt: skip
+                raise Wrong(
+                    "LAG0221",
+                    "this does not belong into a scene",
+                    d.span,
+                    "a scene holds `parameter`, `start` and `simulate`",
+                )
         except Wrong as wrong:
             context.report(wrong)
     return simulate
@@ -120,7 +145,12 @@ def read_scene(context: Context, setting: Setting, environment: Environment) -> 
 
 def _parameters(context: Context, d: tree.Quantities, environment: Environment) -> None:
     if d.kind != "parameter":
-        raise Wrong("LAG0221", "this does not belong into a scene", d.span, "a scene holds `parameter`, `start` and `simulate`")
+        raise Wrong(
+            "LAG0221",
+            "this does not belong into a scene",
+            d.span,
+            "a scene holds `parameter`, `start` and `simulate`",
+        )
     for declarator in d.declarators:
         if declarator.value is None:
             raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
@@ -136,11 +166,21 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
     if isinstance(e, tree.Index):
         numbers = [str(integer(context, i, environment, "a subscript")) for i in e.indices]
         return f"{target_text(context, e.base, environment)}[{','.join(numbers)}]"
-    if isinstance(e, tree.Call) and isinstance(e.function, tree.Name) and e.function.name == "der" and len(e.arguments) == 1:
+    if (
+        isinstance(e, tree.Call)
+        and isinstance(e.function, tree.Name)
+        and e.function.name == "der"
+        and len(e.arguments) == 1
+    ):
         inner = e.arguments[0].value
         if inner is not None:
             return f"der({target_text(context, inner, environment)})"
-    raise Wrong("LAG0224", "a start is given to a coordinate or to its rate", e.span, "write `start x = ...;` or `start der(x) = ...;`")
+    raise Wrong(
+        "LAG0224",
+        "a start is given to a coordinate or to its rate",
+        e.span,
+        "write `start x = ...;` or `start der(x) = ...;`",
+    )
 
 
 def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> dict[str, float]:
@@ -149,8 +189,12 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
         name = argument.name
         if name not in SIMULATE or argument.value is None:
             span = argument.name_span or argument.span
-            raise Wrong("LAG0209", f"`simulate` has no argument `{name or '?'}`", span,
-                        did_you_mean(name or "", SIMULATE) or f"it has {', '.join(SIMULATE)}")  # fmt: skip
+            raise Wrong(
+                "LAG0209",
+                f"`simulate` has no argument `{name or '?'}`",
+                span,
+                did_you_mean(name or "", SIMULATE) or f"it has {', '.join(SIMULATE)}",
+            )
         value = evaluate_as(context, argument.value, environment, SIMULATE[name])
         if not isinstance(value, Scalar) or not value.node.is_const:
             raise Wrong("LAG0208", f"`{name}` is a fixed number, this is {kind(value)}", argument.value.span)
@@ -180,7 +224,11 @@ def check_effects(context: Context, setting: Setting) -> None:
     written = {n.name for n in named}
     for name in named:
         if name.name not in known:
-            context.report(Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, did_you_mean(name.name, known)))
+            context.report(
+                Wrong(
+                    "LAG0212", f"there is no effect `{name.name}`", name.span, did_you_mean(name.name, known)
+                )
+            )
     for text in sorted(setting.uses - known - written):
         context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, did_you_mean(text, known)))
     for path, effect in context.effects.items():
@@ -188,13 +236,26 @@ def check_effects(context: Context, setting: Setting) -> None:
             continue
         for other in effect.requires:
             if other.name in known and not _is_used(setting, path, other.name):
-                context.report(Wrong("LAG0213", f"the effect `{path}` requires `{other.name}`, which the scene "
-                                     f"`{setting.name}` does not use", other.span,
-                                     f"add it: `uses ..., {other.name}`"))  # fmt: skip
+                context.report(
+                    Wrong(
+                        "LAG0213",
+                        f"the effect `{path}` requires `{other.name}`, which the scene "
+                        f"`{setting.name}` does not use",
+                        other.span,
+                        f"add it: `uses ..., {other.name}`",
+                    )
+                )
         for other in effect.excludes:
             if _is_used(setting, path, other.name):
-                context.report(Wrong("LAG0213", f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
-                                     f"`{setting.name}` uses both", other.span, "leave one of them out"))  # fmt: skip
+                context.report(
+                    Wrong(
+                        "LAG0213",
+                        f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
+                        f"`{setting.name}` uses both",
+                        other.span,
+                        "leave one of them out",
+                    )
+                )
 
 
 def used(setting: Setting, path: str) -> bool:

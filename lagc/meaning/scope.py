@@ -47,8 +47,13 @@ class Modifier:
 Modifiers: TypeAlias = dict[str, list[Modifier]]  # the first of a list wins
 
 Source: TypeAlias = (
-    tree.Declarator | tree.Construct | tree.Load | tree.Constraint | tree.FunctionDeclaration
-    | tree.TypeDeclaration | tree.Effect
+    tree.Declarator
+    | tree.Construct
+    | tree.Load
+    | tree.Constraint
+    | tree.FunctionDeclaration
+    | tree.TypeDeclaration
+    | tree.Effect
 )
 
 
@@ -56,7 +61,8 @@ class Entry:
     """One name of an instance."""
 
     __slots__ = (
-        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "path", "size",
+        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "path",
+        "size",
         "source", "state", "subscript", "value",
     )  # fmt: skip
 
@@ -90,7 +96,9 @@ Item: TypeAlias = "Entry | list[Item]"
 class Instance:
     """A model with the declarations that the scene leaves of it."""
 
-    def __init__(self, path: str, declaration: tree.ModelDeclaration, parent: Instance | None, depth: int = 0):
+    def __init__(
+        self, path: str, declaration: tree.ModelDeclaration, parent: Instance | None, depth: int = 0
+    ):
         self.path = path  # "" or "a.b[2]."
         self.declaration = declaration
         self.parent = parent

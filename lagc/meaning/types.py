@@ -24,9 +24,11 @@ def quantity_type(name: str, si: str, display: str | None = None) -> QuantityTyp
 
 _TABLE: dict[str, tuple[str, ...]] = {
     "Real": ("",), "Integer": ("",),
-    "Mass": ("kg",), "Length": ("m",), "Time": ("s",), "Angle": ("rad", "deg"), "Area": ("m2",), "Volume": ("m3",),
+    "Mass": ("kg",), "Length": ("m",), "Time": ("s",), "Angle": ("rad", "deg"), "Area": ("m2",),
+    "Volume": ("m3",),
     "Velocity": ("m/s",), "AngularVelocity": ("rad/s",), "Acceleration": ("m/s2",),
-    "AngularAcceleration": ("rad/s2",), "Force": ("N",), "Energy": ("J",), "Torque": ("N.m",), "Power": ("W",),
+    "AngularAcceleration": ("rad/s2",), "Force": ("N",), "Energy": ("J",), "Torque": ("N.m",),
+    "Power": ("W",),
     "Action": ("J.s",), "Inertia": ("kg.m2",), "Momentum": ("kg.m/s",), "AngularMomentum": ("kg.m2/s",),
     "Stiffness": ("N/m",), "RotationalStiffness": ("N.m/rad",), "Damping": ("N.s/m",),
     "RotationalDamping": ("N.m.s/rad",), "Pressure": ("Pa",), "Density": ("kg/m3",),

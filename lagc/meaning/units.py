@@ -121,7 +121,7 @@ _PREFIXES = {
     "h": (100, 1), "d": (1, 10), "c": (1, 100), "m": (1, 1000), "u": (1, 10**6), "µ": (1, 10**6),
     "n": (1, 10**9), "p": (1, 10**12),
 }  # fmt: skip
-_TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?\(?([+-]?\d{1,2})\)?)?|([./*()]))")
+_TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,2})\))?|([./*()]))")
 
 
 @lru_cache(maxsize=512)
@@ -144,7 +144,7 @@ def _tokens(text: str) -> list[tuple[str, int]]:
         match = _TOKEN.match(stripped, at)
         if match is None:
             raise UnknownUnit(f"`{text}` is not a unit")
-        found.append((match[3], 0) if match[3] else (match[1], int(match[2] or 1)))
+        found.append((match[4], 0) if match[4] else (match[1], int(match[2] or match[3] or 1)))
         at = match.end()
     if len(found) > 64:
         raise UnknownUnit("a unit of more than 64 factors")
@@ -191,7 +191,9 @@ def _symbol(symbol: str) -> Unit:
             return Unit(base[0] * num, base[1] * den, base[2], base[3])
     import difflib
 
-    close = difflib.get_close_matches(symbol, [*_PREFIXED, *_PLAIN, "kg", "mm", "cm", "km", "ms"], n=1, cutoff=0.5)
+    close = difflib.get_close_matches(
+        symbol, [*_PREFIXED, *_PLAIN, "kg", "mm", "cm", "km", "ms"], n=1, cutoff=0.5
+    )
     raise UnknownUnit(f"`{symbol}` is not a unit", close[0] if close else None)
 
 

@@ -66,7 +66,8 @@ class Part:
 Value: TypeAlias = Scalar | Array | Truth | Text | Indexed | Thing | Part | Body | Frame | Orientation
 
 _KINDS: dict[type, str] = {
-    Scalar: "a number", Array: "an array", Truth: "a condition", Text: "a text", Indexed: "an array of things",
+    Scalar: "a number", Array: "an array", Truth: "a condition", Text: "a text",
+    Indexed: "an array of things",
     Part: "an instance of a model", Body: "a body", Frame: "a frame", Orientation: "an orientation",
 }  # fmt: skip
 
@@ -116,7 +117,9 @@ def common_dimension(scalars: tuple[Scalar, ...], span: Span) -> Dimension | Non
         if scalar.dimension is None:
             continue
         if found is not None and found != scalar.dimension:
-            message = f"the components differ in dimension: {describe(found)} and {describe(scalar.dimension)}"
+            message = (
+                f"the components differ in dimension: {describe(found)} and {describe(scalar.dimension)}"
+            )
             raise Wrong("LAG0301", message, span)
         found = scalar.dimension
     return found

@@ -1,0 +1,151 @@
+"""What is written about a declaration: modifications, attributes, values for its elements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.expr.graph import Node
+from lagc.frontend import tree
+from lagc.meaning.clock import LATE, MOVING, VELOCITY
+from lagc.meaning.context import Context, Given
+from lagc.meaning.evaluate import evaluate, evaluate_as
+from lagc.meaning.scope import Entry, Modifier
+from lagc.meaning.units import Dimension, UnknownUnit, unit
+from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind
+
+
+def attributes_of(entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
+    """What the modifications of a declaration and the declaration itself say, outermost first."""
+    source = entry.source
+    assert isinstance(source, tree.Declarator)
+    own = [Modifier(a, entry.environment) for a in source.arguments]
+    outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
+    found: dict[str, Modifier] = {}
+    for modifier in [*outer, *own]:
+        argument = modifier.argument
+        if argument.name is None:
+            raise Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
+        if argument.name not in known:
+            raise Wrong(
+                "LAG0209",
+                f"a {entry.kind} has no `{argument.name}`",
+                argument.name_span or argument.span,
+                did_you_mean(argument.name, known) or _has(entry.kind, known),
+            )
+        if argument.value is None or argument.arguments:
+            raise Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span)
+        found.setdefault(argument.name, modifier)
+    return found
+
+
+def _has(kind_: str, known: Sequence[str]) -> str | None:
+    return f"a {kind_} has {', '.join(known)}" if known else None
+
+
+def written_value(entry: Entry) -> Modifier | None:
+    """The value that counts: the outermost modification's, else the declaration's."""
+    for modifier in entry.modifiers:
+        if modifier.argument.value is not None:
+            return modifier
+    source = entry.source
+    assert isinstance(source, tree.Declarator)
+    if source.value is None:
+        return None
+    return Modifier(tree.Argument(None, None, source.value, source.value.span), entry.environment)
+
+
+def elements(
+    context: Context, modifier: Modifier, sizes: list[int], dimension: Dimension, what: str
+) -> list[Scalar]:
+    """One scalar an element: of an array of that shape, or one value for all.  Raises Wrong."""
+    expression = modifier.argument.value
+    assert expression is not None
+    value = evaluate_as(context, expression, modifier.environment, dimension)
+    if modifier.index and _rank(value) >= len(modifier.index) + len(sizes):
+        for number in modifier.index:
+            if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
+                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", expression.span)
+            value = value.elements[number - 1]
+    count = math.prod(sizes)
+    if isinstance(value, Scalar):
+        found = [value] * count
+    elif not sizes:
+        raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", expression.span)
+    else:
+        found = flat(value, expression.span, what)
+        if shape(value) != sizes:
+            shown = " x ".join(str(n) for n in sizes)
+            raise Wrong("LAG0306", f"{what} has {shown} elements, this has {len(found)}", expression.span)
+    for scalar in found:
+        expect(scalar.dimension, dimension, expression.span, what)
+    return found
+
+
+def _rank(value: Value) -> int:
+    return len(shape(value))
+
+
+def shape(value: Value) -> list[int]:
+    found: list[int] = []
+    while isinstance(value, Array):
+        found.append(len(value.elements))
+        if not value.elements:
+            break
+        value = value.elements[0]
+    return found
+
+
+def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
+    """The scalars (rows first) as a number or an array."""
+    if not sizes:
+        return scalars[0]
+    step = len(scalars) // sizes[0] if sizes[0] else 0
+    return Array(tuple([shaped(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
+
+
+def still(context: Context, node: Node, span: Span, what: str) -> None:
+    """Raises Wrong where `node` moves: it must be made of parameters alone."""
+    if context.clock.mask(node) & (MOVING | LATE):
+        raise Wrong("LAG0311", f"{what} depends on the motion, it may depend on parameters only", span)
+
+
+def given_scalar(context: Context, given: Given, dimension: Dimension, what: str) -> Scalar:
+    """A value from a scene or from the command.  Raises Wrong."""
+    if given.expression is not None and given.environment is not None:
+        value = evaluate_as(context, given.expression, given.environment, dimension)
+        if not isinstance(value, Scalar):
+            raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", given.expression.span)
+        expect(value.dimension, dimension, given.expression.span, what)
+        return value
+    number = given.number
+    if given.unit is not None:
+        try:
+            meant = unit(given.unit or "1")
+        except UnknownUnit as unknown:
+            raise Wrong("LAG0304", f"{what}: {unknown.reason}", None) from None
+        expect(meant.dimension, dimension, given.span, what)  # type: ignore[arg-type]
+        number = meant.to_si(number)
+    if not math.isfinite(number):
+        raise Wrong("LAG0309", f"{what} is not finite", None)
+    return Scalar(context.graph.const(number), dimension)
+
+
+def fixed(context: Context, attributes: dict[str, Modifier]) -> bool:
+    modifier = attributes.get("fixed")
+    if modifier is None or modifier.argument.value is None:
+        return False
+    value = evaluate(context, modifier.argument.value, modifier.environment)
+    if not isinstance(value, Truth) or not value.node.is_const:
+        raise Wrong(
+            "LAG0307", f"`fixed` is true or false, this is {kind(value)}", modifier.argument.value.span
+        )
+    return bool(value.node.value)
+
+
+def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
+    """Raises Wrong where `node` depends on a rate or a speed."""
+    if context.clock.mask(node) & VELOCITY:
+        raise Wrong("LAG0313", f"{what} depends on no rate", span)
