@@ -62,7 +62,7 @@ def _time(c: float, base: str) -> str:
 def _zipped(row: Row, more: str = "") -> tuple[str, str]:
     names = [f"a{i - 1}" for i in row]
     lists = ", ".join(f"k[{i - 1}]" for i in row)
-    if len(names) > 8:
+    if len(names) > 7:
         half = lists.index(f"k[{sorted(row)[len(names) // 2] - 1}]")
         lists = lists[:half].rstrip() + "\n" + " " * 12 + lists[half:]
     return more + ", ".join(names), lists

@@ -7,17 +7,14 @@ functions.  `lagc_` and `LAGC_` become the model's prefix over the whole text at
 
 from __future__ import annotations
 
-import os
 import re
 
 from lagc.optimize.program import Interface, Program
-from lagc.render.c import header
+from lagc.render.c import fragments, header
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
 from lagc.render.locals import local_names
 from lagc.render.names import prefix, stem
-
-_FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
 
 
 def render(program: Program) -> dict[str, str]:
@@ -34,14 +31,15 @@ def _header(program: Program, file: str) -> str:
     interface = program.interface
     guard = "LAGC_H_"
     parts = [
-        header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n",
+        header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n"
+        "#include <stddef.h>\n",
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         header.statuses(),
-        _types(interface),
+        fragments.types(interface),
         *(verb.declaration for verb in verbs(program)),
-        _fragment("integrate.h"),
+        fragments.declarations(),
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
@@ -52,11 +50,11 @@ def _source(program: Program, file: str, own_header: str) -> str:
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
     parts = [
-        header.banner(interface, file) + f'#include "{own_header}"\n\n#include <math.h>\n#include <stddef.h>\n',
+        header.banner(interface, file) + f'#include "{own_header}"\n\n#include <math.h>\n',
         _CONTRACTION,
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),
-        *(_fragment(name) for name in _needed(interface)),
+        *fragments.definitions(program),
         *(verb.definition for verb in verbs(program)),
     ]
     return "\n".join(part for part in parts if part)
@@ -69,23 +67,6 @@ _CONTRACTION = """\
 #pragma STDC FP_CONTRACT OFF
 #endif
 """
-
-
-def _types(interface: Interface) -> str:
-    return _fragment("types.h")
-
-
-def _needed(interface: Interface) -> list[str]:
-    """The parts of the support that a model needs, in their order."""
-    return []
-
-
-def _fragment(name: str) -> str:
-    try:
-        with open(os.path.join(_FOLDER, name), encoding="utf-8") as file:
-            return file.read()
-    except FileNotFoundError:
-        return ""
 
 
 def _prefixed(text: str, interface: Interface) -> str:

@@ -20,6 +20,7 @@ from lagc.render.numpy.support.base import (
     Options,
     Trajectory,
 )
+from lagc.render.numpy.support.linear import not_finite
 from lagc.render.numpy.support.problem import Problem
 from lagc.render.numpy.support.projection import project
 from lagc.render.numpy.support.stages import (
@@ -127,13 +128,13 @@ class Integrator:
                 error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
                 if error != error:
                     status = NOT_FINITE
-                    self.problem.culprit = _not_finite(y)
+                    self.problem.culprit = not_finite(y)
                 elif error <= 1.0 and not method.uses_new:
                     status = self._arrive(t_new, y)
             if status in FAILED:
                 if options.step > 0.0:
                     return self._stop(status)
-                cause, self.culprit = status, self.problem.culprit
+                cause = status
                 size *= 0.25
             elif error <= 1.0:
                 break
@@ -258,14 +259,6 @@ class Integrator:
         self.h = following
 
 
-def _not_finite(x: Sequence[float]) -> int:
-    """The index of the first value that is infinite or not a number."""
-    for i, a in enumerate(x):
-        if a - a != 0.0:
-            return i
-    return -1
-
-
 def integrate(
     problem: Problem,
     options: Options,
@@ -290,7 +283,7 @@ def integrate(
     result.t, result.x, result.culprit = run.t, run.x, run.culprit if result.status != OK else -1
     result.steps, result.rejected, result.rhs = run.steps, run.rejected, run.rhs
     result.fallbacks = getattr(problem, "fallbacks", 0) - fallbacks
-    result.redundant_rows = tuple(getattr(problem, "redundant_rows", ()))
+    result.redundant_rows = tuple(sorted(getattr(problem, "redundant_rows", ())))
     result.position_drift, result.velocity_drift = run.position_drift, run.velocity_drift
     return result
 

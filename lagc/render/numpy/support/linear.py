@@ -111,24 +111,25 @@ class Equations:
         return values
 
     def _finite(self, xdot: list[float], status: int) -> int:
-        total = sum(xdot)
-        if total - total != 0.0:
-            for i, a in enumerate(xdot):
-                if a - a != 0.0:
-                    self.culprit = i
-                    return NOT_FINITE
-        return status
+        i = not_finite(xdot)
+        if i < 0:
+            return status
+        self.culprit = i
+        return NOT_FINITE
 
     def _factor_dense(self, t: float, x: Sequence[float]) -> int:
         """The fallback's factors at (t, x); remembers which rows are dependent."""
         if self._straight:
             self.fallbacks += 1
         qdot, mass, force, g, gamma = self.system(t, x)
-        for values in (mass, g, force, gamma):
-            total = sum(values)
-            if total - total != 0.0:
-                self.culprit = self._where(qdot, force)
+        for values, first in ((qdot, 0), (force, self.nq)):
+            i = not_finite(values)
+            if i >= 0:
+                self.culprit = first + i
                 return NOT_FINITE
+        if not_finite(mass) >= 0 or not_finite(g) >= 0 or not_finite(gamma) >= 0:
+            self.culprit = self.nq
+            return NOT_FINITE
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
@@ -140,12 +141,6 @@ class Equations:
             if row not in self.redundant_rows:
                 self.redundant_rows.append(row)
         return status
-
-    def _where(self, qdot: list[float], force: list[float]) -> int:
-        for i, a in enumerate(qdot + force):
-            if a - a != 0.0:
-                return i
-        return self.nq
 
     def _solve_dense(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         nq, nv = self.nq, self.nv
@@ -173,3 +168,14 @@ class Equations:
         e = [0.0]
         function(*(given[name] for name in names), e)
         return e[0]
+
+
+def not_finite(values: Sequence[float]) -> int:
+    """The index of the first value that is infinite or not a number; -1."""
+    total = sum(values)
+    if total - total == 0.0:
+        return -1
+    for i, a in enumerate(values):
+        if a - a != 0.0:
+            return i
+    return -1

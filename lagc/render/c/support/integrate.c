@@ -1,0 +1,239 @@
+/* -- one step after the other --
+ * Step control and first step: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
+ * Equations I, Springer 1993, sections II.4 and II.10. */
+
+lagc_options lagc_default_options(void)
+{
+    lagc_options o;
+    o.method = LAGC_DOP853;
+    o.project = 1;
+    o.max_steps = 0;
+    o.rtol = 1e-9;
+    o.atol = 1e-9;
+    o.step = 0.0;
+    o.first_step = 0.0;
+    o.max_step = 0.0;
+    return o;
+}
+
+size_t lagc_work_size(void) { return sizeof(lagc_work); }
+
+size_t lagc_state_size(void) { return sizeof(lagc_state); }
+
+void lagc_begin(lagc_state *s, double t, const double *x)
+{
+    int i;
+    s->t = t;
+    s->t_old = t;
+    for (i = 0; i < LAGC_NX; i++) {
+        s->x[i] = x[i];
+        s->x_old[i] = x[i];
+    }
+    s->h_old = 0.0;
+    s->h = 0.0;
+    s->error_old = 1e-4;
+    s->grid = t;
+    s->position_drift = 0.0;
+    s->velocity_drift = 0.0;
+    s->on_grid = 0;
+    s->steps = 0;
+    s->rejected = 0;
+    s->rhs = 0;
+    s->arrived = 0;
+    s->has_dense = 0;
+    s->culprit = -1;
+}
+
+static int lagc_stop(lagc_state *s, int status, const lagc_work *w)
+{
+    if (LAGC_FAILED(status) && status < LAGC_STEP_UNDERFLOW)
+        s->culprit = w->culprit;
+    return status;
+}
+
+static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, double direction,
+                              const lagc_options *o, double atol, lagc_work *w)
+{
+    const int n = LAGC_NQ + LAGC_NV;
+    const double order = o->method == LAGC_DOPRI5 ? 5.0 : 8.0;
+    const double largest = o->max_step > 0.0 ? o->max_step : fabs(t1 - s->t);
+    const double *f = w->k[0];
+    double of_f = 0.0, of_x = 0.0, change = 0.0, h, step, size, other;
+    int i, status;
+    for (i = 0; i < n; i++) {
+        const double scale = atol + o->rtol * fabs(s->x[i]);
+        of_f += (f[i] / scale) * (f[i] / scale);
+        of_x += (s->x[i] / scale) * (s->x[i] / scale);
+    }
+    h = of_f <= 1e-10 || of_x <= 1e-10 ? 1e-6 : 0.01 * sqrt(of_x / of_f);
+    if (h > largest)
+        h = largest;
+    step = h * direction;
+    for (i = 0; i < LAGC_NX; i++)
+        w->y[i] = s->x[i] + step * f[i];
+    status = lagc_rhs_(p, s->t + step, w->y, w->k[1], w->lam, w);
+    s->rhs++;
+    if (LAGC_FAILED(status) || h == 0.0)
+        return h > 0.0 ? h : 1e-6;
+    for (i = 0; i < n; i++) {
+        const double scale = atol + o->rtol * fabs(s->x[i]);
+        const double e = (w->k[1][i] - f[i]) / scale;
+        change += e * e;
+    }
+    size = sqrt(change) / h;
+    if (sqrt(of_f) > size)
+        size = sqrt(of_f);
+    if (size <= 1e-15)
+        other = 1e-3 * h > 1e-6 ? 1e-3 * h : 1e-6;
+    else
+        other = pow(0.01 / size, 1.0 / order);
+    h = 100.0 * h;
+    if (other < h)
+        h = other;
+    return largest < h ? largest : h;
+}
+
+/* Project the new state and evaluate there. */
+static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
+                       double *rate, lagc_work *w)
+{
+#if LAGC_NC || LAGC_NQUAT
+    if (o->project) {
+        double position, velocity;
+        const int status = lagc_project(p, t, w->y, &position, &velocity, w);
+        if (LAGC_FAILED(status))
+            return status;
+        if (position > s->position_drift)
+            s->position_drift = position;
+        if (velocity > s->velocity_drift)
+            s->velocity_drift = velocity;
+    }
+#else
+    (void)o;
+#endif
+    s->rhs++;
+    return lagc_rhs_(p, t, w->y, rate, w->lam, w);
+}
+
+/* The size of the next step. */
+static void lagc_adapt(lagc_state *s, int method, double size, double error, int lands, int rejected)
+{
+    const double most = method == LAGC_DOPRI5 ? 1.0 / 0.2 : 1.0 / 0.333;
+    const double least = method == LAGC_DOPRI5 ? 1.0 / 10.0 : 1.0 / 6.0;
+    double factor = pow(error, method == LAGC_DOPRI5 ? 0.17 : 0.125);
+    double following;
+    if (method == LAGC_DOPRI5) {
+        factor /= pow(s->error_old, 0.04);
+        s->error_old = error > 1e-4 ? error : 1e-4;
+    }
+    factor /= 0.9;
+    if (factor > most)
+        factor = most;
+    if (factor < least)
+        factor = least;
+    following = size / factor;
+    if (rejected && following > size)
+        following = size;
+    if (lands && !rejected && following < s->h)
+        following = s->h; /* the step was short only to land */
+    s->h = following;
+}
+
+lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
+                      lagc_work *w)
+{
+    const int method = o->method, last = method == LAGC_DOPRI5 ? 6 : 12;
+    const double atol = o->atol > 1e-200 ? o->atol : 1e-200;
+    const double direction = t1 >= s->t ? 1.0 : -1.0, rest = fabs(t1 - s->t);
+    double size, h, t_new, error = 0.0;
+    int i, status, cause = LAGC_OK, rejected = 0, lands;
+    if (s->h == 0.0) {
+        status = lagc_rhs_(p, s->t, s->x, w->k[0], w->lam, w);
+        s->rhs++;
+        if (LAGC_FAILED(status))
+            return (lagc_status)lagc_stop(s, status, w);
+        if (o->step > 0.0)
+            s->h = o->step;
+        else if (o->first_step > 0.0)
+            s->h = o->first_step;
+        else
+            s->h = lagc_first_step(p, s, t1, direction, o, atol, w);
+    } else if (s->arrived) {
+        for (i = 0; i < LAGC_NX; i++)
+            w->k[0][i] = w->k[last][i];
+        s->arrived = 0;
+    }
+    size = s->h;
+    if (o->max_step > 0.0 && size > o->max_step)
+        size = o->max_step;
+    for (;;) {
+        if (o->max_steps > 0 && s->steps + s->rejected >= o->max_steps)
+            return LAGC_MAX_STEPS;
+        lands = size * 1.01 >= rest;
+        t_new = t1;
+        if (o->step > 0.0) {
+            t_new = s->grid + (double)(s->on_grid + 1) * o->step * direction;
+            lands = (t_new - t1) * direction >= -1e-9 * o->step;
+            size = fabs(t_new - s->t);
+        }
+        if (lands) {
+            size = rest;
+            t_new = t1;
+            h = t1 - s->t;
+        } else {
+            h = size * direction;
+            if (!(o->step > 0.0))
+                t_new = s->t + h;
+        }
+        if ((rejected || !lands) && 0.1 * size <= 2.3e-16 * fabs(s->t) + 1e-40)
+            return (lagc_status)lagc_stop(s, cause != LAGC_OK ? cause : LAGC_STEP_UNDERFLOW, w);
+        status = method == LAGC_DOPRI5 ? lagc_dopri5_stages(p, s->t, s->x, h, w)
+                                       : lagc_dop853_stages(p, s->t, s->x, h, w);
+        s->rhs += last - 1;
+        error = 0.0;
+        if (!LAGC_FAILED(status) && (method == LAGC_DOPRI5 || o->step > 0.0))
+            status = lagc_arrive(p, s, t_new, o, w->k[last], w);
+        if (!LAGC_FAILED(status) && !(o->step > 0.0)) {
+            error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, w)
+                                          : lagc_dop853_error(o->rtol, atol, h, s->x, w);
+            if (error != error) {
+                status = LAGC_NOT_FINITE;
+                w->culprit = lagc_not_finite(w->y, LAGC_NX);
+            } else if (error <= 1.0 && method != LAGC_DOPRI5) {
+                status = lagc_arrive(p, s, t_new, o, w->k[last], w);
+            }
+        }
+        if (LAGC_FAILED(status)) {
+            if (o->step > 0.0)
+                return (lagc_status)lagc_stop(s, status, w);
+            cause = status;
+            size *= 0.25;
+        } else if (error <= 1.0) {
+            break;
+        } else {
+            const double most = method == LAGC_DOPRI5 ? 1.0 / 0.2 : 1.0 / 0.333;
+            const double factor = pow(error, method == LAGC_DOPRI5 ? 0.17 : 0.125) / 0.9;
+            cause = LAGC_OK;
+            size /= factor < most ? factor : most;
+        }
+        rejected = 1;
+        s->rejected++;
+    }
+    if (o->step > 0.0) {
+        s->grid = lands ? t1 : s->grid;
+        s->on_grid = lands ? 0 : s->on_grid + 1;
+    } else {
+        lagc_adapt(s, method, size, error, lands, rejected);
+    }
+    s->steps++;
+    s->t_old = s->t;
+    s->h_old = h;
+    s->t = t_new;
+    for (i = 0; i < LAGC_NX; i++) {
+        s->x_old[i] = s->x[i];
+        s->x[i] = w->y[i];
+    }
+    s->arrived = 1;
+    s->has_dense = 0;
+    return LAGC_OK;
+}

@@ -1,0 +1,25 @@
+lagc_options lagc_default_options(void);
+size_t lagc_work_size(void);
+size_t lagc_state_size(void);
+
+/* A new trajectory from (t, x); x meets the constraints. */
+void lagc_begin(lagc_state *s, double t, const double *x);
+
+/* One step towards t1, at most to it, and then exactly. */
+lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
+                      lagc_work *w);
+
+/* x[NX] at a time t within the last step. */
+lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
+                       double *x, lagc_work *w);
+
+/* To t1 exactly, with error control and projection onto the constraints. */
+lagc_status lagc_advance(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
+                         lagc_work *w);
+
+/* To times[n-1], with the states at times[0..n-1] written to states[n*NX]: *done of them so far,
+ * to be 0 in the first call.  After `budget` steps (0: no limit) it returns INTERRUPTED; call it
+ * again to go on. */
+lagc_status lagc_record(const lagc_params *p, lagc_state *s, const lagc_options *o,
+                        const double *times, size_t n, double *states, size_t *done, long budget,
+                        lagc_work *w);

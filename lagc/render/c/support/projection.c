@@ -1,0 +1,184 @@
+/* -- states put back onto their constraints -- */
+
+#if LAGC_NC
+/* Factors of [M G^T; G 0] at (t, x). */
+static int lagc_assemble_(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+#if LAGC_STRAIGHT
+    if (!w->lost) {
+        double health[2];
+        lagc_fn_assemble(p, t, x, w->entries);
+        lagc_fn_factor(w->entries, health);
+        if (health[0] >= 1e-13 && health[1] <= 1e-10) {
+            w->dense = 0;
+            return LAGC_OK;
+        }
+    }
+#endif
+    w->dense = 1;
+    return lagc_factor_dense(p, t, x, w);
+}
+
+/* M s1 - G^T s2 = r1, G s1 = r2 */
+static void lagc_solve_(const double *r, double *s, lagc_work *w)
+{
+    int i;
+#if LAGC_STRAIGHT
+    if (!w->dense) {
+        lagc_fn_solve(w->entries, r, s);
+        return;
+    }
+#endif
+    for (i = 0; i < LAGC_NV; i++)
+        s[i] = r[i];
+    (void)lagc_solve_fallback(w, r + LAGC_NV, s, s + LAGC_NV);
+}
+
+/* The largest of |value| / (scale * speed); infinity where one is not a number. */
+static double lagc_residual(const double *values, int n, const double *scales, double speed)
+{
+    int i;
+    double worst = 0.0;
+    for (i = 0; i < n; i++) {
+        const double size = fabs(values[i]) / (scales[i] * speed);
+        if (!(size <= worst))
+            worst = size == size ? size : HUGE_VAL;
+    }
+    return worst;
+}
+
+/* The row with the largest scaled residual. */
+static int lagc_worst(const double *values, int n, const double *scales)
+{
+    int i, row = 0;
+    double worst = 0.0;
+    for (i = 0; i < n; i++) {
+        const double size = fabs(values[i]) / scales[i];
+        if (!(size <= worst)) {
+            row = i;
+            worst = size;
+        }
+    }
+    return row;
+}
+#endif
+
+#if LAGC_NQUAT
+/* Unit length for each quaternion. */
+static void lagc_normalise(double *x)
+{
+    static const int first[] = {LAGC_QUATERNIONS};
+    int i;
+    for (i = 0; i < LAGC_NQUAT; i++) {
+        double *e = x + first[i];
+        const double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
+        if (length > 0.0) {
+            e[0] = e[0] / length;
+            e[1] = e[1] / length;
+            e[2] = e[2] / length;
+            e[3] = e[3] / length;
+        }
+    }
+}
+#endif
+
+/* Move x onto the constraints by the shortest way in the metric of the mass matrix: positions by
+ * simplified Newton iterations, M d = G^T mu, G d = -phi, dq = N d; then speeds, M dv = G^T mu,
+ * G dv = -psi.  Gives the scaled residuals that remain. */
+static int lagc_project(const lagc_params *p, double t, double *x, double *position,
+                        double *velocity, lagc_work *w)
+{
+#if LAGC_NC
+    double *y = w->moved, *r = w->right, *s = w->left, *rows = w->rows;
+    double speed = 1.0, size;
+    int i, n, status, assembled = 0, falls = 1;
+#endif
+    *position = 0.0;
+    *velocity = 0.0;
+#if LAGC_NQUAT
+    lagc_normalise(x);
+#endif
+#if LAGC_NC
+    for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
+        if (fabs(x[i]) > speed)
+            speed = fabs(x[i]);
+    for (i = 0; i < LAGC_NV + LAGC_NC; i++)
+        r[i] = 0.0;
+    lagc_fn_scales(p, t, x, w->scales);
+#if LAGC_NH
+    lagc_fn_position(p, t, x, rows);
+    *position = lagc_residual(rows, LAGC_NH, w->scales, 1.0);
+    for (n = 0; n < 8 && falls && !(*position <= 1e-15); n++) {
+        if (!assembled) {
+            status = lagc_assemble_(p, t, x, w);
+            if (LAGC_FAILED(status))
+                return status;
+            assembled = 1;
+        }
+        for (i = 0; i < LAGC_NH; i++)
+            r[LAGC_NV + i] = -rows[i];
+        lagc_solve_(r, s, w);
+        for (i = 0; i < LAGC_NX; i++)
+            y[i] = x[i];
+#if LAGC_HAS_DISPLACE
+        lagc_fn_displace(p, t, x, s, w->dq);
+        for (i = 0; i < LAGC_NQ; i++)
+            y[i] += w->dq[i];
+#else
+        for (i = 0; i < LAGC_NQ; i++)
+            y[i] += s[i];
+#endif
+#if LAGC_NQUAT
+        lagc_normalise(y);
+#endif
+        lagc_fn_position(p, t, y, rows);
+        size = lagc_residual(rows, LAGC_NH, w->scales, 1.0);
+        if (!(size < *position))
+            break;
+        for (i = 0; i < LAGC_NQ; i++)
+            x[i] = y[i];
+        falls = size < 0.25 * *position;
+        *position = size;
+    }
+    if (*position > 1e-6) {
+        w->culprit = lagc_worst(rows, LAGC_NH, w->scales);
+        return LAGC_INCONSISTENT;
+    }
+    falls = 1;
+#endif
+    lagc_fn_velocity(p, t, x, rows);
+    *velocity = lagc_residual(rows, LAGC_NC, w->scales, speed);
+    for (n = 0; n < 8 && falls && !(*velocity <= 1e-15); n++) {
+        if (!assembled) {
+            status = lagc_assemble_(p, t, x, w);
+            if (LAGC_FAILED(status))
+                return status;
+            assembled = 1;
+        }
+        for (i = 0; i < LAGC_NC; i++)
+            r[LAGC_NV + i] = -rows[i];
+        lagc_solve_(r, s, w);
+        for (i = 0; i < LAGC_NX; i++)
+            y[i] = x[i];
+        for (i = 0; i < LAGC_NV; i++)
+            y[LAGC_NQ + i] += s[i];
+        lagc_fn_velocity(p, t, y, rows);
+        size = lagc_residual(rows, LAGC_NC, w->scales, speed);
+        if (!(size < *velocity))
+            break;
+        for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
+            x[i] = y[i];
+        falls = size < 0.25 * *velocity;
+        *velocity = size;
+    }
+    if (*velocity > 1e-6) {
+        w->culprit = lagc_worst(rows, LAGC_NC, w->scales);
+        return LAGC_INCONSISTENT;
+    }
+#else
+    (void)p;
+    (void)t;
+    (void)w;
+#endif
+    return LAGC_OK;
+}

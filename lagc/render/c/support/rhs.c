@@ -1,0 +1,120 @@
+/* -- the right-hand side, watched -- */
+
+#define LAGC_FAILED(status) ((status) != LAGC_OK && (status) != LAGC_REDUNDANT)
+
+static void lagc_system_(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+#if LAGC_NC
+    lagc_fn_system(p, t, x, w->qdot, w->M, w->force, w->G, w->gamma);
+#else
+    double G[1], gamma[1];
+    lagc_fn_system(p, t, x, w->qdot, w->M, w->force, G, gamma);
+#endif
+}
+
+/* The index of the first value that is infinite or not a number; -1. */
+static int lagc_not_finite(const double *values, int n)
+{
+    int i;
+    double total = 0.0;
+    for (i = 0; i < n; i++)
+        total += values[i];
+    if (total - total == 0.0)
+        return -1;
+    for (i = 0; i < n; i++)
+        if (!(values[i] - values[i] == 0.0))
+            return i;
+    return -1;
+}
+
+/* Factors of the equations at (t, x) that hold for any rank. */
+static int lagc_factor_dense(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+    int i, status;
+#if LAGC_STRAIGHT
+    w->fallbacks++;
+#endif
+    lagc_system_(p, t, x, w);
+    i = lagc_not_finite(w->qdot, LAGC_NQ);
+    if (i < 0) {
+        i = lagc_not_finite(w->force, LAGC_NV);
+        if (i >= 0)
+            i += LAGC_NQ;
+    }
+    if (i < 0 && lagc_not_finite(w->M, LAGC_NV * (LAGC_NV + 1) / 2) >= 0)
+        i = LAGC_NQ;
+#if LAGC_NC
+    if (i < 0 && (lagc_not_finite(w->G, LAGC_NC * LAGC_NV) >= 0 || lagc_not_finite(w->gamma, LAGC_NC) >= 0))
+        i = LAGC_NQ;
+#endif
+    if (i >= 0) {
+        w->culprit = i;
+        return LAGC_NOT_FINITE;
+    }
+#if LAGC_NC
+    status = lagc_factor_fallback(w, w->lost ? 1e-5 : 1e-8);
+    w->lost = status == LAGC_REDUNDANT;
+    for (i = w->rank; w->lost && i < LAGC_NC; i++)
+        w->redundant[w->order[i]] = 1;
+#else
+    status = lagc_cholesky(w) ? LAGC_OK : LAGC_SINGULAR_MASS;
+#endif
+    return status;
+}
+
+static int lagc_rhs_dense(const lagc_params *p, double t, const double *x, double *xdot, double *lam,
+                          lagc_work *w)
+{
+    int i, status = lagc_factor_dense(p, t, x, w);
+    double *a = xdot + LAGC_NQ;
+    if (LAGC_FAILED(status))
+        return status;
+    for (i = 0; i < LAGC_NV; i++)
+        a[i] = w->force[i];
+#if LAGC_NC
+    status = lagc_solve_fallback(w, w->gamma, a, lam);
+    if (LAGC_FAILED(status))
+        return status;
+#else
+    lagc_lower(w, a);
+    lagc_upper(w, a);
+    (void)lam;
+#endif
+    for (i = 0; i < LAGC_NQ; i++)
+        xdot[i] = w->qdot[i];
+#if LAGC_NZ
+    LAGC_POWER(xdot + LAGC_NQ + LAGC_NV);
+#endif
+    i = lagc_not_finite(xdot, LAGC_NX);
+    if (i >= 0) {
+        w->culprit = i;
+        return LAGC_NOT_FINITE;
+    }
+    return status;
+}
+
+#if LAGC_STRAIGHT
+static int lagc_rhs_(const lagc_params *p, double t, const double *x, double *xdot, double *lam,
+                     lagc_work *w)
+{
+    double health[2];
+    int i;
+    if (w->lost)
+        return lagc_rhs_dense(p, t, x, xdot, lam, w);
+    lagc_fn_rhs(p, t, x, xdot, lam, health);
+    if (!(health[0] >= 1e-13 && health[1] <= 1e-10))
+        return lagc_rhs_dense(p, t, x, xdot, lam, w);
+    i = lagc_not_finite(xdot, LAGC_NX);
+    if (i >= 0) {
+        w->culprit = i;
+        return LAGC_NOT_FINITE;
+    }
+    return LAGC_OK;
+}
+#else
+static int lagc_rhs_(const lagc_params *p, double t, const double *x, double *xdot, double *lam,
+                     lagc_work *w)
+{
+    return lagc_rhs_dense(p, t, x, xdot, lam, w);
+}
+#endif

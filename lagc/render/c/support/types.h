@@ -1,0 +1,78 @@
+/* Room for the calls below; fill it with zeros before its first use. */
+typedef struct {
+    int culprit;        /* what a status refers to: an index of v or x, or a row */
+    int lost;           /* rows of G are known to depend on others */
+    long fallbacks;     /* linear solves that took the slower, safer way */
+#if LAGC_NC
+    int redundant[LAGC_NC]; /* 1: this row was found to depend on others */
+    double lam[LAGC_NC];
+#else
+    double lam[1];
+#endif
+    double xdot[LAGC_NX];
+    double y[LAGC_NX];
+    double k[16][LAGC_NX];  /* rates at the stages */
+    double r[8][LAGC_NX];   /* coefficients of the dense output */
+    double qdot[LAGC_NQ];
+    double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
+    double force[LAGC_NV];
+    double low[LAGC_NV * (LAGC_NV + 1) / 2];
+#if LAGC_NC
+    double G[LAGC_NC * LAGC_NV];
+    double gamma[LAGC_NC];
+    double weight;
+    double b[LAGC_NC * LAGC_NV];
+    double f[LAGC_NC * LAGC_NC];
+    double table[LAGC_NC * LAGC_NC];
+    double normal[LAGC_NC * LAGC_NC];
+    double lengths[LAGC_NC];
+    double free[LAGC_NC];
+    double found[LAGC_NC];
+    double scales[LAGC_NC];
+    double rows[LAGC_NC];
+    double right[LAGC_NV + LAGC_NC];
+    double left[LAGC_NV + LAGC_NC];
+    double moved[LAGC_NX];
+    double dq[LAGC_NQ];
+    int order[LAGC_NC];
+    int rank;
+    int dense;
+#if LAGC_NWORK
+    double entries[LAGC_NWORK];
+#endif
+#endif
+} lagc_work;
+
+typedef enum { LAGC_DOP853 = 0, LAGC_DOPRI5 = 1 } lagc_method;
+
+typedef struct {
+    int method;        /* lagc_method */
+    int project;       /* 0: let the constraints drift */
+    long max_steps;    /* accepted and rejected; 0: no limit */
+    double rtol;
+    double atol;
+    double step;       /* > 0: fixed steps, rtol and atol unused */
+    double first_step; /* 0: chosen */
+    double max_step;   /* 0: no limit */
+} lagc_options;
+
+/* A state on its way: t and x now, the rest is kept by the functions below. */
+typedef struct {
+    double t;
+    double x[LAGC_NX];
+    double t_old;
+    double x_old[LAGC_NX];
+    double h_old;
+    double h;
+    double error_old;
+    double grid;
+    double position_drift; /* largest scaled residuals after a step */
+    double velocity_drift;
+    long on_grid;
+    long steps;
+    long rejected;
+    long rhs; /* evaluations */
+    int arrived;
+    int has_dense;
+    int culprit;
+} lagc_state;
