@@ -1,0 +1,204 @@
+"""Rows: their kinds, redundancy, contradiction; faults of the mechanics, each with its code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from lagc.diagnostics.faults import Refused
+from lagc.expr.graph import Node
+from lagc.mechanics.derive import derive
+from tests.mechanics.builder import SPAN, Builder
+
+
+def plane(*names: str) -> tuple[Builder, list[Node]]:
+    b = Builder()
+    q = [b.coordinate(name) for name in names or ("x", "y", "z")]
+    b.particle("p", b.parameter("m"), (*q, 0.0, 0.0)[:3])
+    return b, q
+
+
+def codes(b: Builder) -> list[str]:
+    with pytest.raises(Refused) as refused:
+        derive(b.model())
+    assert all(f.span is not None and f.remedy for f in refused.value.faults)
+    return [f.code for f in refused.value.faults]
+
+
+def test_holonomic_rows_come_first() -> None:
+    b, (x, y, z) = plane()
+    b.constraint("roll", b.der(x) - b.der(y) * z)
+    b.constraint("path", z - b.graph.sin(b.time))
+    b.constraint("fast", b.der(x) ** 2 - 1.0)
+    rows = derive(b.model()).rows
+    assert [(r.label, r.kind, r.linear, r.time_dependent) for r in rows] == [
+        ("path", "holonomic", True, True),
+        ("roll", "velocity", True, False),
+        ("fast", "velocity", False, False),
+    ]
+
+
+def test_a_constraint_on_a_declared_speed_is_no_position() -> None:
+    b, (x, y, _) = plane()
+    u = b.speed("u", b.der(x) + b.der(y))
+    b.constraint("slow", u - 1.0)
+    assert [r.kind for r in derive(b.model()).rows] == ["velocity"]
+
+
+def test_velocity_row_that_repeats_another_is_left_out() -> None:
+    b, (x, y, _) = plane()
+    b.constraint("knife", b.der(x) * b.graph.sin(y) - b.der(y))
+    b.constraint("twice", 3.0 * b.der(x) * b.graph.sin(y) - 3.0 * b.der(y))
+    e = derive(b.model())
+    assert [r.label for r in e.rows] == ["knife"]
+    assert e.dropped == ("row `twice` is left out: it follows from `knife`",)
+
+
+def test_velocity_row_that_sums_two_others_is_left_out() -> None:
+    b, (x, y, z) = plane()
+    b.constraint("a", b.der(x) - b.der(z))
+    b.constraint("b", x * b.der(y) + b.der(z))
+    b.constraint("c", b.der(x) + x * b.der(y))
+    e = derive(b.model())
+    assert e.dropped == ("row `c` is left out: it follows from `a`, `b`",)
+
+
+def test_hidden_zero_is_left_out() -> None:
+    """A row whose terms cancel by an identity that the graph does not know."""
+    b, (x, y, _) = plane()
+    g = b.graph
+    hidden = g.sin(2.0 * y) - 2.0 * g.sin(y) * g.cos(y)
+    b.constraint("nothing", b.der(x) * hidden)
+    assert derive(b.model()).dropped == ("row `nothing` is left out: it holds whatever the motion",)
+
+
+def test_velocity_row_that_agrees_on_positions_only_is_kept_consistent() -> None:
+    """der(z) = z - 1 follows from z = 1, though not where z is anything else."""
+    b, (_, _, z) = plane()
+    b.constraint("height", z - 1.0)
+    b.constraint("rise", b.der(z) - (z - 1.0))
+    assert derive(b.model()).dropped == ("row `rise` is left out: it follows from `height`",)
+
+
+def test_holonomic_row_stated_twice_stays() -> None:
+    """The run shares the force out between the two."""
+    b, (x, y, _) = plane()
+    b.constraint("circle", x * x + y * y - 1.0)
+    b.constraint("again", 2.0 * x * x + 2.0 * y * y - 2.0)
+    e = derive(b.model())
+    assert [r.label for r in e.rows] == ["circle", "again"]
+
+
+def test_rows_that_agree_for_some_parameters_stay() -> None:
+    """Equal by default, not for other values: the run will tell."""
+    b, (x, _, _) = plane()
+    b.constraint("a", x - b.parameter("first", 1.0))
+    b.constraint("b", x - b.parameter("second", 1.0))
+    assert len(derive(b.model()).rows) == 2
+
+
+def test_contradiction_between_positions() -> None:
+    b, (x, y, _) = plane()
+    b.constraint("a", x - y)
+    b.constraint("b", 2.0 * x - 2.0 * y - 1.0)
+    assert codes(b) == ["LAG0410"]
+
+
+def test_contradiction_between_position_and_speed() -> None:
+    b, (x, _, _) = plane()
+    b.constraint("still", x)
+    b.constraint("moving", b.der(x) - 1.0)
+    assert codes(b) == ["LAG0410"]
+
+
+def test_contradiction_between_three() -> None:
+    b, (x, y, z) = plane()
+    b.constraint("a", b.der(x) - b.der(y))
+    b.constraint("b", b.der(y) - z * b.der(z))
+    b.constraint("c", b.der(x) - z * b.der(z) + 1.0)
+    with pytest.raises(Refused) as refused:
+        derive(b.model())
+    (fault,) = refused.value.faults
+    assert "`a`, `b`" in fault.message
+    assert [label for _, label in fault.related] == ["`a`", "`b`"]
+
+
+def test_sides_that_always_differ() -> None:
+    b, (x, _, _) = plane()
+    b.constraint("c", x - x + 2.0)
+    assert codes(b) == ["LAG0408"]
+
+
+def test_relation_of_parameters() -> None:
+    b, _ = plane()
+    b.constraint("c", b.parameter("a") - b.parameter("b"))
+    assert codes(b) == ["LAG0409"]
+
+
+def test_zero_rows_of_a_vector_are_no_rows() -> None:
+    b, (x, y, _) = plane()
+    b.constraint("c", x, 0.0, y)
+    assert [r.label for r in derive(b.model()).rows] == ["c[1]", "c[3]"]
+
+
+def _input_places(b: Builder, q: list[Node]) -> None:
+    b.particle("driven", b.graph.one, (b.input("u"), q[0], 0.0))
+
+
+def _mass_in_time(b: Builder, q: list[Node]) -> None:
+    b.particle("leaking", b.graph.sin(b.time) + 2.0, (q[0], 0.0, 0.0))
+
+
+def _input_in_lagrangian(b: Builder, q: list[Node]) -> None:
+    b.lagrangian("extra", b.input("u") * b.der(q[0]) ** 2)
+
+
+def _input_in_constraint(b: Builder, q: list[Node]) -> None:
+    b.constraint("c", q[0] - b.input("u"))
+
+
+def _quadratic_speed(b: Builder, q: list[Node]) -> None:
+    b.speed("u", b.der(q[0]) ** 2)
+
+
+def _dependent_speeds(b: Builder, q: list[Node]) -> None:
+    b.speed("u", b.der(q[0]) + b.der(q[1]))
+    b.speed("w", 2.0 * b.der(q[0]) + 2.0 * b.der(q[1]))
+
+
+def _speed_of_nothing(b: Builder, q: list[Node]) -> None:
+    b.speed("u", q[0] + 0.0)
+
+
+def _many_speeds(b: Builder, q: list[Node]) -> None:
+    for k in range(4):
+        b.speed(f"u{k}", b.der(q[0]) + k * b.der(q[1]))
+
+
+@pytest.mark.parametrize(
+    "change, code",
+    [
+        (_quadratic_speed, "LAG0401"),
+        (_dependent_speeds, "LAG0402"),
+        (_speed_of_nothing, "LAG0402"),
+        (_many_speeds, "LAG0403"),
+        (_mass_in_time, "LAG0404"),
+        (_input_places, "LAG0405"),
+        (_input_in_lagrangian, "LAG0406"),
+        (_input_in_constraint, "LAG0407"),
+    ],
+)
+def test_refused(change: Callable[[Builder, list[Node]], None], code: str) -> None:
+    b, q = plane()
+    change(b, q)
+    assert codes(b) == [code]
+
+
+def test_all_faults_of_a_stage_at_once() -> None:
+    b, (x, y, _) = plane()
+    u = b.input("u")
+    b.constraint("a", x - u)
+    b.constraint("b", y - u)
+    assert codes(b) == ["LAG0407", "LAG0407"]
+    assert SPAN.line == 1
