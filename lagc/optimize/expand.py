@@ -30,14 +30,14 @@ def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
 
 def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
     if node.op == "const":
-        return {(): node.value} if node.value else {}  # type: ignore[dict-item]
+        return {(): node.value} if node.value else {}
     if node.op == "add":
         total = dict(forms[node.args[0]])
         for monomial, c in forms[node.args[1]].items():
             _count(total, monomial, c)
         return total
     if node.op == "scale":
-        return {monomial: node.value * c for monomial, c in forms[node.args[0]].items()}  # type: ignore[operator]
+        return {monomial: node.value * c for monomial, c in forms[node.args[0]].items()}
     if node.op == "mul":
         return _product(node, forms)
     return {((node, 1),): 1.0}
@@ -46,7 +46,7 @@ def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
 def _product(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
     plain: list[tuple[Node, int]] = []
     total: Polynomial = {(): 1.0}
-    for base, exponent in zip(node.args, node.value):  # type: ignore[call-overload]
+    for base, exponent in zip(node.args, node.value):
         form = forms[base]
         if not (1 <= exponent <= 2 and len(form) > 1 and all(_turned(m) for m in form)):
             plain.append((base, exponent))

@@ -73,11 +73,11 @@ def _sum(graph: Graph, root: Node, inner: set[Node], users: dict[Node, int], new
 def _term(node: Node) -> Term:
     c = 1.0
     if node.op == "scale":
-        c, node = node.value, node.args[0]  # type: ignore[assignment]
+        c, node = node.value, node.args[0]
     if node.op == "const":
-        return c * node.value, {}  # type: ignore[operator]
+        return c * node.value, {}
     if node.op == "mul":
-        return c, dict(zip(node.args, node.value))  # type: ignore[call-overload]
+        return c, dict(zip(node.args, node.value))
     return c, {node: 1}
 
 

@@ -72,7 +72,7 @@ def terms(graph: Graph, node: Node) -> list[Node]:
     while stack:
         c, top = stack.pop()
         if top.op == "scale":
-            stack.append((c * top.value, top.args[0]))  # type: ignore[operator]
+            stack.append((c * top.value, top.args[0]))
         elif top.op == "add" and len(found) + len(stack) < _MOST_TERMS:
             stack.extend([(c, a) for a in reversed(top.args)])
         else:

@@ -185,9 +185,14 @@ def solve(
     right: Sequence[int],
     refine: bool,
 ) -> tuple[list[int], int]:
-    """The unknowns, and the largest residual of the first solution over the size of its terms
-    (zero where not refined).  With `refine`, one step of iterative refinement follows, which
-    lowers that residual by about the same factor again."""
+    """The unknowns, and the scaled residual of the first solution (zero where not refined).
+    With `refine`, one step of iterative refinement follows, which lowers that residual by about
+    the same factor again.
+
+    The residual is the largest of the rows of speeds over the size of the largest of them; then the
+    same of the rows of multipliers, the size of G a being that of the accelerations that the single
+    forces would bring, so that what is at rest is not judged by rounding errors alone.
+    """
     x = substitute(block, plan, factors, right)
     if not refine:
         return x, block.zero
@@ -196,19 +201,49 @@ def solve(
         products[i].append(block.mul(entries[(i, j)], x[j]))
         if i != j:
             products[j].append(block.mul(entries[(i, j)], x[i]))
-    tiny = block.const(1e-300)
-    residual: list[int] = []
-    worst = block.zero
-    for k in range(plan.size):
-        rest, size = right[k], block.add(tiny, _abs(block, right[k]))
-        for product in products[k]:
-            rest = block.sub(rest, product)
-            size = block.add(size, _abs(block, product))
-        residual.append(rest)
-        share = block.div(block.abs(rest), size)
-        worst = share if worst == block.zero else block.apply("max", worst, share)
+    residual = [_rest(block, right[k], products[k]) for k in range(plan.size)]
+    sizes = [_size(block, [right[k], *products[k]]) for k in range(plan.speeds)]
+    for k in range(plan.speeds, plan.size):
+        parts = [right[k]]
+        for j in range(plan.speeds):
+            if (k, j) in entries:
+                share = factors.lower.get((k, j))  # G_kj / d_j
+                parts.append(products[k][len(parts) - 1] if share is None else block.mul(share, sizes[j]))
+        sizes.append(_size(block, parts))
+    shares = [
+        block.div(_largest(block, [_abs(block, r) for r in residual[part]]), _positive(block, sizes[part]))
+        for part in (slice(plan.speeds), slice(plan.speeds, None))
+        if residual[part]
+    ]
     correction = substitute(block, plan, factors, residual)
-    return [block.add(x[k], correction[k]) for k in range(plan.size)], worst
+    return [block.add(x[k], correction[k]) for k in range(plan.size)], _largest(block, shares)
+
+
+def _rest(block: Block, right: int, products: Sequence[int]) -> int:
+    for product in products:
+        right = block.sub(right, product)
+    return right
+
+
+def _size(block: Block, terms: Sequence[int]) -> int:
+    """The sum of absolute values."""
+    total = block.zero
+    for term in terms:
+        total = block.add(total, _abs(block, term))
+    return total
+
+
+def _largest(block: Block, values: Sequence[int]) -> int:
+    """Of values that are not negative."""
+    largest = block.zero
+    for value in values:
+        if not block.is_zero(value):
+            largest = value if block.is_zero(largest) else block.apply("max", largest, value)
+    return largest
+
+
+def _positive(block: Block, sizes: Sequence[int]) -> int:
+    return block.add(block.const(1e-300), _largest(block, sizes))
 
 
 def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:

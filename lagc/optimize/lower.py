@@ -46,9 +46,9 @@ class Lowering:
             a, b = node.args
             return block.add(known[a], known[b])
         if op == "scale":
-            return block.mul(block.const(node.value), known[node.args[0]])  # type: ignore[arg-type]
+            return block.mul(block.const(node.value), known[node.args[0]])
         if op == "const":
-            return block.const(node.value)  # type: ignore[arg-type]
+            return block.const(node.value)
         if op == "symbol":
             raise KeyError(node.value)
         return self._function(op, [known[a] for a in node.args])
@@ -84,8 +84,8 @@ class Lowering:
 
 def split(node: Node) -> tuple[Product, Product]:
     """Numerator and denominator of a monomial."""
-    pairs = tuple(zip(node.args, node.value))  # type: ignore[call-overload]
-    if min(node.value) > 0:  # type: ignore[call-overload]
+    pairs = tuple(zip(node.args, node.value))
+    if min(node.value) > 0:
         return pairs, ()
     over = tuple([(b, e) for b, e in pairs if e > 0])
     under = tuple([(b, -e) for b, e in pairs if e < 0])
