@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.c.header import members
-from lagc.render.statements import literal
+from lagc.render.statements import literal, loads
 
 _POINT = "const lagc_params *p, double t, const double *x"
 
@@ -103,8 +103,9 @@ def _system(interface: Interface) -> list[Verb]:
         Verb(
             "The mass matrix M[NV*NV], all of it.",
             f"void lagc_mass_matrix({_POINT}, double *M, lagc_work *w)",
-            "    int i, j;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++)\n"
-            "            M[i * LAGC_NV + j] = M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n"),
+            "    int i, j;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
+            "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
+            "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
         Verb(
             "r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lambda.",
             f"void lagc_forces({_POINT}, double *r, lagc_work *w)",
@@ -133,18 +134,15 @@ def _outputs(program: Program) -> Verb:
 
 def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
     """A function that may need accelerations and multipliers, which the right-hand side gives."""
-    inputs = program.functions[name].inputs
+    function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
-    call = f"    lagc_fn_{name}({', '.join(given[i] for i in inputs)}, {output});\n"
+    call = f"    lagc_fn_{name}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     head = f"lagc_status lagc_{name}({_POINT}, double *{output}, lagc_work *w)"
-    if "a" not in inputs and "lam" not in inputs:
-        return Verb(comment, head, call + "    (void)w;\n" + _unused(inputs) + "    return LAGC_OK;\n")
+    if not {"a", "lam"} & {array for array, _ in loads(function)}:
+        unused = "" if "w->" in call else "    (void)w;\n"
+        return Verb(comment, head, call + unused + "    return LAGC_OK;\n")
     solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"
     return Verb(comment, head, solved + call + "    return status;\n")
-
-
-def _unused(inputs: tuple[str, ...]) -> str:
-    return "".join(f"    (void){name};\n" for name in ("p", "t", "x") if name not in inputs)
 
 
 def _linear(interface: Interface) -> list[Verb]:
