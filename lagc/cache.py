@@ -27,7 +27,9 @@ def folder() -> str | None:
     if home == "~":
         return None
     if sys.platform == "win32":
-        return os.path.join(os.environ.get("LOCALAPPDATA", os.path.join(home, "AppData", "Local")), "lagc", "cache")
+        return os.path.join(
+            os.environ.get("LOCALAPPDATA", os.path.join(home, "AppData", "Local")), "lagc", "cache"
+        )
     if sys.platform == "darwin":
         return os.path.join(home, "Library", "Caches", "lagc")
     return os.path.join(home, ".cache", "lagc")

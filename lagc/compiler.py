@@ -64,9 +64,14 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
         )
 
     given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
-    model = resolved(given)
+    try:
+        model = resolved({})
+    except Refused:
+        if not given:
+            raise
+        model = resolved(given)  # a structural one without a value of its own
     built_in = {name: value for name, value in given.items() if name in model.built_in}
-    return model if len(built_in) == len(given) else resolved(built_in)
+    return resolved(built_in) if built_in else model
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
@@ -171,7 +176,9 @@ class Compilation:
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
                   if name in head.structural]  # fmt: skip
-        return cache.key("artifact", self._head_name, target, *values, *(digest for _, digest in head.imports))
+        return cache.key(
+            "artifact", self._head_name, target, *values, *(digest for _, digest in head.imports)
+        )
 
     def _compiled(self, target: str) -> Artifact:
         program = self.program
@@ -201,8 +208,12 @@ def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Prog
     compilation = Compilation(source, choice, roots)
     found = optimize(compilation.equations, work=False)
     interface = found.interface
-    values = bound_parameters(interface, choice.parameters, unused(compilation.model, interface), demanding=False)
-    fields = [dataclasses.replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
+    values = bound_parameters(
+        interface, choice.parameters, unused(compilation.model, interface), demanding=False
+    )
+    fields = [
+        dataclasses.replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)
+    ]
     n = len(interface.parameters)
     bound = dataclasses.replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
     return dataclasses.replace(found, interface=bound)

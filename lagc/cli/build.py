@@ -16,7 +16,9 @@ from lagc.cli.output import print_json, say
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     parser.add_argument("--target", choices=("c", "numpy"), default="c", help="what is generated")
-    parser.add_argument("-o", "--output", metavar="DIR", default=".", help="the folder that receives it; made where absent")
+    parser.add_argument(
+        "-o", "--output", metavar="DIR", default=".", help="the folder that receives it; made where absent"
+    )
     add_general_options(parser)
 
 
@@ -29,8 +31,17 @@ def run(options: argparse.Namespace) -> int:
     paths = write(files, options.output)
     if options.json:
         interface = program.interface
-        print_json({"status": "ok", "model": interface.model, "scene": interface.scene, "effects": interface.effects,
-                    "target": options.target, "files": paths, "operations": interface.operations})  # fmt: skip
+        print_json(
+            {
+                "status": "ok",
+                "model": interface.model,
+                "scene": interface.scene,
+                "effects": interface.effects,
+                "target": options.target,
+                "files": paths,
+                "operations": interface.operations,
+            }
+        )
     elif not options.quiet:
         for note in program.interface.notes:
             say(note)

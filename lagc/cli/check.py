@@ -12,8 +12,12 @@ from lagc.diagnostics.faults import Fault, Refused
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("files", metavar="FILE", nargs="*", help="model files, models of the library, or - for standard input")
-    parser.add_argument("--format", choices=("text", "json"), default="text", help="how the faults are printed")
+    parser.add_argument(
+        "files", metavar="FILE", nargs="*", help="model files, models of the library, or - for standard input"
+    )
+    parser.add_argument(
+        "--format", choices=("text", "json"), default="text", help="how the faults are printed"
+    )
     parser.add_argument("--scene", metavar="S", help="check this scene only; without it, every scene")
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
     parser.add_argument("--explain", metavar="CODE", help="what a fault's code means, with an example")

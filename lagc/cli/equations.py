@@ -16,7 +16,9 @@ from lagc.cli.output import print_json, say
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument("--format", choices=("text", "latex", "sympy"), default="text", help="how they are written")
+    parser.add_argument(
+        "--format", choices=("text", "latex", "sympy"), default="text", help="how they are written"
+    )
     add_general_options(parser)
 
 

@@ -18,7 +18,9 @@ from lagc.cli.output import say
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("files", metavar="FILE", nargs="+", help="model files, or - for standard input")
-    parser.add_argument("--check", action="store_true", help="change nothing; exit 1 where a file is laid out otherwise")
+    parser.add_argument(
+        "--check", action="store_true", help="change nothing; exit 1 where a file is laid out otherwise"
+    )
     add_general_options(parser, json=False)
 
 

@@ -6,6 +6,7 @@ import argparse
 import importlib
 import os
 import sys
+from typing import NoReturn
 
 from lagc.cli.exits import INTERNAL, INTERRUPTED, REFUSED, USAGE, Usage
 from lagc.diagnostics.faults import Refused
@@ -58,7 +59,7 @@ def _dispatch(words: list[str]) -> int:
     if name not in COMMANDS:
         raise Usage(f"there is no command `{name}`{_similar(name)}; `lagc --help` lists them")
     command = importlib.import_module(f"lagc.cli.{name}")
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog=f"lagc {name}", description=command.__doc__, allow_abbrev=False,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
@@ -66,6 +67,13 @@ def _dispatch(words: list[str]) -> int:
     code: int = command.run(parser.parse_args(words[1:]))
     sys.stdout.flush()
     return code
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise Usage(f"{message}; `{self.prog} --help` says more")
 
 
 def _overview() -> str:
@@ -83,8 +91,13 @@ def _similar(name: str) -> str:
 
 
 def _report(refused: Refused, words: list[str]) -> None:
-    from lagc.cli.output import print_faults
+    from lagc.cli.output import print_faults, print_json
 
+    if "--json" in words:
+        from lagc.diagnostics.report import as_json
+
+        print_json({"status": "refused", "faults": as_json(refused.faults)})
+        return
     print_faults(refused.faults, color=None if "--no-color" not in words else False)
 
 
@@ -99,7 +112,9 @@ def _internal_error(error: BaseException, verbose: bool) -> int:
             traceback.print_exception(error, file=file)
         place = f"; details are in {path}"
     kind = type(error).__name__
-    print(f"error[LAG0799]: internal error of lagc ({kind}: {error}), please report it{place}", file=sys.stderr)
+    print(
+        f"error[LAG0799]: internal error of lagc ({kind}: {error}), please report it{place}", file=sys.stderr
+    )
     return INTERNAL
 
 

@@ -10,7 +10,7 @@ from lagc.cli.exits import DONE, Usage
 from lagc.cli.options import add_general_options
 from lagc.cli.output import say
 
-TEMPLATE = '''\
+TEMPLATE = """\
 model {name} "A mass on a massless string"
   // What is given, with units.  `-p l=0.7` changes it without compiling again.
   parameter Mass m(min = 0) = 1 [kg];
@@ -42,11 +42,13 @@ model {name} "A mass on a massless string"
 
   output Energy E = energy();
 end {name};
-'''
+"""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("name", metavar="NAME", help="the model's name, as in `Pendulum`; a folder may stand before it")
+    parser.add_argument(
+        "name", metavar="NAME", help="the model's name, as in `Pendulum`; a folder may stand before it"
+    )
     parser.add_argument("--force", action="store_true", help="replace a file that is there")
     add_general_options(parser, json=False)
 

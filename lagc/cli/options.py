@@ -21,18 +21,38 @@ def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> N
         parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("-q", "--quiet", action="store_true", help="print the result only")
     parser.add_argument("-v", "--verbose", action="store_true", help="say more")
-    parser.add_argument("--no-color", action="store_true", help="no colours (also: NO_COLOR in the environment)")
+    parser.add_argument(
+        "--no-color", action="store_true", help="no colours (also: NO_COLOR in the environment)"
+    )
 
 
 def add_model_options(parser: argparse.ArgumentParser) -> None:
     """FILE, and what of it is meant: `--scene --with --without --model -p`."""
-    parser.add_argument("file", metavar="FILE", help="a model file, a model of the library, or - for standard input")
+    parser.add_argument(
+        "file", metavar="FILE", help="a model file, a model of the library, or - for standard input"
+    )
     parser.add_argument("--scene", metavar="S", help="the scene; without it the first of the file")
-    parser.add_argument("--with", metavar="E", dest="with_effects", action="append", default=[], help="use effect E too")
-    parser.add_argument("--without", metavar="E", dest="without_effects", action="append", default=[], help="leave effect E out")
+    parser.add_argument(
+        "--with", metavar="E", dest="with_effects", action="append", default=[], help="use effect E too"
+    )
+    parser.add_argument(
+        "--without",
+        metavar="E",
+        dest="without_effects",
+        action="append",
+        default=[],
+        help="leave effect E out",
+    )
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
-    parser.add_argument("-p", "--parameter", metavar="NAME=VALUE[UNIT]", dest="parameters", action="append", default=[],
-                        help="the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'")  # fmt: skip
+    parser.add_argument(
+        "-p",
+        "--parameter",
+        metavar="NAME=VALUE[UNIT]",
+        dest="parameters",
+        action="append",
+        default=[],
+        help="the value of a parameter, e.g. -p l=0.7 or -p 'l=70[cm]'",
+    )
 
 
 def choice_of(options: argparse.Namespace) -> Choice:
@@ -49,8 +69,12 @@ def choice_of(options: argparse.Namespace) -> Choice:
 
 
 def add_backend_option(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--backend", choices=("auto", "c", "numpy"), default="auto",
-                        help="auto: C where a compiler is found and it pays, else NumPy")  # fmt: skip
+    parser.add_argument(
+        "--backend",
+        choices=("auto", "c", "numpy"),
+        default="auto",
+        help="auto: C where a compiler is found and it pays, else NumPy",
+    )
 
 
 def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | None]]:
@@ -79,9 +103,11 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     """A number with an optional unit, `20`, `20[s]`, `20 [ms]`, in SI; None stays None."""
     if word is None:
         return None
-    value, given = assignments([f"value={word}"], option)["value"] if "=" not in word else (0.0, "=")
-    if given == "=":
-        raise Usage(f"`{option} {word}` is not a number")
+    match = _ASSIGNMENT.fullmatch(f"value={word}")
+    value = _number(match[2]) if match else None
+    if match is None or value is None:
+        raise Usage(f"`{option} {word}` is not a number" + (", or a number with a [unit]" if unit else ""))
+    given = match[3]
     if given is None:
         return value
     from lagc.meaning.units import UnknownUnit, to_si

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import os
 from typing import TYPE_CHECKING
 
 from lagc.cli.exits import DONE, FAILED, INTERRUPTED, Usage
@@ -26,23 +27,37 @@ if TYPE_CHECKING:
     from lagc.run.request import Request
 
 METHODS = ("dop853", "dopri5")
+PICTURES = (".png", ".svg", ".pdf", ".jpg", ".webp", ".eps")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
-    parser.add_argument("--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
-                        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'")  # fmt: skip
+    parser.add_argument(
+        "--start",
+        metavar="NAME=VALUE[UNIT]",
+        dest="starts",
+        action="append",
+        default=[],
+        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
+    )
     parser.add_argument("--stop", metavar="T", help="how long, in s or with a unit: 20, '5[min]'")
     parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
     parser.add_argument("--rtol", metavar="R", help="by hand: relative tolerance of a step")
     parser.add_argument("--atol", metavar="A", help="by hand: absolute tolerance of a step; default: as rtol")
     parser.add_argument("--step", metavar="DT", help="by hand: a fixed step instead of tolerances")
-    parser.add_argument("--every", metavar="DT", help="record a point every DT (dense output, never the step)")
+    parser.add_argument(
+        "--every", metavar="DT", help="record a point every DT (dense output, never the step)"
+    )
     parser.add_argument("--points", metavar="N", help="record N points; default 501")
     parser.add_argument("-o", "--output", metavar="FILE", help="write what was recorded: .csv .npz .parquet")
-    parser.add_argument("--plot", metavar="FILE", nargs="?", const="",
-                        help="draw the motion, into FILE (.png .svg .pdf) or on the screen")  # fmt: skip
+    parser.add_argument(
+        "--plot",
+        metavar="FILE",
+        nargs="?",
+        const="",
+        help="draw the motion, into FILE (.png .svg .pdf) or on the screen",
+    )
     add_backend_option(parser)
     add_general_options(parser)
 
@@ -55,8 +70,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.run.backends.compile import CannotCompile
     from lagc.run.request import bound_parameters, bound_starts
 
-    if options.output:
-        check_output(options.output)
+    check_files(options)
     request = request_of(options)
     choice = choice_of(options)
     source = library.read(options.file)
@@ -73,14 +87,23 @@ def run(options: argparse.Namespace) -> int:
     return deliver(found, options)
 
 
-def check_output(path: str) -> None:
-    """Before anything is computed for it."""
-    from lagc.run.files import CannotSave, check_path
+def check_files(options: argparse.Namespace) -> None:
+    """Before anything is computed for them."""
+    if options.output:
+        from lagc.run.files import CannotSave, check_path
 
-    try:
-        check_path(path)
-    except CannotSave as error:
-        raise Usage(str(error)) from None
+        try:
+            check_path(options.output)
+        except CannotSave as error:
+            raise Usage(str(error)) from None
+    if options.plot:
+        ending = os.path.splitext(options.plot)[1].lower()
+        if ending not in PICTURES:
+            raise Usage(
+                f"`{options.plot}` cannot be drawn: the ending says the format; there are {' '.join(PICTURES)}"
+            )
+        if not os.path.isdir(os.path.dirname(options.plot) or "."):
+            raise Usage(f"`{options.plot}` cannot be drawn: there is no such folder")
 
 
 def deliver(found: Run, options: argparse.Namespace) -> int:

@@ -22,7 +22,9 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
     lines.append(f"  {'accuracy':9} {_accuracy(run)}")
     if interface.nc or interface.quaternions:
-        lines.append(f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)")
+        lines.append(
+            f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)"
+        )
     lines.append(f"  {'energy':9} {_energy(run)}")
     lines.append(f"  {'method':9} {_method(run)}, backend {run.system.backend}")
     lines.append(f"  {'cost':9} {_cost(run)}")
@@ -42,6 +44,7 @@ def _final(run: Solution, verbose: bool) -> list[str]:
 
 def value_text(value: float, unit: str) -> str:
     """A value with its unit, and in degrees too where it is an angle."""
+    value += 0.0  # no negative zero
     text = f"{value:.9g}" + (f" {unit}" if unit else "")
     if unit in ("rad", "rad/s"):
         text += f"  ({value * 180.0 / pi:.6g} {unit.replace('rad', 'deg')})"
@@ -65,7 +68,9 @@ def _energy(run: Solution) -> str:
 def _method(run: Solution) -> str:
     if run.step:
         return f"{run.method}, fixed step {run.step:g} s"
-    return f"{run.method}, tolerance {run.rtol:.2g}" + ("" if run.atol == run.rtol else f", absolute {run.atol:.2g}")
+    return f"{run.method}, tolerance {run.rtol:.2g}" + (
+        "" if run.atol == run.rtol else f", absolute {run.atol:.2g}"
+    )
 
 
 def _cost(run: Solution) -> str:

@@ -12,6 +12,7 @@ from lagc.optimize.program import Field, Interface
 
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
+FINEST = 1e-15  # relative tolerance of a step
 POINTS = 501  # recorded where no grid is asked for
 MOST_POINTS = 50_000_000  # numbers that one run records at most
 
@@ -77,6 +78,10 @@ class Request:
                                    "`method`, `rtol`, `atol` and `step`"))  # fmt: skip
         if self.accuracy is not None and self.accuracy >= 1.0:
             faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
+        if self.rtol is not None and 0.0 < self.rtol < FINEST:
+            faults.append(_request(f"`rtol` is below {FINEST:g}, where rounding is all that is left"))
+        if self.rtol == 0.0 and not self.atol:
+            faults.append(_request("one of `rtol` and `atol` must be positive"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.every is not None and self.points is not None:

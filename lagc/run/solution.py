@@ -253,4 +253,3 @@ class _Bound:
 
     def __exit__(self, *_: object) -> None:
         self.system.parameters = self.before
-

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ def check_path(path: str) -> str:
         known = " ".join(FORMATS)
         reason = f"{ending} is not built yet" if ending in PLANNED else "the ending says the format"
         raise CannotSave(f"`{path}` cannot be written: {reason}; there are {known}")
+    if ending == ".parquet" and find_spec("pyarrow") is None:
+        raise CannotSave(f"`{path}` needs the package pyarrow: pip install 'lagc[parquet]'")
     folder = os.path.dirname(path) or "."
     if not os.path.isdir(folder):
         raise CannotSave(f"`{path}` cannot be written: there is no folder `{folder}`")
@@ -39,7 +42,5 @@ def save(solution: Solution, path: str) -> None:
     module = importlib.import_module(f"{__name__}.{check_path(path)}")
     try:
         module.write(solution, path)
-    except ImportError as error:
-        raise CannotSave(f"`{path}` needs the package {error.name}: pip install 'lagc[parquet]'") from None
     except OSError as error:
         raise CannotSave(f"`{path}` cannot be written: {error.strerror or error}") from None
