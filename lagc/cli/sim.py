@@ -99,9 +99,8 @@ def check_files(options: argparse.Namespace) -> None:
     if options.plot:
         ending = os.path.splitext(options.plot)[1].lower()
         if ending not in PICTURES:
-            raise Usage(
-                f"`{options.plot}` cannot be drawn: the ending says the format; there are {' '.join(PICTURES)}"
-            )
+            known = " ".join(PICTURES)
+            raise Usage(f"`{options.plot}` cannot be drawn: the ending says the format; there are {known}")
         if not os.path.isdir(os.path.dirname(options.plot) or "."):
             raise Usage(f"`{options.plot}` cannot be drawn: there is no such folder")
 
