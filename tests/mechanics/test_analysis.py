@@ -1,0 +1,215 @@
+"""What `explain` tells: counts, cyclic coordinates, conserved quantities, integrable rows."""
+
+from __future__ import annotations
+
+import pytest
+
+from lagc.expr.evaluate import evaluate
+from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.derive import derive
+from tests.mechanics.builder import Builder
+from tests.mechanics.models import (
+    ALL,
+    chain,
+    charged_particle,
+    constant_speed,
+    knife_edge,
+    rheonomic_disc,
+    rolling_ball,
+    string_pendulum,
+)
+from tests.mechanics.numbers import random_state
+
+
+def of(name: str) -> Analysis:
+    return analyse(derive(ALL[name]()))
+
+
+def conserved(a: Analysis) -> list[str]:
+    return [c.name for c in a.conserved]
+
+
+@pytest.mark.parametrize(
+    "name, unknowns, freedom, positions",
+    [
+        ("pendulum", 1, 1, 1),
+        ("string pendulum", 3, 1, 1),
+        ("rolling ball", 9, 3, 5),
+        ("knife edge", 4, 2, 3),
+        ("constant speed", 4, 2, 3),
+    ],
+)
+def test_counts(name: str, unknowns: int, freedom: int, positions: int) -> None:
+    a = of(name)
+    assert (a.unknowns, a.degrees_of_freedom, a.positional_freedom) == (unknowns, freedom, positions)
+
+
+def test_a_row_stated_twice_takes_one_freedom() -> None:
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    b.constraint("a", x * x + y * y - 1.0)
+    b.constraint("b", 2.0 * x * x + 2.0 * y * y - 2.0)
+    a = analyse(derive(b.model()))
+    assert (a.rows, a.degrees_of_freedom, a.redundant) == (2, 1, ("b",))
+    assert "energy" in conserved(a)
+
+
+def test_string_pendulum() -> None:
+    a = analyse(derive(string_pendulum()))
+    assert a.cyclic == ("x",)
+    assert conserved(a) == ["energy"]  # the string pulls along x
+    assert [(c.label, c.holonomic, c.time_dependent, c.affine) for c in a.constraints] == [
+        ("string", True, False, True)
+    ]
+
+
+def test_charged_particle_keeps_energy_and_one_momentum() -> None:
+    assert conserved(analyse(derive(charged_particle())))[:2] == ["energy", "momentum(z)"]
+
+
+def test_central_motion_keeps_angular_momentum() -> None:
+    """Also where symbols do not show it: a spring between two particles in space."""
+    b = Builder()
+    q = [b.coordinate(f"{k}{i}") for i in (1, 2) for k in "xyz"]
+    for i in (0, 1):
+        b.particle(f"p{i}", b.parameter(f"m{i}", 1.0 + i), q[3 * i : 3 * i + 3])
+    gap = b.graph.sum((p - r) ** 2 for p, r in zip(q[:3], q[3:]))
+    b.potential("spring", b.graph.sqrt(gap) - 1.0 / gap)
+    a = analyse(derive(b.model()))
+    totals = [f"{head}().{axis}" for head in ("momentum", "angular_momentum") for axis in "xyz"]
+    assert conserved(a) == ["energy", *totals]
+
+
+def test_cyclic_angle_that_symbols_do_not_show() -> None:
+    """The sum of two angles is cyclic without gravity when written relative; here the first angle."""
+    b = Builder()
+    g = b.graph
+    first, second = b.coordinate("first"), b.coordinate("second")
+    elbow = (g.cos(first), g.sin(first), 0.0)
+    hand = (elbow[0] + g.cos(first + second), elbow[1] + g.sin(first + second), 0.0)
+    b.particle("a", g.one, elbow)
+    b.particle("b", g.one, hand)
+    a = analyse(derive(b.model()))
+    assert a.cyclic == ("first",)
+    assert conserved(a)[:2] == ["energy", "momentum(first)"]
+
+
+def test_a_force_along_a_cyclic_coordinate_breaks_its_momentum() -> None:
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    b.dissipation("drag", b.der(x) ** 2)
+    a = analyse(derive(b.model()))
+    assert a.cyclic == ("x", "y")
+    assert conserved(a) == ["momentum(y)", "momentum().y"]
+
+
+def test_kinetic_energy_by_degree() -> None:
+    b = Builder()
+    r = b.coordinate("r")
+    w, g = b.parameter("w", 2.0), b.graph
+    lift = 0.3 * b.time
+    b.particle("bead", b.parameter("m"), (r * g.cos(w * b.time), r * g.sin(w * b.time), r + lift))
+    e = derive(b.model())
+    parts = analyse(e).kinetic_parts
+    assert parts is not None
+    state = random_state(e, 1)
+    speed, reach = state[e.v[0]], state[e.q[0]]
+    assert evaluate(parts, state) == pytest.approx(
+        [speed**2, 0.3 * speed, 0.5 * (4.0 * reach**2 + 0.09)], rel=1e-12
+    )
+
+
+def test_no_split_of_a_kinetic_energy_that_is_not_quadratic() -> None:
+    b = Builder()
+    x = b.coordinate("x")
+    b.lagrangian("relativistic", -b.graph.sqrt(1.0 - b.der(x) ** 2))
+    a = analyse(derive(b.model()))
+    assert a.kinetic_parts is None
+    assert conserved(a) == ["energy", "momentum(x)"]
+
+
+def test_drives_and_friction_leave_nothing_conserved() -> None:
+    assert conserved(analyse(derive(rheonomic_disc()))) == []
+
+
+# -- which velocity rows are integrable ---------------------------------------------
+
+
+def answers(b: Builder) -> dict[str, bool | None]:
+    return {c.label: c.integrable for c in analyse(derive(b.model())).constraints}
+
+
+def plane() -> tuple[Builder, list]:  # type: ignore[type-arg]
+    b = Builder()
+    q = [b.coordinate(k) for k in ("x", "y", "phi")]
+    frame = b.rotate("F", b.world, "z", q[2])
+    b.solid("s", b.parameter("m"), (0.1, 0.1, 0.2), frame, (q[0], q[1], 0.0))
+    return b, q
+
+
+def test_knife_edge_is_not_integrable() -> None:
+    (row,) = analyse(derive(knife_edge())).constraints
+    assert (row.integrable, row.affine, row.holonomic) == (False, True, False)
+
+
+def test_wheel_on_a_line_is() -> None:
+    b, (x, _, phi) = plane()
+    b.constraint("roll", b.der(x) - 0.3 * b.der(phi))
+    assert answers(b) == {"roll": True}
+
+
+def test_an_integrating_factor_does_not_hide_it() -> None:
+    b, (x, y, phi) = plane()
+    g = b.graph
+    factor = g.sin(x * y) + 2.0 + phi
+    b.constraint("hidden", factor * (y * b.der(x) + x * b.der(y) + g.cos(phi) * b.der(phi)))
+    assert answers(b) == {"hidden": True}
+
+
+def test_drives_belong_to_the_form() -> None:
+    b, (x, y, phi) = plane()
+    g = b.graph
+    b.constraint("integrable", b.der(x) - g.cos(b.time))
+    b.constraint("not", b.der(y) - b.time * b.der(phi))
+    assert answers(b) == {"integrable": True, "not": False}
+
+
+def test_knife_edge_that_may_not_turn_is_a_slide() -> None:
+    b, (x, y, phi) = plane()
+    g = b.graph
+    b.constraint("knife", b.der(x) * g.sin(phi) - b.der(y) * g.cos(phi))
+    b.constraint("locked", phi - 0.3)
+    (_, knife) = analyse(derive(b.model())).constraints
+    assert knife.integrable
+    assert "holonomic" in knife.explanation
+
+
+def test_rows_that_are_integrable_only_together() -> None:
+    """Neither dx - y dphi nor dy - x dphi alone; together they leave a curve in space."""
+    b, (x, y, phi) = plane()
+    b.constraint("a", b.der(x) - y * b.der(phi))
+    b.constraint("b", b.der(y) - x * b.der(phi))
+    assert answers(b) == {"a": True, "b": True}
+
+
+def test_spin_about_one_axis_of_a_quaternion() -> None:
+    """Without the two other body rates a solid turns about one axis: positions are restricted."""
+    b = Builder()
+    frame, o = b.orientation("o")
+    b.solid("s", b.parameter("m"), (0.1, 0.2, 0.3), frame)
+    b.constraint("x", o.rate_symbols[0])
+    assert answers(b) == {"x": False}
+    b.constraint("y", o.rate_symbols[1])
+    assert answers(b) == {"x": True, "y": True}
+
+
+def test_rolling_ball_and_constant_speed() -> None:
+    assert [c.integrable for c in analyse(derive(rolling_ball())).constraints] == [None, False, False]
+    (row,) = analyse(derive(constant_speed())).constraints
+    assert (row.integrable, row.affine) == (None, False)
+
+
+def test_a_chain_is_analysed() -> None:
+    assert conserved(analyse(derive(chain(20)))) == ["energy"]
