@@ -262,7 +262,7 @@ def condition(
     left, right = all_values(context, [written.left, written.right], environment)
     found: list[nouns.InitialCondition] = []
     for node, _ in _residuals(left, right, written):
-        _timely(context, node, written.span, "an initial condition")
+        _timely(context, node, written.left.span.to(written.right.span), "an initial condition")
         if not node.is_zero:
             found.append(nouns.InitialCondition(node, written.span))
     return found
