@@ -20,12 +20,19 @@ _MOST_TERMS = 48  # of one sum; beyond, products stay as they are
 
 
 def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes`, multiplied out where that is sound and small."""
+    """`nodes`, each multiplied out where that is sound and leaves fewer nodes."""
     forms: dict[Node, Polynomial] = {}
     for node in reachable(nodes):
         form = _form(node, forms)
         forms[node] = {((node, 1),): 1.0} if len(form) > _MOST_TERMS else form
-    return [_rebuilt(graph, _squares_met(forms[node])) for node in nodes]
+    others = [_rebuilt(graph, _squares_met(forms[node])) for node in nodes]
+    return [_smaller(node, other) for node, other in zip(nodes, others)]
+
+
+def _smaller(node: Node, other: Node) -> Node:
+    if node is other:
+        return node
+    return other if len(reachable([other])) < len(reachable([node])) else node
 
 
 def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
