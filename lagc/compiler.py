@@ -12,6 +12,7 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf
 from typing import TYPE_CHECKING
 
 from lagc import cache
@@ -222,8 +223,11 @@ def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Prog
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
     """The parameters of the model that reach nothing or are built in: a run may name them, to no effect."""
     kept = {f.name for f in interface.parameters}
-    return tuple([
+    fields = [
         Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit,
               f"{p.span.source.name}:{p.span.line}", p.description)
         for p in model.parameters if p.name not in kept
-    ])  # fmt: skip
+    ]  # fmt: skip
+    listed = kept | {f.name for f in fields}
+    structural = [n for n in model.built_in if n not in listed]
+    return (*fields, *(Field(n, None, -inf, inf, "", "", "", "") for n in structural))

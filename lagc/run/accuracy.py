@@ -106,7 +106,7 @@ class _Search:
             if estimated <= self.accuracy or tol <= FINEST:
                 break
             coarse = max(10.0 * FINEST, min(self._predicted(), tol))
-            for tol in (coarse, coarse / 10.0):
+            for tol in (_plain(coarse), _plain(coarse / 10.0)):
                 if tol not in self.runs:
                     failed = self._failed(tol)
                     if failed is not None:
@@ -192,6 +192,11 @@ def kinds(interface: Interface) -> list[list[int]]:
     for i, unit in enumerate(interface.v_units):
         groups.setdefault(("v", unit), []).append(interface.nq + i)
     return list(groups.values())
+
+
+def _plain(tol: float) -> float:
+    """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
+    return float(f"{tol:.2e}")
 
 
 def difference(
