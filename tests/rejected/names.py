@@ -121,7 +121,8 @@ CASES = [
     (
         "a body modified from outside",
         "LAG0209",
-        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0}); end A; model B A a(«b = 2»); end B;",
+        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0}); end A; "
+        "model B A a(«b = 2»); end B;",
     ),
     (
         "com and at together",

@@ -98,7 +98,8 @@ CASES = [
     (
         "an inertia that is not symmetric",
         "LAG0306",
-        "body s = Solid(mass = m, inertia = «{{1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}}», frame = world, com = {x, 0, 0});",
+        "body s = Solid(mass = m, inertia = «{{1, 0.1, 0}, {0, 1, 0}, {0, 0, 1}}», "
+        "frame = world, com = {x, 0, 0});",
     ),
     ("a quaternion of three numbers", "LAG0306", "coordinate Orientation o(start = «{1, 0, 0}»);"),
     ("body rates of two numbers", "LAG0306", "coordinate Orientation o(rate = «{1, 0}»);"),
