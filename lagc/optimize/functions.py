@@ -9,7 +9,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.optimize.block import Block
 from lagc.optimize.kkt import applied_forces
 from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places, lower
+from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
 _FLOOR = 1e-3  # SI units of a coordinate (or speed) below which no row is judged more strictly
 _MOST_TERMS = 1000
@@ -130,12 +130,13 @@ def _function(
     outputs: tuple[tuple[str, Sequence[Node]], ...],
     description: str,
 ) -> Function:
-    block = Block()
-    nodes = [node for _, part in outputs for node in part]
-    _, values = lower(places, block, nodes)
-    following = iter(values)
-    for array, part in outputs:
-        for k in range(len(part)):
-            block.store(array, k, next(following))
+    def make(nodes: Sequence[Node]) -> Function:
+        block = Block()
+        following = iter(lower(places, block, nodes)[1])
+        for array, length in lengths:
+            for k in range(length):
+                block.store(array, k, next(following))
+        return block.function(name, inputs, lengths, description)
+
     lengths = tuple([(array, len(part)) for array, part in outputs])
-    return block.function(name, inputs, lengths, description)
+    return cheapest(places.graph, [node for _, part in outputs for node in part], make)

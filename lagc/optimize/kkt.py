@@ -40,7 +40,7 @@ def rhs(places: Places, entries: Mapping[Entry, Node], plan: Elimination, work: 
     right = [*applied_forces(equations), *(row.gamma for row in equations.rows)]
     power = [equations.power] if work else []
     nodes = [*entries.values(), *right, *equations.qdot]
-    return cheapest(lambda out: _rhs(places, entries, plan, nodes, power, out), nodes)
+    return cheapest(equations.graph, nodes, lambda chosen: _rhs(places, entries, plan, chosen, power))
 
 
 def _rhs(
@@ -49,10 +49,9 @@ def _rhs(
     plan: Elimination,
     nodes: Sequence[Node],
     power: Sequence[Node],
-    out: bool,
 ) -> Function:
     equations, block = places.equations, Block()
-    lowering, values = lower(places, block, nodes, out)
+    lowering, values = lower(places, block, nodes)
     matrix = dict(zip(entries, values))
     b = values[len(entries) : len(entries) + plan.size]
     qdot = values[len(entries) + plan.size :]
@@ -79,10 +78,12 @@ def work_size(plan: Elimination) -> int:
 
 
 def assemble(places: Places, entries: Mapping[Entry, Node], plan: Elimination) -> Function:
-    block = Block()
-    _, values = lower(places, block, list(entries.values()))
-    _store_all(block, "w", values)
-    return block.function("assemble", STATE, (("w", work_size(plan)),), "entries of [M G^T; G 0] into w")
+    def make(nodes: Sequence[Node]) -> Function:
+        block = Block()
+        _store_all(block, "w", lower(places, block, nodes)[1])
+        return block.function("assemble", STATE, (("w", work_size(plan)),), "entries of [M G^T; G 0] into w")
+
+    return cheapest(places.graph, list(entries.values()), make)
 
 
 def factorize(plan: Elimination) -> Function:

@@ -47,13 +47,9 @@ def places(equations: EquationsOfMotion, parameters: Sequence[Parameter]) -> Pla
     return Places(equations, found)
 
 
-def lower(
-    places: Places, block: Block, nodes: Sequence[Node], out: bool = False
-) -> tuple[Lowering, list[int]]:
+def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:
     """The values of `nodes` in `block`, and the lowering for more.  Symbols are loaded from
-    their places.  `out`: turned sums multiplied out first."""
-    if out:
-        nodes = expanded(places.graph, nodes)
+    their places."""
     small = len(reachable(nodes)) <= _LARGEST_PLAN
     if small:
         nodes = factored(places.graph, nodes)
@@ -62,15 +58,15 @@ def lower(
     return lowering, lowering(nodes)
 
 
-def cheapest(make: Callable[[bool], Function], nodes: Sequence[Node]) -> Function:
-    """`make(False)`, or `make(True)` (turned sums multiplied out) where that is cheaper.
-
-    `nodes`: what the function is made of; large ones are not tried.
-    """
-    plain = make(False)
+def cheapest(graph: Graph, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function]) -> Function:
+    """`make(nodes)`, or the same of the nodes multiplied out where that is cheaper."""
+    plain = make(nodes)
     if len(reachable(nodes)) > _LARGEST_TRIAL:
         return plain
-    other = make(True)
+    out = expanded(graph, nodes)
+    if all(a is b for a, b in zip(nodes, out)):
+        return plain
+    other = make(out)
     return other if weight(other) < weight(plain) else plain
 
 
