@@ -174,7 +174,7 @@ class Algebra:
 
     def content(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
         """(c, common, rest) with p = c*common*rest: the greatest common factor, c with the sign
-        of the first term."""
+        of the first square, or else of the first term."""
         if not p:
             return Fraction(0), (), {(): Fraction(1)}
         monomials = sorted(p)
@@ -184,7 +184,7 @@ class Algebra:
             common = {a: min(e, here[a]) for a, e in common.items() if a in here and (e > 0) == (here[a] > 0)}
         factor = tuple(sorted(common.items()))
         c = number_content(p.values())
-        if p[monomials[0]] < 0:
+        if p[next((m for m in monomials if all(e % 2 == 0 for _, e in m)), monomials[0])] < 0:
             c = -c
         rest = {divided(m, common): value / c for m, value in p.items()}
         return c, factor, rest
@@ -309,9 +309,12 @@ def divided(monomial: Monomial, common: dict[int, Exponent]) -> Monomial:
 
 def number_content(values: Iterable[Fraction]) -> Fraction:
     """The greatest number > 0 that divides all `values` to whole numbers; 1 where they are
-    decimal numbers that no formula has."""
+    different decimal numbers that no formula has."""
+    sizes = {abs(value) for value in values}
+    if len(sizes) == 1:
+        return sizes.pop()
     over, under = 0, 1
-    for value in values:
+    for value in sizes:
         if value.denominator > READABLE:
             return Fraction(1)
         over = gcd(over, value.numerator)

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TypeAlias
 
 from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, divided, scaled
+
+Factors: TypeAlias = "tuple[tuple[int | Sum, Exponent], ...]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,7 +17,7 @@ class Product:
     """coefficient * atom^exponent * ... * (sum)^exponent ..."""
 
     coefficient: Fraction
-    factors: tuple[tuple[int | Sum, Exponent], ...]
+    factors: Factors
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,9 +25,12 @@ class Sum:
     terms: tuple[Product, ...]
 
 
+LONGEST = 60  # terms of a sum in which squares are looked for
+
+
 @dataclass(frozen=True)
 class Collector:
-    """Collects terms: accelerations first, multipliers last, parameters gathered before the rest."""
+    """Collects terms: accelerations first, multipliers last, what terms share before parentheses."""
 
     algebra: Algebra
     parameters: set[int]
@@ -34,15 +40,20 @@ class Collector:
     cancelled: set[int]
 
     def cancel(self, p: Polynomial) -> Polynomial:
-        """`p` without the number and the parameters that all terms share; its first term positive."""
+        """`p` without the number and the parameters that all terms share; most of the terms of its
+        first acceleration are positive."""
         if not p:
             return p
         c, common, _ = self.algebra.content(p)
         factor = {a: e for a, e in common if a in self.cancelled}
-        ordered = sorted(p, key=self._term_key)
-        c = abs(c) if p[ordered[0]] > 0 else -abs(c)
-        powers = self.algebra.multiply({tuple(sorted((a, -e) for a, e in factor.items())): 1 / c}, p)
-        return powers
+        inverse = {tuple(sorted((a, -e) for a, e in factor.items())): 1 / (abs(c) * self._sign(p))}
+        return self.algebra.multiply(inverse, p)
+
+    def _sign(self, p: Polynomial) -> int:
+        head = next((a for a in self.leading if any((a, 1) in m for m in p)), None)
+        first = [m for m in p if head is None or (head, 1) in m]
+        balance = sum(1 if p[m] > 0 else -1 for m in first)
+        return 1 if (balance or p[min(first, key=self._term_key)]) > 0 else -1
 
     def collect(self, p: Polynomial, leading: Sequence[int] | None = None) -> Sum:
         """`p` with the terms of each atom of `leading` (the accelerations) gathered and put first."""
@@ -51,36 +62,14 @@ class Collector:
         parts: dict[int | None, Polynomial] = {}
         for monomial, c in p.items():
             head = next((a for a, e in monomial if e == 1 and a in heads), None)
-            rest = tuple([(a, e) for a, e in monomial if a != head])
-            parts.setdefault(head, {})[rest] = c
+            parts.setdefault(head, {})[_less(monomial, head)] = c
         terms: list[Product] = []
         for head in (*leading, None, *self.trailing):
             if head is None and None in parts:
                 terms += sorted(self._gathered(parts[None]), key=self._is_constant)
-            elif head in parts:
-                terms.append(self._headed(head, parts[head]))
+            elif head is not None and head in parts:
+                terms.append(self._multiplied(parts[head], ((head, 1),)))
         return Sum(tuple(terms))
-
-    def _headed(self, head: int | None, p: Polynomial) -> Product:
-        """p*head, with what the terms of p share before a sum in parentheses."""
-        assert head is not None
-        if len(p) > 1:
-            c, shared, p = self._shared(p)
-        else:
-            c, shared = Fraction(1), ()
-        terms = self._gathered(p)
-        if len(terms) == 1:
-            factors = sorted((*shared, *terms[0].factors), key=_sums_last)
-            return Product(c * terms[0].coefficient, (*factors, (head, 1)))
-        if terms[0].coefficient < 0:
-            c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
-        return Product(c, (*shared, (Sum(tuple(terms)), 1), (head, 1)))
-
-    def _shared(self, p: Polynomial) -> tuple[Fraction, Monomial, Polynomial]:
-        """The number and the parameters that all terms of p share, and the rest."""
-        c, common, _ = self.algebra.content(p)
-        powers = {a: e for a, e in common if a in self.parameters}
-        return c, tuple(powers.items()), {divided(m, powers): value / c for m, value in p.items()}
 
     def factored(self, p: Polynomial) -> Sum:
         """As `collect`, with a number that all terms share before one pair of parentheses."""
@@ -89,35 +78,125 @@ class Collector:
             return self.collect(p)
         return Sum((Product(c, ((self.collect(scaled(p, 1 / c)), 1),)),))
 
+    def inside(self, p: Polynomial) -> Sum:
+        """`p` as it stands inside a function: its first term positive where one is."""
+        return Sum(positive_first(self._gathered(p)))
+
     def _gathered(self, p: Polynomial) -> list[Product]:
-        """Terms with the same coordinates and speeds become one, with a sum of parameters before."""
+        """Terms with the same functions and speeds become one, with a sum of the rest before."""
+        groups: dict[Monomial, Polynomial] = {}
+        for monomial in sorted(p, key=self._term_key):
+            mine = tuple([(a, e) for a, e in monomial if not self._is_plain(a)])
+            rest = tuple([(a, e) for a, e in monomial if self._is_plain(a)])
+            groups.setdefault(mine, {})[rest] = p[monomial]
+        products: list[Product] = []
+        for mine, coefficient in groups.items():
+            products += [self._multiplied(coefficient, mine)] if mine else self._plain(coefficient)
+        return products
+
+    def _multiplied(self, p: Polynomial, factors: Monomial) -> Product:
+        """p*factors as one product: what the terms of p share, their sum, `factors`."""
+        if len(p) == 1:
+            ((monomial, c),) = p.items()
+            whole: Monomial = (*monomial, *factors)
+            ordered: Monomial = tuple(sorted(whole, key=self._factor_key))
+            return Product(c, ordered)
+        c, common, _ = self.algebra.content(p)
+        shared = {a: e for a, e in common if self._is_plain(a)}
+        terms = self._gathered({divided(m, shared): value / c for m, value in p.items()})
+        if terms[0].coefficient < 0:
+            c, terms = -c, [Product(-t.coefficient, t.factors) for t in terms]
+        sums, terms = _common_sums(terms)
+        before, after = self._around([*shared.items(), *factors])
+        if len(terms) == 1:
+            return Product(c * terms[0].coefficient, (*before, *sums, *terms[0].factors, *after))
+        return Product(c, (*before, *sums, (Sum(tuple(terms)), 1), *after))
+
+    def _around(self, factors: Sequence[tuple[int, Exponent]]) -> tuple[Monomial, Monomial]:
+        """Those that stand before a sum, and those after it."""
+        ordered = sorted(factors, key=self._factor_key)
+        plain = [self._is_plain(a) for a, _ in ordered]
+        return (
+            tuple([f for f, is_plain in zip(ordered, plain) if is_plain]),
+            tuple([f for f, is_plain in zip(ordered, plain) if not is_plain]),
+        )
+
+    def _plain(self, p: Polynomial) -> list[Product]:
+        """Parameters and coordinates: squares of sums, then a product a monomial of coordinates."""
+        squares, p = self._squares(p)
         groups: dict[Monomial, Polynomial] = {}
         for monomial in sorted(p, key=self._term_key):
             mine = tuple([(a, e) for a, e in monomial if a not in self.parameters])
-            coefficient = tuple([(a, e) for a, e in monomial if a in self.parameters])
-            groups.setdefault(mine, {})[coefficient] = p[monomial]
-        return [self._product(coefficient, mine) for mine, coefficient in groups.items()]
+            rest = tuple([(a, e) for a, e in monomial if a in self.parameters])
+            groups.setdefault(mine, {})[rest] = p[monomial]
+        products: list[Product] = []
+        for mine, coefficient in groups.items():
+            if len(coefficient) == 1 or mine:
+                products.append(self._of_parameters(coefficient, mine))
+            elif self.algebra.content(coefficient)[1]:
+                products.append(self._of_parameters(coefficient, ()))
+            else:
+                products += [Product(c, m) for m, c in coefficient.items()]
+        return [*squares, *products]
 
-    def _product(self, coefficient: Polynomial, mine: Monomial) -> Product:
-        no_factors: Monomial = ()
-        if not mine and len(coefficient) > 1:
-            c, common, rest = Fraction(1), no_factors, coefficient
-        else:
-            c, common, rest = self.algebra.content(coefficient)
+    def _of_parameters(self, coefficient: Polynomial, mine: Monomial) -> Product:
+        c, common, rest = self.algebra.content(coefficient)
         factors: list[tuple[int | Sum, Exponent]] = list(common)
         if rest != {(): 1}:
-            inner = tuple([Product(rest[m], tuple(m)) for m in sorted(rest, key=self._term_key)])
-            if inner[0].coefficient < 0:
-                c, inner = -c, tuple([Product(-t.coefficient, t.factors) for t in inner])
-            factors.append((Sum(inner), 1))
+            ordered = sorted(rest, key=self._term_key)
+            factors.append((Sum(positive_first([Product(rest[m], m) for m in ordered])), 1))
         return Product(c, (*factors, *sorted(mine, key=self._factor_key)))
+
+    def _squares(self, p: Polynomial) -> tuple[list[Product], Polynomial]:
+        """Terms of `p` that make c*(x + b)^2, the longest b first, as products, and those left."""
+        found: list[Product] = []
+        while 2 < len(p) <= LONGEST:
+            candidates = [
+                (monomial, atom, *square)
+                for monomial in sorted(p, key=self._term_key)
+                for atom, e in monomial
+                if e == 2 and (square := self._square(p, monomial, atom)) is not None
+            ]
+            if not candidates:
+                break
+            monomial, atom, base, used = max(candidates, key=_uses)
+            outside = sorted(_less(monomial, atom), key=self._factor_key)
+            found.append(Product(p[monomial], (*outside, (self.inside(base), 2))))
+            p = {m: c for m, c in p.items() if m not in used}
+        return found, p
+
+    def _square(
+        self, p: Polynomial, monomial: Monomial, atom: int
+    ) -> tuple[Polynomial, set[Monomial]] | None:
+        """x + b where p holds c*x^2 + 2*c*x*b + c*b^2 with c*x^2 = `monomial`, and those terms."""
+        outside = dict(_less(monomial, atom))
+        c = p[monomial]
+        b: Polynomial = {}
+        for m, value in p.items():
+            powers = dict(m)
+            if powers.get(atom) == 1 and all(powers.get(a, 0) >= e for a, e in outside.items()):
+                b[divided(m, {**outside, atom: 1})] = value / (2 * c)
+        if not b:
+            return None
+        base = self.algebra.add(self.algebra.single(atom), b)
+        whole = self.algebra.multiply({tuple(outside.items()): c}, self.algebra.power(base, 2))
+        if any(p.get(m) != value for m, value in whole.items()):
+            return None
+        return base, set(whole)
+
+    def _is_plain(self, atom: int) -> bool:
+        """A parameter, a coordinate or the time."""
+        moving = atom in self.rates or atom in self.leading or atom in self.trailing
+        return self.algebra.atoms[atom].op == "symbol" and not moving
 
     def _is_constant(self, product: Product) -> bool:
         return all(isinstance(f, Sum) or f in self.parameters for f, _ in product.factors)
 
     def _factor_key(self, factor: tuple[int, Exponent]) -> tuple[int, int]:
-        """In a product: parameters, coordinates, functions, rates."""
+        """In a product: parameters, coordinates, functions, rates, then accelerations, multipliers."""
         atom, _ = factor
+        if atom in self.leading or atom in self.trailing:
+            return (4, atom)
         if self.algebra.atoms[atom].op != "symbol":
             return (2, atom)
         return (0 if atom in self.parameters else 3 if atom in self.rates else 1, atom)
@@ -131,5 +210,24 @@ class Collector:
         return (last, head, -degree, functions, monomial)
 
 
-def _sums_last(factor: tuple[int | Sum, Exponent]) -> bool:
-    return isinstance(factor[0], Sum)
+def _common_sums(terms: list[Product]) -> tuple[Factors, list[Product]]:
+    """The sums that are a factor of every term, and the terms without them."""
+    shared = tuple(
+        [f for f in terms[0].factors if isinstance(f[0], Sum) and all(f in t.factors for t in terms)]
+    )
+    rest = [Product(t.coefficient, tuple([f for f in t.factors if f not in shared])) for t in terms]
+    return shared, rest
+
+
+def _less(monomial: Monomial, atom: int | None) -> Monomial:
+    return tuple([(a, e) for a, e in monomial if a != atom])
+
+
+def _uses(candidate: tuple[Monomial, int, Polynomial, set[Monomial]]) -> int:
+    return len(candidate[3])
+
+
+def positive_first(terms: Sequence[Product]) -> tuple[Product, ...]:
+    """`terms`, where the first is negative with the first positive one before it."""
+    k = next((k for k, term in enumerate(terms) if term.coefficient > 0), 0)
+    return (terms[k], *terms[:k], *terms[k + 1 :])

@@ -7,8 +7,11 @@ each up to a factor that is a number or a product of parameters.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.formulas import Sheet, by_kind, sheet
+from lagc.view.names import Name
 from lagc.view.text import TextWriter
 
 TITLES = {
@@ -35,20 +38,19 @@ def write(equations: EquationsOfMotion, format: str = "text") -> str:
 
 
 def write_text(found: Sheet) -> str:
-    writer = TextWriter(found.algebra, found.names)
+    writer = TextWriter(found.collector, found.names)
     lines: list[str] = []
     for kind, formulas in by_kind(found):
         if len(found.formulas) > 1:
             lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
         for formula in formulas:
             lines.append(f"{writer.sum(formula.left)} = {writer.sum(formula.right)}")
-    legend = where(found)
+    legend = where(writer.seen)
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]
     return "\n".join(lines)
 
 
-def where(found: Sheet) -> list[tuple[str, str]]:
-    """(short, full) of the names that were shortened and are seen in the formulas."""
-    names = {(n.base, n.full) for node, n in found.names.items() if n.base != n.full and n.full != "time"}
-    return sorted(names)
+def where(seen: Iterable[Name]) -> list[tuple[str, str]]:
+    """(short, full) of the names that were shortened."""
+    return sorted({(n.base, n.full) for n in seen if n.base != n.full and n.full != "time"})

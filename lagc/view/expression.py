@@ -27,7 +27,7 @@ class Expressions:
         try:
             collector = collector_of(self.equations, algebra)
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
-            written = TextWriter(algebra, self.names).sum(collector.collect(p))
+            written = TextWriter(collector, self.names).sum(collector.collect(p))
         except TooLarge:
             written = ""
         if 0 < len(written) <= LONGEST:

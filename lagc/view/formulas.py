@@ -12,9 +12,9 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Algebra, NamingAlgebra, Polynomial, TooLarge, scaled
-from lagc.view.collect import Collector, Sum
+from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names
-from lagc.view.trigonometry import shorten, unit_quaternion
+from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Formula:
 
 @dataclass(frozen=True)
 class Sheet:
-    algebra: Algebra
+    collector: Collector
     names: dict[Node, Name]
     formulas: tuple[Formula, ...]
 
@@ -66,7 +66,7 @@ def _sheet(equations: EquationsOfMotion, algebra: Algebra) -> Sheet:
     ]
     if isinstance(algebra, NamingAlgebra):
         formulas = [*_definitions(algebra, collector, shown), *formulas]
-    return Sheet(algebra, shown, tuple(formulas))
+    return Sheet(collector, shown, tuple(formulas))
 
 
 def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
@@ -151,8 +151,8 @@ def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[P
 
 
 def tidy(equations: EquationsOfMotion, algebra: Algebra, p: Polynomial) -> Polynomial:
-    """`p` by the identities of trigonometry and of unit quaternions."""
-    p = shorten(algebra, p)
+    """`p` by the identities of trigonometry and of unit quaternions, without rounding noise."""
+    p = shorten(algebra, without_noise(algebra, p))
     for i in equations.quaternions:
         w, x, y, z = [algebra.symbol(q) for q in equations.q[i : i + 4]]
         p = unit_quaternion(algebra, p, (w, x, y, z))
@@ -167,7 +167,7 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
         p = tidy(equations, algebra, p)
         by_rate = row.kind == "velocity" and row.linear
         left = collector.collect(p, sorted(collector.rates)) if by_rate else collector.collect(p)
-        formulas.append(Formula(kind, row.label, left, ZERO))
+        formulas.append(Formula(kind, row.label, Sum(positive_first(left.terms)), ZERO))
     return formulas
 
 

@@ -33,7 +33,7 @@ def equations_latex(equations: EquationsOfMotion) -> str:
 
 def write_latex(found: Sheet) -> str:
     """One aligned block; the text needs the package amsmath."""
-    writer = LatexWriter(found.algebra, found.names)
+    writer = LatexWriter(found.collector, found.names)
     lines = []
     for _, formulas in by_kind(found):
         for formula in formulas:
@@ -65,7 +65,7 @@ class LatexWriter(TextWriter):
         return f"{base}^{{{exponent}}}"
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
-        name = self.names.get(node)
+        name = self.named(node)
         if name is None:
             return self.raised(letter(str(node.value[1])), exponent)
         return self.raised(letter(name.base, name.order), exponent)

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Algebra, Exponent
+from lagc.view.algebra import Exponent
+from lagc.view.collect import Collector
 from lagc.view.formulas import Sheet
 from lagc.view.names import Name
 from lagc.view.text import TextWriter
@@ -20,7 +21,7 @@ RELATIONS = {"lt": "Lt", "le": "Le", "eq": "Eq", "and": "And", "or": "Or", "not"
 def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
     """The text of the script: symbols, shared parts, and the list `equations` of sympy.Eq."""
     variables = _variables(equations, found)
-    writer = ScriptWriter(found.algebra, found.names, variables)
+    writer = ScriptWriter(found.collector, found.names, variables)
     model = equations.model
     lines = [f"# Equations of motion of {_plain(model.name)}, scene {_plain(model.scene)}, in SI units.", ""]
     lines += ["import sympy", ""]
@@ -81,8 +82,10 @@ def _line(variable: str, value: str, unit: str, description: str) -> str:
 
 
 class ScriptWriter(TextWriter):
-    def __init__(self, algebra: Algebra, names: Mapping[Node, Name], variables: Mapping[str, str]) -> None:
-        super().__init__(algebra, names)
+    def __init__(
+        self, collector: Collector, names: Mapping[Node, Name], variables: Mapping[str, str]
+    ) -> None:
+        super().__init__(collector, names)
         self.variables = variables
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 
 from lagc.expr.graph import Node
-from lagc.view.algebra import Algebra, Exponent, Frozen
-from lagc.view.collect import Product, Sum
+from lagc.view.algebra import Exponent, Frozen
+from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
 
 INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
@@ -18,9 +18,11 @@ class TextWriter:
 
     times = "*"
 
-    def __init__(self, algebra: Algebra, names: Mapping[Node, Name]) -> None:
-        self.algebra = algebra
+    def __init__(self, collector: Collector, names: Mapping[Node, Name]) -> None:
+        self.collector = collector
+        self.algebra = collector.algebra
         self.names = names
+        self.seen: set[Name] = set()
 
     # -- sums and products ----------------------------------------------------
 
@@ -75,9 +77,7 @@ class TextWriter:
         return self.sum(base) if isinstance(base, Sum) else self.frozen(self.algebra.atoms[base].args[0])
 
     def frozen(self, p: Frozen) -> str:
-        """A polynomial inside a function, as it stands."""
-        ordered = sorted(p, key=lambda item: (item[1] < 0 and item[0] == p[0][0], item[0]))
-        return self.sum(Sum(tuple([Product(c, tuple(m)) for m, c in ordered])))
+        return self.sum(self.collector.inside(dict(p)))
 
     # -- notation -------------------------------------------------------------
 
@@ -99,9 +99,15 @@ class TextWriter:
         return self.function(atom.op, [self.frozen(a) for a in atom.args], exponent)
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
-        name = self.names.get(node)
+        name = self.named(node)
         text = str(node.value[1]) if name is None else name.base + "'" * name.order
         return self.raised(text, exponent)
+
+    def named(self, node: Node) -> Name | None:
+        name = self.names.get(node)
+        if name is not None:
+            self.seen.add(name)
+        return name
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "abs":

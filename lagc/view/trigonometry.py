@@ -10,8 +10,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from lagc.view.algebra import Algebra, Monomial, Polynomial, accumulate, frozen, scaled
+from lagc.view.algebra import READABLE, Algebra, Monomial, Polynomial, accumulate, frozen, scaled
 
+NOISE = Fraction(1, 2**50)
 Powers = dict[int, "int | Fraction"]
 
 
@@ -128,3 +129,16 @@ def unit_quaternion(algebra: Algebra, p: Polynomial, parts: tuple[int, int, int,
         if len(candidate) < len(best):
             best = candidate
     return best
+
+
+def without_noise(algebra: Algebra, p: Polynomial) -> Polynomial:
+    """`p` without the terms that numbers which nearly cancel leave: beside a term that differs by
+    sines and cosines only, a coefficient of some 1e-16 of its is rounding."""
+    if all(c.denominator <= READABLE for c in p.values()):
+        return p
+    bounded = {a for a, atom in enumerate(algebra.atoms) if atom.op in ("sin", "cos")}
+    keys = {m: tuple([(a, e) for a, e in m if a not in bounded or e < 0]) for m in p}
+    largest: dict[Monomial, Fraction] = {}
+    for m, c in p.items():
+        largest[keys[m]] = max(largest.get(keys[m], Fraction(0)), abs(c))
+    return {m: c for m, c in p.items() if abs(c) > NOISE * largest[keys[m]]}
