@@ -157,7 +157,7 @@ def _ratio(
     for j in range(plan.speeds):
         entry = entries.get((k, j))
         if entry is not None and j in inverse:
-            scale = block.add(scale, block.mul(block.mul(entry, entry), inverse[j]))
+            scale = block.add(scale, block.mul(block.mul(entry, inverse[j]), entry))
     return None if block.is_zero(scale) else block.div(~pivot, scale)
 
 
@@ -189,9 +189,9 @@ def solve(
     With `refine`, one step of iterative refinement follows, which lowers that residual by about
     the same factor again.
 
-    The residual is the largest of the rows of speeds over the size of the largest of them; then the
-    same of the rows of multipliers, the size of G a being that of the accelerations that the single
-    forces would bring, so that what is at rest is not judged by rounding errors alone.
+    The residual is the largest of the rows of speeds over the largest size of one, |r| + |M_kk a_k|;
+    then the same of the rows of multipliers, where G a counts with the accelerations that forces of
+    that size would bring, so that what is at rest is not judged by rounding errors alone.
     """
     x = substitute(block, plan, factors, right)
     if not refine:
@@ -202,7 +202,7 @@ def solve(
         if i != j:
             products[j].append(block.mul(entries[(i, j)], x[i]))
     residual = [_rest(block, right[k], products[k]) for k in range(plan.size)]
-    sizes = [_size(block, [right[k], *products[k]]) for k in range(plan.speeds)]
+    sizes = [_size(block, [right[k], *_own(block, entries, x, k)]) for k in range(plan.speeds)]
     for k in range(plan.speeds, plan.size):
         parts = [right[k]]
         for j in range(plan.speeds):
@@ -217,6 +217,11 @@ def solve(
     ]
     correction = substitute(block, plan, factors, residual)
     return [block.add(x[k], correction[k]) for k in range(plan.size)], _largest(block, shares)
+
+
+def _own(block: Block, entries: Mapping[Entry, int], x: Sequence[int], k: int) -> list[int]:
+    """The diagonal's term of row k, if any."""
+    return [block.mul(entries[(k, k)], x[k])] if (k, k) in entries else []
 
 
 def _rest(block: Block, right: int, products: Sequence[int]) -> int:
