@@ -42,7 +42,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0205": Entry(
         "a declaration that depends on itself",
-        "Values are found one from another in any order, but not in a circle; no model contains or extends itself.",
+        "Values are found one from another in any order, but not in a circle; no model "
+        "contains or extends itself.",
         _body("parameter Real k = 2*j;\n  parameter Real j = k/2;"),
         _body("parameter Real k = 2;\n  parameter Real j = k/2;"),
     ),
@@ -66,7 +67,8 @@ ENTRIES: dict[str, Entry] = {
     "LAG0208": Entry(
         "not a structural integer",
         "Sizes, ranges of loops and subscripts decide which equations there are, so they must be known when "
-        "the model is compiled: integers, loop variables, `structural Integer` parameters and their combinations.",
+        "the model is compiled: integers, loop variables, `structural Integer` "
+        "parameters and their combinations.",
         _body("parameter Real n = 3;\n  coordinate Length z[n];"),
         _body(
             "structural Integer n = 3;\n  coordinate Length z[n];\n  for i in 1:n loop\n    body c[i] = "
@@ -120,7 +122,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0216": Entry(
         "an import that fails",
-        "`import a.b.C;` looks for a.lag, a/b.lag, a/b/C.lag in the folder of the file and in the folders given; "
+        "`import a.b.C;` looks for a.lag, a/b.lag, a/b/C.lag in the folder of the file "
+        "and in the folders given; "
         '`import "file.lag";` for that file.  What is imported must be free of faults.',
         "import nowhere.at.all;\nmodel M\n  all a;\n  coordinate Length x;\nend M;\n",
         "",
@@ -154,7 +157,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0221": Entry(
         "the wrong kind of thing",
-        "A body is asked for where a number stands, a declaration stands where it does not belong, and the like.",
+        "A body is asked for where a number stands, a declaration stands where it does "
+        "not belong, and the like.",
         _body("output Force N = reaction(b);"),
         _body("constraint c: x = 0;\n  output Force N = reaction(c);"),
     ),
@@ -162,7 +166,8 @@ ENTRIES: dict[str, Entry] = {
         "a model without coordinates",
         "The generalized coordinates are the unknowns of the motion; a model without any has none.",
         "model M\n  parameter Mass m = 1;\nend M;\n",
-        "model M\n  parameter Mass m = 1;\n  coordinate Length x;\n  body b = Particle(mass = m, at = {x, 0, 0});\nend M;\n",
+        "model M\n  parameter Mass m = 1;\n  coordinate Length x;\n  body b = "
+        "Particle(mass = m, at = {x, 0, 0});\nend M;\n",
     ),
     "LAG0224": Entry(
         "a start of something that has none",
@@ -197,7 +202,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0304": Entry(
         "an unknown unit",
-        "Units are the symbols of the SI with their prefixes and a few others (deg, rpm, min, h, l, t, bar, eV), "
+        "Units are the symbols of the SI with their prefixes and a few others (deg, rpm, "
+        "min, h, l, t, bar, eV), "
         "combined by `.` or `*`, `/` and exponents: `kg.m2/s2`, `N.m/rad`, `m^2`.",
         _body("parameter Length l = 1 [meter];"),
         _body("parameter Length l = 1 [m];"),
@@ -210,7 +216,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0306": Entry(
         "shapes that do not fit",
-        "Vectors have three components; sums are between equal shapes; products of vectors are `dot` and `cross`.",
+        "Vectors have three components; sums are between equal shapes; products of "
+        "vectors are `dot` and `cross`.",
         _body("potential V = 1 [N/m]*position(b)^2;"),
         _body("potential V = 1 [N/m]*norm(position(b))^2;"),
     ),
@@ -222,7 +229,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0308": Entry(
         "a value out of bounds",
-        "A parameter keeps to its `min` and `max`, masses are not negative, principal moments of inertia obey "
+        "A parameter keeps to its `min` and `max`, masses are not negative, principal "
+        "moments of inertia obey "
         "the triangle inequality, times are positive.",
         _body("parameter Mass m(min = 0) = -1;"),
         _body("parameter Mass m(min = 0) = 1;"),
@@ -235,7 +243,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0311": Entry(
         "something that must not move, or whose motion is not known",
-        "Parameters, constants, starts and bounds are made of parameters alone; an input has no known derivative.",
+        "Parameters, constants, starts and bounds are made of parameters alone; an input "
+        "has no known derivative.",
         _body("parameter Length l = 2*x;"),
         _body("parameter Length l = 2;"),
     ),
