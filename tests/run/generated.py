@@ -15,11 +15,12 @@ def double_pendulum() -> Program:
     """Two equal point masses on rods of length l, absolute angles; no constraints."""
 
     def equations(p: Any, t: Any, x: Any) -> tuple[Sequence[Any], Sequence[Any]]:
-        m, l, g = p[0], p[1], p[2]
+        m, length, g = p[0], p[1], p[2]
         a, b, u, v = x[0], x[1], x[2], x[3]
         c, s = cos(a - b), sin(a - b)
-        mass = (2.0 * m * l * l, m * l * l * c, m * l * l)
-        force = (-(m * l * l * s * v * v) - 2.0 * m * g * l * sin(a), m * l * l * s * u * u - m * g * l * sin(b))
+        mass = (2.0 * m * length * length, m * length * length * c, m * length * length)
+        coupling, weight = m * length * length * s, m * g * length
+        force = (-(coupling * v * v) - 2.0 * weight * sin(a), coupling * u * u - weight * sin(b))
         return mass, force
 
     def rhs(p: Any, t: Any, x: Any) -> Any:
@@ -43,14 +44,16 @@ def double_pendulum() -> Program:
 
 
 def _double_energy(p: Any, t: Any, x: Any) -> Any:
-    m, l, g = p[0], p[1], p[2]
+    m, length, g = p[0], p[1], p[2]
     a, b, u, v = x[0], x[1], x[2], x[3]
-    kinetic = m * l * l * (u * u + 0.5 * v * v + u * v * cos(a - b))
-    potential = -(m * g * l * (2.0 * cos(a) + cos(b)))
+    kinetic = m * length * length * (u * u + 0.5 * v * v + u * v * cos(a - b))
+    potential = -(m * g * length * (2.0 * cos(a) + cos(b)))
     return ((kinetic, potential, kinetic + potential),)
 
 
-def pendulum(copies: Sequence[float] = (1.0,), straight: bool = True, gamma: Sequence[float] | None = None) -> Program:
+def pendulum(
+    copies: Sequence[float] = (1.0,), straight: bool = True, gamma: Sequence[float] | None = None
+) -> Program:
     """A point mass (x, y) on a rod of length l; row k is copies[k] (x^2 + y^2 - l^2)/2 = 0.
 
     Its acceleration, with `gamma`, is that many m/s^2 t wrong.  With dependent rows the straight
@@ -132,7 +135,7 @@ INERTIA = (0.4, 0.9, 1.1)
 ARM = (0.3, 0.0, -0.7)  # from the centre of mass to the pivot
 
 
-def body_on_a_pivot(power: bool = True) -> Program:
+def body_on_a_pivot() -> Program:
     """A rigid body, place and unit quaternion, whose point ARM is held at the origin; gravity along -z.
 
     Speeds: velocity of the centre, angular velocity in body axes; work integral of gravity.
@@ -148,11 +151,14 @@ def body_on_a_pivot(power: bool = True) -> Program:
 
     def rates(q: Sequence[Any], o: Sequence[Any]) -> list[Any]:
         w, i, j, k = q
-        return [0.5 * r for r in (-(i * o[0]) - j * o[1] - k * o[2], w * o[0] + j * o[2] - k * o[1],
-                                  w * o[1] + k * o[0] - i * o[2], w * o[2] + i * o[1] - j * o[0])]  # fmt: skip
+        return [
+            0.5 * r
+            for r in (-(i * o[0]) - j * o[1] - k * o[2], w * o[0] + j * o[2] - k * o[1],
+                      w * o[1] + k * o[0] - i * o[2], w * o[2] + i * o[1] - j * o[0])
+        ]  # fmt: skip
 
     def system(p: Any, t: Any, x: Any) -> Any:
-        place, q, v, omega = parts(x)
+        _, q, v, omega = parts(x)
         mass = []
         for i in range(6):
             mass += [0.0] * i + [p[0] if i < 3 else INERTIA[i - 3]]
@@ -190,7 +196,7 @@ def body_on_a_pivot(power: bool = True) -> Program:
         trace("scales", PTX, (("s", 3),), lambda p, t, x: ((1.0, 1.0, 1.0),)),
         trace("displace", (*PTX, "d"), (("dq", 7),), displace),
         trace("energies", PTX, (("e", 3),), energies),
-        trace("power", ("p", "x"), (("e", 1),), lambda p, x: ((-(p[0] * p[1] * x[9]),),)),
+        trace("power", PTX, (("e", 1),), lambda p, t, x: ((-(p[0] * p[1] * x[9]),),)),
     ]
     omega, place = (0.3, 2.0, 1.0), [-a for a in ARM]
     start = (*place, 1.0, 0.0, 0.0, 0.0, *(-a for a in cross(omega, ARM)), *omega, 0.0)

@@ -108,15 +108,22 @@ PTX = ("p", "t", "x")
 
 
 def program(
-    name: str, nq: int, nv: int, nc: int, nh: int, functions: Sequence[Function], parameters: dict[str, float],
+    name: str,
+    nq: int,
+    nv: int,
+    nc: int,
+    nh: int,
+    functions: Sequence[Function],
+    parameters: dict[str, float],
     **more: Any,
 ) -> Program:
+    fields = tuple(Field(k, v, -math.inf, math.inf, "", "", "m.lag:1", "") for k, v in parameters.items())
     values: dict[str, Any] = {
-        "model": name, "scene": "", "source_name": f"{name}.lag", "model_hash": "0", "nq": nq, "nv": nv, "nz": 0,
+        "model": name, "scene": "", "source_name": f"{name}.lag", "model_hash": "0", "nq": nq, "nv": nv,
+        "nz": 0, "parameters": fields,
         "nc": nc, "nh": nh, "q_names": tuple(f"q{i}" for i in range(nq)),
         "v_names": tuple(f"v{i}" for i in range(nv)), "q_units": ("",) * nq, "v_units": ("",) * nv,
         "row_labels": tuple(f"row{i}" for i in range(nc)), "row_units": ("",) * nc, "quaternions": (),
-        "parameters": tuple(Field(k, v, -math.inf, math.inf, "", "", "m.lag:1", "") for k, v in parameters.items()),
         "inputs": (), "outputs": (), "start_fixed": (False,) * (nq + nv), "initial_places": (),
         "solve": "straight", "work_size": 0, "operations": 1, "functions": tuple(f.name for f in functions),
         "effects": (), "simulate": {}, "notes": (),
