@@ -56,7 +56,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         nargs="?",
         const="",
-        help="draw the motion, into FILE (.png .svg .pdf) or on the screen",
+        help="draw the motion, into FILE (.png .svg .pdf), or on the screen",
     )
     add_backend_option(parser)
     add_general_options(parser)
@@ -133,14 +133,21 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
 
 
 def draw(found: Run, options: argparse.Namespace) -> None:
+    """Into the file that was named, else on the screen, else (no display) into a file beside."""
+    from lagc.view.plot import plot, show
+
+    path = options.plot or None
     try:
-        found.plot(path=options.plot or None)
-    except ImportError:
-        raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'") from None
+        if path:
+            plot(found, path=path)
+        else:
+            path = show(found)
+    except ImportError as error:
+        raise Usage(str(error)) from None
     except (OSError, ValueError) as error:
-        raise Usage(f"`{options.plot}` cannot be drawn: {error}") from None
-    if options.plot:
-        say(f"picture written to {options.plot}", options.quiet or options.json)
+        raise Usage(f"`{path}` cannot be drawn: {error}") from None
+    if path:
+        say(f"picture written to {path}", options.quiet or options.json)
 
 
 def request_of(options: argparse.Namespace) -> Request:

@@ -133,24 +133,34 @@ def by_unit(solution: Solution, names: Sequence[str]) -> dict[str, list[str]]:
 def _draw_group(axis: Axes, solution: Solution, unit: str, names: list[str]) -> None:
     factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
     lowest, highest, constant = math.inf, -math.inf, True
+    size = energy_size(solution) if unit == "J" else 0.0
     for number, name in enumerate(names):
         values = [factor * x for x in solution.column(name)]
         finite = [x for x in values if math.isfinite(x)]
         if finite:
             lowest, highest = min(lowest, *finite), max(highest, *finite)
-            constant = constant and is_constant(finite)
+            constant = constant and is_constant(finite, size)
         axis.plot(solution.times, values, label=name, **_line(number, len(names)))
     _label(axis, unit, names)
     if constant and lowest <= highest:
-        middle, half = (lowest + highest) / 2.0, max(highest - lowest, abs(highest)) * 0.6
+        middle, half = (lowest + highest) / 2.0, 0.6 * max(abs(lowest), abs(highest), size)
         axis.set_ylim(middle - (half or 1.0), middle + (half or 1.0))
         axis.ticklabel_format(axis="y", useOffset=False)
 
 
-def is_constant(values: Sequence[float]) -> bool:
-    """Whether the change is nothing beside the size: rounding must not fill an axis."""
+def is_constant(values: Sequence[float], size: float = 0.0) -> bool:
+    """Whether the change is nothing beside the values, or beside `size`: rounding must not fill
+    an axis."""
     low, high = min(values), max(values)
-    return high - low <= CONSTANT * max(abs(low), abs(high))
+    return high - low <= CONSTANT * max(abs(low), abs(high), size)
+
+
+def energy_size(solution: Solution) -> float:
+    """What a change of energy is small beside: the largest kinetic energy of some twenty points."""
+    step = max(1, len(solution) // 20)
+    points = list(zip(solution.times, solution.states))[::step]
+    kinetic = [solution.system.energies(t, x)[0] for t, x in points]
+    return max([k for k in kinetic if math.isfinite(k)], default=0.0)
 
 
 def _line(number: int, count: int) -> dict[str, Any]:
