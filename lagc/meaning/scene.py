@@ -31,6 +31,7 @@ class Setting:
     names: tuple[str, ...]
     uses: frozenset[str]
     notes: tuple[str, ...]
+    removed: tuple[str, ...] = ()  # effects that the command line leaves out
 
 
 def choose_model(
@@ -116,7 +117,8 @@ def choose_scene(
         raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
     uses = {n.name for n in scene.uses} if scene else set()
     uses = (uses | set(added)) - set(removed)
-    return Setting(scene, wanted, tuple(scenes) or ("default",), frozenset(uses), tuple(notes))
+    names = tuple(scenes) or ("default",)
+    return Setting(scene, wanted, names, frozenset(uses), tuple(notes), tuple(removed))
 
 
 def read_scene(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
@@ -229,7 +231,7 @@ def check_effects(context: Context, setting: Setting) -> None:
                     "LAG0212", f"there is no effect `{name.name}`", name.span, did_you_mean(name.name, known)
                 )
             )
-    for text in sorted(setting.uses - known - written):
+    for text in sorted({*setting.uses, *setting.removed} - known - written):
         context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, did_you_mean(text, known)))
     for path, effect in context.effects.items():
         if not used(setting, path):

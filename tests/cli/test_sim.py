@@ -1,0 +1,278 @@
+"""`lagc sim`: options, JSON, files, exit codes, and a line for every broken input."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from lagc.cli.main import main
+
+PENDULUM = "simple_pendulum"
+FALLING = """\
+model Falling
+  parameter Mass m;
+  parameter Length h(min = 1 [m], max = 100 [m]) = 20 [m];
+  coordinate Length z(start = h);
+  body b = Particle(mass = m, at = {0, 0, z});
+  effect gravity Gravity field; end gravity;
+  scene earth uses gravity simulate(stop = 1 [s]); end earth;
+  output Length height = z;
+end Falling;
+"""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> object:
+    before = os.environ.get("LAGC_CACHE")
+    os.environ["LAGC_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    yield
+    if before is None:
+        del os.environ["LAGC_CACHE"]
+    else:
+        os.environ["LAGC_CACHE"] = before
+
+
+@pytest.fixture
+def falling(tmp_path: Path) -> str:
+    path = tmp_path / "falling.lag"
+    path.write_text(FALLING)
+    return str(path)
+
+
+def sim(*words: str) -> int:
+    return main(["sim", *words, "--backend", "numpy"])
+
+
+def test_the_json_of_a_run(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sim(PENDULUM, "--json", "--scene", "room", "--accuracy", "1e-8") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert list(found) == [
+        "status", "message", "model", "scene", "effects", "backend", "method", "t", "final", "events",
+        "accuracy", "drift", "energy", "cost",
+    ]  # fmt: skip
+    assert (found["status"], found["model"], found["scene"]) == ("ok", "SimplePendulum", "room")
+    assert found["effects"] == ["gravity", "air"]
+    assert (found["backend"], found["method"], found["t"]) == ("numpy", "dop853", 10.0)
+    assert set(found["final"]) == {"theta", "der(theta)", "E"}
+    assert found["accuracy"]["asked"] == 1e-8 >= found["accuracy"]["estimated"] > 0.0
+    energy = found["energy"]
+    assert energy["work"] < 0.0  # the drag takes energy out
+    assert energy["imbalance"] == energy["end"] - energy["start"] - energy["work"]
+    assert abs(energy["imbalance"]) < 1e-6 * abs(energy["start"])
+    assert set(found["cost"]) == {"steps", "rejected", "rhs", "operations", "compile_s", "run_s"}
+
+
+def test_a_fall_takes_the_time_that_galilei_says(falling: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert (
+        sim(falling, "--json", "-p", "m=2[t]", "-p", "h=30[m]", "--start", "der(z)=-3[m/s]", "--stop", "1.5")
+        == 0
+    )
+    found = json.loads(capsys.readouterr().out)
+    assert found["final"]["height"] == pytest.approx(30.0 - 3.0 * 1.5 - 0.5 * 9.81 * 1.5**2, rel=1e-6)
+
+
+def test_the_summary_tells_scene_accuracy_energy_and_cost(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sim(PENDULUM) == 0
+    shown = capsys.readouterr().out
+    assert len(shown.splitlines()) <= 14
+    for word in ("SimplePendulum", "scene vacuum", "first of the file", "theta", "deg", "accuracy",
+                 "estimated", "energy", "imbalance", "right-hand sides", "numpy"):  # fmt: skip
+        assert word in shown
+
+
+def test_quiet_prints_the_final_values_only(capsys: pytest.CaptureFixture[str]) -> None:
+    assert sim(PENDULUM, "-q") == 0
+    captured = capsys.readouterr()
+    assert len(captured.out.splitlines()) == 3 and captured.err == ""
+
+
+def test_a_csv_file_holds_the_grid_with_every_digit(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    assert sim(PENDULUM, "-q", "--every", "0.25", "--stop", "1", "-o", str(path)) == 0
+    text = path.read_bytes().decode()
+    assert text.count("\r\n") == text.count("\n") == 6
+    rows = list(csv.reader(io.StringIO(text)))
+    assert rows[0] == ["time", "theta", "der(theta)", "E"]
+    assert [float(row[0]) for row in rows[1:]] == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert float(rows[1][1]) == math.radians(60)
+    assert all(repr(float(cell)) == cell for row in rows[1:] for cell in row)
+    about = json.loads((tmp_path / "run.csv.json").read_text())
+    assert about["units"]["theta"] == "rad" and about["model"] == "SimplePendulum" and about["rtol"] > 0.0
+
+
+def test_an_npz_file_holds_columns_and_metadata(tmp_path: Path) -> None:
+    numpy = pytest.importorskip("numpy")
+    path = tmp_path / "run.npz"
+    assert sim(PENDULUM, "-q", "--points", "11", "-o", str(path)) == 0
+    with numpy.load(path) as found:
+        assert found["time"].shape == found["theta"].shape == (11,)
+        assert json.loads(str(found["metadata"]))["scene"] == "vacuum"
+
+
+def test_a_parquet_file_reads_back(tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "run.parquet"
+    assert sim(PENDULUM, "-q", "--points", "11", "-o", str(path)) == 0
+    table = parquet.read_table(path)
+    assert table.column_names == ["time", "theta", "der(theta)", "E"]
+    assert table.schema.field("theta").metadata[b"unit"] == b"rad"
+
+
+def test_a_picture_is_drawn(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    path = tmp_path / "run.png"
+    assert sim(PENDULUM, "-q", "--plot", str(path)) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_model_is_read_from_standard_input(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Stdin:
+        buffer = io.BytesIO(FALLING.encode())
+
+    monkeypatch.setattr(sys, "stdin", Stdin())
+    assert sim("-", "-q", "-p", "m=1") == 0
+
+
+def test_a_failed_run_keeps_and_writes_what_was_computed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "pull.lag"
+    model.write_text(
+        "model Pull\n  parameter Mass m = 1 [kg];\n  coordinate Length x(start = 1 [m]);\n"
+        "  body b = Particle(mass = m, at = {x, 0, 0});\n"
+        "  potential V = -0.5 [J.m2]/x^2;\nend Pull;\n"
+    )  # x = sqrt(1 - t^2): the sun is reached at t = 1
+    out = tmp_path / "out.csv"
+    assert sim(str(model), "--stop", "2", "--json", "-o", str(out)) == 3
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "failed"
+    assert 0.9 < found["t"] <= 1.0
+    assert len(out.read_text().splitlines()) > 100
+
+
+@pytest.mark.parametrize(
+    "words, code, said",
+    [
+        ([], 2, "FILE"),
+        (["nofile.lag"], 2, "nofile.lag"),
+        (["simple_pendulm"], 2, "did you mean the library model `simple_pendulum`"),
+        (["."], 2, "cannot be read"),
+        ([PENDULUM, "-p", "zz=1"], 2, "`zz`"),
+        ([PENDULUM, "-p", "L=1"], 2, "did you mean `l`"),
+        ([PENDULUM, "-p", "l=-1"], 2, "below its minimum"),
+        ([PENDULUM, "-p", "l=nan"], 2, "finite"),
+        ([PENDULUM, "-p", "l=1e999"], 2, "finite"),
+        ([PENDULUM, "-p", "l=70[kg]"], 2, "cannot be converted"),
+        ([PENDULUM, "-p", "l=70[cmm]"], 2, "not a unit"),
+        ([PENDULUM, "-p", "l"], 2, "name=value"),
+        ([PENDULUM, "--start", "thet=1"], 2, "did you mean `theta`"),
+        ([PENDULUM, "--start", "theta=30[m]"], 2, "cannot be converted"),
+        ([PENDULUM, "--start", "theta=inf"], 2, "finite"),
+        ([PENDULUM, "--stop", "abc"], 2, "not a number"),
+        ([PENDULUM, "--stop", "-1"], 2, "stop"),
+        ([PENDULUM, "--stop", "5[kg]"], 2, "cannot be converted"),
+        ([PENDULUM, "--accuracy", "0"], 2, "accuracy"),
+        ([PENDULUM, "--accuracy", "1e-6", "--method", "dopri5"], 2, "accuracy"),
+        ([PENDULUM, "--accuracy", "1e-20"], 3, "double precision"),
+        ([PENDULUM, "--rtol", "0"], 2, "positive"),
+        ([PENDULUM, "--rtol", "1e-300"], 2, "rounding"),
+        ([PENDULUM, "--method", "euler"], 2, "euler"),
+        ([PENDULUM, "--step", "0"], 2, "step"),
+        ([PENDULUM, "--points", "1.5"], 2, "whole number"),
+        ([PENDULUM, "--every", "1e-20"], 2, "points"),
+        ([PENDULUM, "--scene", "rom"], 2, "`rom`"),
+        ([PENDULUM, "--with", "wind"], 2, "`wind`"),
+        ([PENDULUM, "--without", "wind"], 2, "`wind`"),
+        ([PENDULUM, "-o", "x.h5"], 2, "not built yet"),
+        ([PENDULUM, "-o", "x.xyz"], 2, "the ending says the format"),
+        ([PENDULUM, "-o", "/no/such/folder/x.csv"], 2, "no folder"),
+        ([PENDULUM, "--plot", "x.xyz"], 2, "the ending says the format"),
+        ([PENDULUM, "--nonsense"], 2, "--nonsense"),
+        ([PENDULUM, "another"], 2, "another"),
+    ],
+)
+def test_broken_input_brings_one_line_and_an_exit_code(
+    words: list[str], code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sim", *words, "--backend", "numpy"] if words else ["sim"]) == code
+    captured = capsys.readouterr()
+    assert said in captured.err and "Traceback" not in captured.err
+    assert len(captured.err.strip().splitlines()) <= 2  # a fault, and its remedy
+
+
+def test_a_parameter_without_a_value_is_asked_for(falling: str, capsys: pytest.CaptureFixture[str]) -> None:
+    # the mass cancels out of a free fall, but not out of the energies that are balanced
+    assert sim(falling) == 2
+    assert "`m`" in capsys.readouterr().err
+
+
+def test_a_refused_model_exits_1_with_its_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "wrong.lag"
+    path.write_text(FALLING.replace("z(start", "zz(start"))
+    assert sim(str(path)) == 1
+    assert "wrong.lag:" in capsys.readouterr().err
+    assert sim(str(path), "--json") == 1
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "refused" and found["faults"][0]["code"].startswith("LAG0")
+
+
+def test_a_damaged_cache_is_no_obstacle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    assert sim(PENDULUM, "-q") == 0
+    for path in tmp_path.rglob("*"):
+        if path.is_file():
+            path.write_bytes(b"nonsense")
+    assert sim(PENDULUM, "-q") == 0
+
+
+def test_no_cache_is_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGC_CACHE", "")
+    assert sim(PENDULUM, "-q") == 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals")
+def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
+    out = tmp_path / "run.csv"
+    words = [
+        "sim",
+        PENDULUM,
+        "--backend",
+        "numpy",
+        "--stop",
+        "1e5",
+        "--rtol",
+        "1e-12",
+        "--every",
+        "1",
+        "-o",
+        str(out),
+    ]
+    process = subprocess.Popen([sys.executable, "-m", "lagc", *words], stdout=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    process.send_signal(signal.SIGINT)
+    shown, _ = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "interrupted at t =" in shown
+    assert len(out.read_text().splitlines()) > 2
+
+
+@pytest.mark.parametrize("heavy", ["lark", "numpy", "sympy", "lagc.frontend.parse", "lagc.meaning.resolve"])
+def test_a_second_run_loads_no_stage_of_the_compiler(heavy: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert sim(PENDULUM, "-q") == 0
+    program = (
+        "import sys; from lagc.cli.main import main; "
+        f"code = main(['sim', '{PENDULUM}', '-q', '--backend', 'numpy']); "
+        f"sys.exit(code or {heavy!r} in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=60)
+    assert done.returncode == 0, done.stderr
