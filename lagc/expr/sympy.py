@@ -112,6 +112,8 @@ def _from(sympy: Any, graph: Graph, expr: Any, known: Mapping[Any, Node]) -> Nod
     if isinstance(expr, sympy.Piecewise):
         return _piecewise(graph, args)
     name = type(expr).__name__
+    if name in ("GreaterThan", "StrictGreaterThan"):
+        return graph.binary("le" if name == "GreaterThan" else "lt", args[1], args[0])
     unary, binary = _FROM_UNARY.get(name), _FROM_BINARY.get(name)
     if unary is not None and len(args) == 1:
         return graph.logical_not(args[0]) if unary == "not" else graph.unary(unary, args[0])

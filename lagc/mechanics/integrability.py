@@ -91,7 +91,7 @@ def _exact(states: States, position: Node) -> Form:
 def _with_slopes(coefficients: dict[Node, Node]) -> Form:
     slopes: dict[tuple[Node, Node], Node] = {}
     for x, node in coefficients.items():
-        leaves = [s for s in symbols([node]) if s.value[0] in ("coordinate", "time")]  # type: ignore[index]
+        leaves = [s for s in symbols([node]) if s.value[0] in ("coordinate", "time")]
         for y in sorted(leaves, key=lambda s: s.index):
             slope = tangent(node.graph, [node], {y: node.graph.one})[0]
             if not slope.is_zero:

@@ -121,23 +121,43 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
 def _verdicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[str]:
     """Of each spare row where the others hold: "follows", "contradicts" or "unknown".
 
-    Asked at the defaults of the parameters and beside them.
+    A row follows where it holds on all states tried, with parameters beside their defaults as
+    well.  It contradicts where it is violated on all of them, the one next to the start included.
     """
-    seen: list[set[bool]] = [set() for _ in spare]
+    model = states.model
+    start = list(samples(model, 1, vary=False, spread=0.0))
+    near = _hold(states, independent, spare, [*start, *samples(model, _STATES, vary=False)])
+    beside = _hold(states, independent, spare, list(samples(model, _STATES)))
+    found: list[str] = []
+    for here, there in zip(near, beside):
+        if here == there == {True}:
+            found.append("follows")
+        elif here == {False} and True not in there:
+            found.append("contradicts")
+        else:
+            found.append("unknown")
+    return found
+
+
+def _hold(
+    states: States,
+    independent: Sequence[Row],
+    spare: Sequence[Row],
+    tries: Sequence[dict[Node, float]],
+) -> list[set[bool]]:
+    """Of each spare row: whether it holds, on the states that could be moved onto the others."""
+    found: list[set[bool]] = [set() for _ in spare]
     residuals = [row.residual for row in spare]
     slopes = [node for row in spare for node in row.jacobian.values()]
-    for vary in (False, True):
-        for sample in samples(states.model, _STATES, vary):
-            state = onto(states, independent, sample)
-            if state is None:
-                continue
+    for sample in tries:
+        state = onto(states, independent, sample)
+        if state is not None:
             values = evaluate([*residuals, *slopes], state)
             entries = iter(values[len(spare) :])
             for k, row in enumerate(spare):
                 size = max([abs(next(entries)) for _ in row.jacobian], default=1.0) or 1.0
-                seen[k].add(abs(values[k]) <= _KEPT * size)
-    names = {frozenset([True]): "follows", frozenset([False]): "contradicts"}
-    return [names.get(frozenset(answers), "unknown") for answers in seen]
+                found[k].add(abs(values[k]) <= _KEPT * size)
+    return found
 
 
 def _reason(row: Row, others: Sequence[Row]) -> str:

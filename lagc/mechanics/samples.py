@@ -31,15 +31,18 @@ class Chance:
         return (self.state >> 11) / (1 << 52) - 1.0
 
 
-def samples(model: Model, count: int, vary: bool = True) -> Iterator[dict[Node, float]]:
+def samples(
+    model: Model, count: int, vary: bool = True, spread: float = 0.3
+) -> Iterator[dict[Node, float]]:
     """`count` states (fewer where starts are outside a domain): symbol -> value.
 
-    With `vary` False the parameters keep their defaults.
+    With `vary` False the parameters keep their defaults; with `spread` 0 the positions are those of
+    the start, and speeds alone are random.
     """
     chance = Chance()
     given = 0
     for _ in range(count * _TRIES):
-        state = _draw(model, chance, vary)
+        state = _draw(model, chance, vary, spread)
         if all(math.isfinite(x) for x in state.values()):
             yield state
             given += 1
@@ -47,7 +50,7 @@ def samples(model: Model, count: int, vary: bool = True) -> Iterator[dict[Node, 
             return
 
 
-def _draw(model: Model, chance: Chance, vary: bool) -> dict[Node, float]:
+def _draw(model: Model, chance: Chance, vary: bool, spread: float) -> dict[Node, float]:
     state: dict[Node, float] = {p.symbol: _parameter(p, chance, vary) for p in model.parameters}
     for given in model.inputs:
         state[given.symbol] = given.default + chance.draw()
@@ -56,10 +59,10 @@ def _draw(model: Model, chance: Chance, vary: bool) -> dict[Node, float]:
     for c in model.coordinates:
         if isinstance(c, Coordinate):
             start = evaluate([c.start], starts)[0]
-            state[c.symbol] = start + 0.3 * max(1.0, abs(start)) * chance.draw()
+            state[c.symbol] = start + spread * max(1.0, abs(start)) * chance.draw()
             state[c.rate_symbol] = chance.draw()
         else:
-            turned = [0.3 + chance.draw() for _ in range(4)]
+            turned = [0.3 + chance.draw() for _ in range(4)] if spread else evaluate(c.start, starts)
             size = math.sqrt(sum(x * x for x in turned))
             state.update(zip(c.symbols, [x / size for x in turned]))
             state.update((symbol, chance.draw()) for symbol in c.rate_symbols)

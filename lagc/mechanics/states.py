@@ -162,8 +162,8 @@ def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
 
 def key(symbol: Node) -> tuple[str, str]:
     """Kind and name of a symbol."""
-    kind, name = symbol.value  # type: ignore[misc]
-    return kind, name  # type: ignore[has-type]
+    kind, name = symbol.value
+    return kind, name
 
 
 def position_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:

@@ -98,6 +98,20 @@ def test_rows_that_agree_for_some_parameters_stay() -> None:
     assert len(derive(b.model()).rows) == 2
 
 
+def test_mobile_by_its_special_measures() -> None:
+    """Four equal parallel rods carry a plate: more rows than coordinates, and yet it moves."""
+    b = Builder()
+    g = b.graph
+    x, y, turn = b.coordinate("x", 0.3), b.coordinate("y", (1.0 - 0.09) ** 0.5), b.coordinate("turn", 0.0)
+    frame = b.rotate("plate", b.world, "z", turn)
+    b.solid("s", g.one, (0.1, 0.1, 0.2), frame, (x, y, 0.0))
+    for k, (px, py) in enumerate([(0.0, 0.0), (1.0, 0.2), (0.4, -0.6), (-0.5, 0.3)]):
+        hx = x + px * g.cos(turn) - py * g.sin(turn) - px
+        hy = y + px * g.sin(turn) + py * g.cos(turn) - py
+        b.constraint(f"rod{k}", hx * hx + hy * hy - b.parameter(f"l{k}") ** 2)
+    assert len(derive(b.model()).rows) == 4
+
+
 def test_contradiction_between_positions() -> None:
     b, (x, y, _) = plane()
     b.constraint("a", x - y)

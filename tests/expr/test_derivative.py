@@ -1,0 +1,117 @@
+"""Derivatives against differences with an imaginary step, which lose no digits."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import assume, given, settings
+
+from lagc.expr.derivative import gradient, tangent
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Graph, Node
+from tests.expr.expressions import NAMES, grow, points, programs
+
+STEP = 1e-30  # f(x + ih) = f(x) + ih f'(x) + O(h^2): Squire & Trapp, SIAM Review 40, 1998
+
+
+@settings(max_examples=300, deadline=None)
+@given(programs, points)
+def test_forward_and_reverse_agree_with_complex_steps(
+    program: list[tuple[str, int, int]], at: tuple[float, ...]
+) -> None:
+    graph = Graph()
+    pair = grow(graph, program)
+    symbols = [graph.symbol("coordinate", name) for name in NAMES]
+    state = dict(zip(symbols, at))
+    slopes = gradient(graph, {pair.node: graph.one}, symbols)
+    size = max(abs(x) for x in evaluate(graph.nodes, state) if math.isfinite(x))
+    assume(size < 1e6)
+    for k, symbol in enumerate(symbols):
+        moved = [x + (1j * STEP if i == k else 0.0) for i, x in enumerate(at)]
+        expected = pair.value(moved).imag / STEP
+        along = tangent(graph, [pair.node], {symbol: graph.one})[0]
+        found = evaluate([along, slopes.get(symbol, graph.zero)], state)
+        # rounding of the terms of the derivative, of the size of the nodes that make it
+        assert found == pytest.approx([expected, expected], rel=1e-9, abs=1e-10 * max(1.0, size))
+
+
+@settings(max_examples=50, deadline=None)
+@given(programs, points)
+def test_second_derivatives_commute(program: list[tuple[str, int, int]], at: tuple[float, ...]) -> None:
+    graph = Graph()
+    node = grow(graph, program).node
+    x, y = (graph.symbol("coordinate", name) for name in "xy")
+    state = dict(zip([x, y, graph.symbol("coordinate", "z")], at))
+    seeds = [{x: graph.one}, {y: graph.one}]
+    first = tangent(graph, tangent(graph, [node], seeds[0]), seeds[1])
+    second = tangent(graph, tangent(graph, [node], seeds[1]), seeds[0])
+    size = max(abs(v) for v in evaluate(graph.nodes, state) if math.isfinite(v))
+    assume(size < 1e6)
+    expected = pytest.approx(evaluate(second, state), rel=1e-8, abs=1e-9 * max(1.0, size))
+    assert evaluate(first, state) == expected
+
+
+def at(node: Node, **values: float) -> float:
+    table = {node.graph.symbol("coordinate", k): v for k, v in values.items()}
+    return evaluate([node], table)[0]
+
+
+@pytest.mark.parametrize(
+    "op, x, expected",
+    [
+        ("tan", 0.4, 1.0 / math.cos(0.4) ** 2),
+        ("asin", 0.4, 1.0 / math.sqrt(1.0 - 0.16)),
+        ("acos", 0.4, -1.0 / math.sqrt(1.0 - 0.16)),
+        ("abs", -0.4, -1.0),
+        ("sign", 0.4, 0.0),
+        ("floor", 0.4, 0.0),
+        ("log", 0.4, 2.5),
+        ("exp", 0.4, math.exp(0.4)),
+    ],
+)
+def test_functions_of_one_argument(op: str, x: float, expected: float) -> None:
+    graph = Graph()
+    symbol = graph.symbol("coordinate", "x")
+    slope = tangent(graph, [graph.unary(op, symbol)], {symbol: graph.one})[0]
+    assert at(slope, x=x) == pytest.approx(expected, rel=1e-14)
+
+
+def test_functions_of_two_arguments() -> None:
+    graph = Graph()
+    x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")
+    point = {"x": 1.3, "y": 0.7}
+    table = {
+        "atan2": (0.7 / (1.3**2 + 0.7**2), -1.3 / (1.3**2 + 0.7**2)),
+        "pow": (0.7 * 1.3**-0.3, math.log(1.3) * 1.3**0.7),
+        "max": (1.0, 0.0),
+        "min": (0.0, 1.0),
+        "lt": (0.0, 0.0),
+    }
+    for op, expected in table.items():
+        slopes = gradient(graph, {graph.binary(op, x, y): graph.one}, [x, y])
+        found = [at(slopes.get(s, graph.zero), **point) for s in (x, y)]
+        assert found == pytest.approx(expected, rel=1e-13), op
+
+
+def test_branches_are_differentiated_one_by_one() -> None:
+    graph = Graph()
+    x = graph.symbol("coordinate", "x")
+    node = graph.select(graph.binary("lt", x, graph.zero), x * x, 3.0 * x)
+    slope = tangent(graph, [node], {x: graph.one})[0]
+    assert [at(slope, x=v) for v in (-2.0, 2.0)] == [-4.0, 3.0]
+
+
+def test_weights_of_several_outputs_add_up() -> None:
+    graph = Graph()
+    x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")
+    found = gradient(graph, {x * y: y, x + y: graph.const(2.0), x: graph.one}, [x, y])
+    assert at(found[x], x=3.0, y=5.0) == 5.0 * 5.0 + 2.0 + 1.0
+    assert at(found[y], x=3.0, y=5.0) == 3.0 * 5.0 + 2.0
+
+
+def test_what_does_not_depend_is_left_out() -> None:
+    graph = Graph()
+    x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")
+    assert gradient(graph, {x: graph.one}, [x, y]) == {x: graph.one}
+    assert tangent(graph, [x * y], {}) == [graph.zero]
