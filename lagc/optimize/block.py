@@ -19,6 +19,7 @@ class Block:
     def __init__(self) -> None:
         self.operations: list[Operation] = []
         self.stores: list[Store] = []
+        self._comments: dict[int, str] = {}  # position in `stores` -> what is stored there
         self._numbers: dict[tuple[object, ...], int] = {}
         self.zero = self.const(0.0)
         self.one = self.const(1.0)
@@ -104,7 +105,9 @@ class Block:
 
     # -- the result -----------------------------------------------------------
 
-    def store(self, array: str, index: int, a: int) -> None:
+    def store(self, array: str, index: int, a: int, comment: str = "") -> None:
+        if comment:
+            self._comments[len(self.stores)] = comment
         self.stores.append(Store(array, index, self.plain(a)))
 
     def function(
@@ -118,7 +121,8 @@ class Block:
             o = self.operations[old]
             operations.append(Operation(o.op, tuple([number[k] for k in o.operands]), o.payload))
         stores = tuple([Store(s.array, s.index, number[s.value]) for s in self.stores])
-        return Function(name, inputs, tuple(outputs), tuple(operations), stores, description)
+        comments = {len(operations) + k: text for k, text in self._comments.items()}
+        return Function(name, inputs, tuple(outputs), tuple(operations), stores, description, comments)
 
 
 def _schedule(operations: Sequence[Operation], roots: Sequence[int]) -> list[int]:

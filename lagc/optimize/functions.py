@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.optimize.block import Block
-from lagc.optimize.kkt import applied_forces
+from lagc.optimize.kkt import applied_forces, row_comments
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
@@ -43,13 +43,18 @@ def displace(places: Places) -> Function | None:
 
 
 def position(places: Places) -> Function:
-    rows = [row.residual for row in places.equations.rows if row.kind == "holonomic"]
-    return _function(places, "position", STATE, (("phi", rows),), "residuals of the holonomic constraints")
+    rows = [row for row in places.equations.rows if row.kind == "holonomic"]
+    residuals = [row.residual for row in rows]
+    comments = row_comments(rows)
+    return _function(places, "position", STATE, (("phi", residuals),), "holonomic residuals", comments)
 
 
 def velocity(places: Places) -> Function:
-    rows = [row.rate for row in places.equations.rows]
-    return _function(places, "velocity", STATE, (("psi", rows),), "rates of the constraint rows")
+    rows = places.equations.rows
+    rates = [row.rate for row in rows]
+    return _function(
+        places, "velocity", STATE, (("psi", rates),), "rates of the constraint rows", row_comments(rows)
+    )
 
 
 def scales(places: Places) -> Function:
@@ -83,7 +88,8 @@ def terms(graph: Graph, node: Node) -> list[Node]:
 def energies(places: Places) -> Function:
     equations = places.equations
     e = [equations.kinetic, equations.potential, equations.energy]
-    return _function(places, "energies", STATE, (("e", e),), "kinetic, potential, energy of the balance")
+    names = ["kinetic energy", "potential energy", "energy of the balance"]
+    return _function(places, "energies", STATE, (("e", e),), "energies", names)
 
 
 def power(places: Places) -> Function | None:
@@ -98,7 +104,8 @@ def outputs(places: Places) -> Function | None:
     found = [o.expression for o in places.equations.outputs]
     if not found:
         return None
-    return _function(places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model")
+    names = [o.name for o in places.equations.outputs]
+    return _function(places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model", names)
 
 
 def start(places: Places, work: bool) -> Function:
@@ -106,7 +113,8 @@ def start(places: Places, work: bool) -> Function:
     x = [s.value for s in (*equations.starts_q, *equations.starts_v)]
     if work:
         x.append(places.graph.zero)
-    return _function(places, "start", ("p",), (("x", x),), "start values and guesses")
+    names = [*equations.q_names, *equations.v_names]
+    return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names)
 
 
 def initial(places: Places) -> Function | None:
@@ -129,13 +137,17 @@ def _function(
     inputs: tuple[str, ...],
     outputs: tuple[tuple[str, Sequence[Node]], ...],
     description: str,
+    comments: Sequence[str] = (),
 ) -> Function:
+    """`comments` belong to the first entries of the first output."""
+
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
         following = iter(lower(places, block, nodes)[1])
-        for array, length in lengths:
+        for number, (array, length) in enumerate(lengths):
             for k in range(length):
-                block.store(array, k, next(following))
+                comment = comments[k] if number == 0 and k < len(comments) else ""
+                block.store(array, k, next(following), comment)
         return block.function(name, inputs, lengths, description)
 
     lengths = tuple([(array, len(part)) for array, part in outputs])

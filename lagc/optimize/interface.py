@@ -75,7 +75,12 @@ def interface(
 
 
 def place(span: Span) -> str:
-    return f"{span.source.name}:{span.line}"
+    """File and line, without the directory: generated text must not depend on where a file is."""
+    return f"{_file(span.source.name)}:{span.line}"
+
+
+def _file(path: str) -> str:
+    return path.replace("\\", "/").rpartition("/")[2]
 
 
 def _source_name(equations: EquationsOfMotion) -> str:
@@ -83,7 +88,7 @@ def _source_name(equations: EquationsOfMotion) -> str:
     model = equations.model
     for things in (model.coordinates, model.bodies, model.parameters):
         for thing in things:
-            return thing.span.source.name
+            return _file(thing.span.source.name)
     return ""
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.optimize.block import Block
+from lagc.optimize.interface import place
 from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, pair, solve
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
@@ -55,7 +56,9 @@ def _rhs(
     matrix = dict(zip(entries, values))
     b = values[len(entries) : len(entries) + plan.size]
     qdot = values[len(entries) + plan.size :]
-    if plan.speeds == plan.size == 2 and len(matrix) == 3:
+    if plan.size == 1:
+        x, residual, health = [block.div(b[0], matrix[0, 0])], block.zero, block.one
+    elif plan.speeds == plan.size == 2 and len(matrix) == 3:
         (x, health), residual = pair(block, matrix, b), block.zero
     else:
         factors = factor(block, plan, matrix)
@@ -65,8 +68,8 @@ def _rhs(
     lowering.known.update(zip(equations.a, a))
     lowering.known.update(zip(equations.lam, lam))
     xdot = [*qdot, *a, *lowering(power)]
-    _store_all(block, "xdot", xdot)
-    _store_all(block, "lam", lam)
+    _store_all(block, "xdot", xdot, [f"der({name})" for name in (*equations.q_names, *equations.v_names)])
+    _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, residual])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
     return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
@@ -115,6 +118,11 @@ def solver(plan: Elimination) -> Function:
     return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
 
 
-def _store_all(block: Block, array: str, values: Sequence[int]) -> None:
+def row_comments(rows: Sequence[Row]) -> list[str]:
+    """What each row is, and the source line it stands in."""
+    return [f"{row.label}, {place(row.span)}" for row in rows]
+
+
+def _store_all(block: Block, array: str, values: Sequence[int], comments: Sequence[str] = ()) -> None:
     for k, value in enumerate(values):
-        block.store(array, k, value)
+        block.store(array, k, value, comments[k] if k < len(comments) else "")

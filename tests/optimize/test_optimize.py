@@ -6,12 +6,12 @@ import hashlib
 import os
 import subprocess
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from lagc.diagnostics.faults import Refused
+from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.expr.derivative import tangent
 from lagc.expr.evaluate import evaluate
 from lagc.meaning.model import Model
@@ -245,3 +245,22 @@ def test_the_hash_of_a_model_speaks_of_its_numbers_only():
     assert first == compiled(double_pendulum()).interface.model_hash
     assert len(first) == 64
     assert first != compiled(double_pendulum(relative=True)).interface.model_hash
+
+
+def test_stores_say_what_they_are_and_where_it_stands_in_the_source():
+    program = compiled(models.string_pendulum())
+    rhs = program.functions["rhs"]
+    said = {(s.array, s.index): rhs.comments.get(len(rhs.operations) + k) for k, s in enumerate(rhs.stores)}
+    assert said["xdot", 2] == "der(der(x))"
+    assert said["lam", 0] == "string, built.lag:1"
+
+
+def test_nothing_depends_on_the_directory_of_the_source():
+    b = Builder()
+    x = b.coordinate("x")
+    b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
+    model = b.model()
+    for directory in ("/home/a/", "C:\\b\\"):
+        span = Span(Source(f"{directory}m.lag", "text\n"), 0, 1)
+        moved = replace(model, parameters=tuple(replace(p, span=span) for p in model.parameters))
+        assert compiled(moved).interface.parameters[0].place == "m.lag:1"
