@@ -195,7 +195,7 @@ class CompiledModel:
         request.completed(self.interface.simulate)
         if self.asked_backend != "auto":
             return self._run(self.asked_backend, request, parameters, progress)
-        from lagc.run.backends.compile import CannotCompile, compiler
+        from lagc.run.backends.compile import CannotCompile
 
         if self._preferred == "c" or "c" in self._systems:
             try:
@@ -203,9 +203,8 @@ class CompiledModel:
             except CannotCompile:
                 return self._run("numpy", request, parameters, progress)
         patience = _Patience(compile_time(self.interface), progress)
-        watched = patience if compiler() is not None else progress
         try:
-            return self._run("numpy", request, parameters, watched)
+            return self._run("numpy", request, parameters, patience)
         except TakesLong:
             try:
                 self.load("c")
@@ -296,14 +295,19 @@ class _Patience:
 
     def __call__(self, t: float) -> None:
         if perf_counter() > self.end:
-            raise TakesLong
+            from lagc.run.backends.compile import compiler
+
+            if compiler() is not None:
+                raise TakesLong
+            self.end = float("inf")
         if self.inner is not None:
             self.inner(t)
 
 
 def compile_time(interface: Interface) -> float:
     """How long a C compiler will take, s: a guess from the size of the program."""
-    return 0.4 + 1.0e-4 * interface.operations
+    support = 0.8 if interface.nc else 0.4
+    return support + 1.0e-3 * interface.operations
 
 
 def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:

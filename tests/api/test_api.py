@@ -1,0 +1,199 @@
+"""The Python interface."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+
+import pytest
+
+import lagc
+from lagc.api import TakesLong, _Patience
+from lagc.run.backends import compile as c_compiler
+
+needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> object:
+    before = os.environ.get("LAGC_CACHE")
+    os.environ["LAGC_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    yield
+    if before is None:
+        del os.environ["LAGC_CACHE"]
+    else:
+        os.environ["LAGC_CACHE"] = before
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> lagc.CompiledModel:
+    return lagc.load("simple_pendulum").compile(scene="vacuum", backend="numpy")
+
+
+def test_a_run_is_arrays_by_name(pendulum: lagc.CompiledModel) -> None:
+    run = pendulum.simulate(stop=2, accuracy=1e-8, parameters={"l": 0.7}, points=21)
+    assert run.status == "ok"
+    assert run.t.shape == run["theta"].shape == run["der(theta)"].shape == run["E"].shape == (21,)
+    assert run.x.shape == (21, pendulum.interface.nx)
+    assert run["theta"][0] == math.radians(60)
+    assert run.units["theta"] == "rad" and run.units["E"] == "J"
+    assert "theta" in run and "phi" not in run
+
+
+def test_an_unknown_name_is_answered_with_the_near_one(pendulum: lagc.CompiledModel) -> None:
+    run = pendulum.simulate(stop=0.1)
+    with pytest.raises(KeyError, match="did you mean `theta`"):
+        run["thet"]
+
+
+def test_parameters_change_without_compiling_again(pendulum: lagc.CompiledModel) -> None:
+    system = pendulum.system
+    a = pendulum.simulate(stop=1, parameters={"l": 0.25})
+    b = pendulum.simulate(stop=1, parameters={"l": (25, "cm")})
+    assert a["theta"].tolist() == b["theta"].tolist()
+    assert pendulum.simulate(stop=1)["theta"][-1] != a["theta"][-1]
+    assert pendulum.system is system
+    # columns are computed with the parameters of their own run, whatever came after
+    assert a["E"][0] == pytest.approx(-9.81 * 0.25 * 0.5)
+
+
+def test_the_period_of_a_small_swing(pendulum: lagc.CompiledModel) -> None:
+    period = 2.0 * math.pi * math.sqrt(0.5 / 9.81)
+    run = pendulum.simulate(stop=period, starts={"theta": 1e-4}, accuracy=1e-9)
+    assert run["theta"][-1] == pytest.approx(1e-4, rel=1e-8)
+
+
+def test_the_right_hand_side_serves_other_integrators(pendulum: lagc.CompiledModel) -> None:
+    integrate = pytest.importorskip("scipy.integrate")
+    x0 = pendulum.start()
+    assert x0.tolist() == [math.radians(60), 0.0]
+    found = integrate.solve_ivp(pendulum.rhs, (0.0, 2.0), x0, rtol=1e-10, atol=1e-10)
+    run = pendulum.simulate(stop=2.0, accuracy=1e-9)
+    assert found.y[0, -1] == pytest.approx(run["theta"][-1], abs=1e-8)
+    with pytest.raises(ValueError, match="3 entries"):
+        pendulum.rhs(0.0, [1.0, 2.0, 3.0, 4.0, 5.0][:3] if pendulum.interface.nz == 0 else [1.0] * 5)
+
+
+def test_wrong_values_are_refused(pendulum: lagc.CompiledModel) -> None:
+    for given in ({"L": 1.0}, {"l": -1.0}, {"l": math.nan}, {"l": (1.0, "kg")}):
+        with pytest.raises(lagc.Refused):
+            pendulum.simulate(stop=1, parameters=given)
+    with pytest.raises(lagc.Refused):
+        pendulum.simulate(stop=(1.0, "m"))
+    with pytest.raises(lagc.Refused):
+        pendulum.simulate(stop=1, starts={"phi": 1.0})
+    with pytest.raises(ValueError, match="backend"):
+        lagc.load("simple_pendulum").compile(backend="fortran")
+
+
+def test_a_text_is_a_model_too() -> None:
+    text = (
+        "model Spring\n  parameter Mass m = 2 [kg];\n  coordinate Length x(start = 1 [m]);\n"
+        "  body b = Particle(mass = m, at = {x, 0, 0});\n  potential V = 4 [N/m]*x^2;\nend Spring;\n"
+    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=math.pi, accuracy=1e-9)
+    assert run["x"][-1] == pytest.approx(1.0, abs=1e-9)  # x'' = -4 x
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(text.replace("*x^2", "*y^2"), "spring.lag").compile()
+    assert "spring.lag:5" in str(refused.value.faults[0].span)
+    assert lagc.loads(text).check() == []
+
+
+def test_structural_integers_are_built_in() -> None:
+    chain = lagc.load("classic/chain")
+    two = chain.compile(parameters={"n": 2}, backend="numpy")
+    three = chain.compile(parameters={"n": 3}, backend="numpy")
+    assert (two.interface.nq, three.interface.nq) == (2, 3)
+    again = chain.compile(parameters={"n": 2}, backend="numpy")
+    assert again.interface == two.interface
+
+
+def test_a_data_frame(pendulum: lagc.CompiledModel) -> None:
+    pytest.importorskip("pandas")
+    frame = pendulum.simulate(stop=1, points=5).to_pandas()
+    assert list(frame.columns) == ["theta", "der(theta)", "E"] and len(frame) == 5
+    assert frame.attrs["units"]["theta"] == "rad"
+
+
+def test_a_file_that_cannot_be_written_says_why(pendulum: lagc.CompiledModel, tmp_path: Path) -> None:
+    from lagc.run.files import CannotSave
+
+    run = pendulum.simulate(stop=0.1)
+    for name in ("x.h5", "x.mat", "x", "no/such/x.csv"):
+        with pytest.raises(CannotSave):
+            run.save(str(tmp_path / name))
+
+
+def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> None:
+    assert "theta" in pendulum._repr_latex_()
+    assert "theta" in lagc.load("simple_pendulum")._repr_latex_()
+    pytest.importorskip("matplotlib")
+    assert "<" in pendulum.simulate(stop=1)._repr_html_()
+
+
+@needs_c
+def test_both_backends_give_the_same_bits() -> None:
+    model = lagc.load("simple_pendulum")
+    runs = [model.compile(scene="room", backend=b).simulate(stop=5, accuracy=1e-9) for b in ("c", "numpy")]
+    assert runs[0].states == runs[1].states
+    assert runs[0].estimated == runs[1].estimated and runs[0].cost.rhs == runs[1].cost.rhs
+    assert runs[0].energy == runs[1].energy
+
+
+@needs_c
+def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(c_compiler, "cached_library", lambda sources: None)
+    short = lagc.load("simple_pendulum").compile(scene="room")
+    assert short.simulate(stop=1).system.backend == "numpy"
+    monkeypatch.setattr("lagc.api.compile_time", lambda interface: 0.05)
+    long = lagc.load("double_pendulum").compile()
+    run = long.simulate(stop=50, rtol=1e-12)
+    assert run.status == "ok" and run.system.backend == "c"
+
+
+def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    monkeypatch.setattr(c_compiler, "compiler", lambda: None)
+    model = lagc.load("simple_pendulum").compile()
+    assert model.simulate(stop=1).system.backend == "numpy"
+    with pytest.raises(c_compiler.CannotCompile, match="no C compiler"):
+        lagc.load("simple_pendulum").compile(backend="c").simulate(stop=1)
+
+
+@needs_c
+def test_patience_ends() -> None:
+    with pytest.raises(TakesLong):
+        _Patience(-1.0, None)(0.0)
+
+
+@needs_c
+def test_a_damaged_library_is_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    model = lagc.load("simple_pendulum").compile(backend="c")
+    artifact = model.compilation.artifact("c")
+    name = c_compiler.library_name(artifact.sources)
+    path = tmp_path / name[:2] / (name[2:] + c_compiler.SUFFIX)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(b"no library")
+    assert model.simulate(stop=0.1).status == "ok"
+
+
+@needs_c
+def test_a_compiler_that_fails_is_quoted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    with pytest.raises(c_compiler.CannotCompile, match="error"):
+        c_compiler.build_library({"x.c": "int main( {"})
+
+
+@needs_c
+def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    import subprocess
+    import sys
+
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    command = [sys.executable, "-m", "lagc", "sim", "simple_pendulum", "--backend", "c", "-q", "--stop", "1"]
+    running = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    answers = [p.communicate(timeout=120)[0] for p in running]
+    assert all(p.returncode == 0 for p in running) and len(set(answers)) == 1
+    assert not list(tmp_path.rglob("*.tmp"))
