@@ -170,8 +170,8 @@ class Compilation:
     @cached_property
     def _head_name(self) -> str:
         choice = self.choice
-        return cache.key("head", version_key(), self.source.name, self.source.text, repr(self.roots),
-                         repr((choice.model, choice.scene, choice.with_effects, choice.without_effects)),)  # fmt: skip
+        chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
+        return cache.key("head", version_key(), self.source.name, self.source.text, repr(self.roots), chosen)
 
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
