@@ -1,0 +1,70 @@
+"""Two parametrizations of one system move alike: constraints written into the coordinates
+(implicit) and constraints with multipliers (explicit), angles and Cartesian coordinates,
+rates and quasi-speeds.  Neither is derived from the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+import lagc
+
+ACCURACY = 1e-9
+Map = Callable[[dict[str, float], float], dict[str, float]]
+
+
+def _same(*names: str) -> Map:
+    return lambda f, t: {n: f[n] for n in names}
+
+
+def _disc(f: dict[str, float], t: float) -> dict[str, float]:
+    return {"x": f["x"], "theta": f["theta"], "y": f["y"], "E": f["E"]}
+
+
+def _string(f: dict[str, float], t: float) -> dict[str, float]:
+    return {"theta": math.atan2(f["x"], -f["z"]), "E": f["E"]}
+
+
+def _spherical(f: dict[str, float], t: float) -> dict[str, float]:
+    return {"theta": math.acos(-f["z"] / math.hypot(f["x"], f["y"], f["z"])), "z": f["z"], "E": f["E"]}
+
+
+def _double(f: dict[str, float], t: float) -> dict[str, float]:
+    dx, dz = f["x2"] - f["x1"], f["z2"] - f["z1"]
+    return {"theta1": math.atan2(f["x1"], -f["z1"]), "theta2": math.atan2(dx, -dz), "E": f["E"]}
+
+
+PAIRS: list[tuple[str, str, float, Map, Map]] = [
+    ("course/string_pendulum", "course/simple_pendulum", 10.0, _string, _same("theta", "E")),
+    ("course/disc_on_a_line_explicit", "course/disc_on_a_line_implicit", 5.0, _disc, _disc),
+    ("course/wheel_explicit", "course/wheel_implicit", 5.0, _same("x", "theta", "slip"), _same("x", "theta", "slip")),
+    ("course/wheel_rolling_explicit", "course/wheel_rolling_implicit", 5.0, _same("x", "theta"), _same("x", "theta")),
+    ("course/sphere_on_a_plane_explicit", "course/sphere_on_a_plane_implicit", 5.0,
+     _same("x", "y", "psi", "theta", "phi"), _same("x", "y", "psi", "theta", "phi")),
+    ("course/moving_slide_explicit", "course/moving_slide_implicit", 1.0, _same("x", "y", "E"), _same("x", "y", "E")),
+    ("classic/bead_on_hoop", "classic/bead_on_hoop_angle", 5.0, _same("theta", "E"), _same("theta", "E")),
+    ("classic/spherical_pendulum", "classic/spherical_pendulum_angles", 5.0, _spherical, _same("theta", "z", "E")),
+    ("classic/double_pendulum_explicit", "classic/double_pendulum", 2.0, _double, _same("theta1", "theta2", "E")),
+    ("classic/sliding_ladder_explicit", "classic/sliding_ladder_implicit", 1.5, _same("theta", "E"), _same("theta", "E")),
+    ("classic/chaplygin_sleigh", "classic/chaplygin_sleigh_speeds", 5.0,
+     _same("x", "y", "theta", "side"), _same("x", "y", "theta", "side")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("first", "second", "stop", "seen1", "seen2"), PAIRS, ids=[p[0] for p in PAIRS])
+def test_pair_moves_alike(first: str, second: str, stop: float, seen1: Map, seen2: Map) -> None:
+    found = []
+    for name, seen in ((first, seen1), (second, seen2)):
+        run = lagc.load(name).compile().simulate(stop, accuracy=ACCURACY / 10, points=2)
+        assert run.status == "ok", run.message
+        found.append(seen(run.final(), stop))
+    one, two = found
+    assert one.keys() == two.keys()
+    for name in one:
+        scale = max(1.0, abs(two[name]))
+        difference = one[name] - two[name]
+        if name.startswith("theta"):
+            difference = math.remainder(difference, 2.0 * math.pi)
+        assert abs(difference) <= ACCURACY * scale, (name, one[name], two[name])
