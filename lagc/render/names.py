@@ -73,8 +73,9 @@ class Names:
 
 
 def prefix(model: str) -> str:
-    """What every public symbol of the generated C begins with, less the underscore."""
-    return identifier(model).rstrip("_").lower()
+    """What every public symbol of the generated C begins with, less the underscore: FourBar's is
+    `four_bar`."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
 
 
 def stem(model: str) -> str:

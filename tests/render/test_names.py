@@ -57,7 +57,7 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
     assert "*/" not in comment("*\\/ **// */*/") and "/*" not in comment("/\\* //** /*/*")
 
 
-@pytest.mark.parametrize(("model", "expected"), [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega")])
+@pytest.mark.parametrize(("model", "expected"), [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega"), ("FourBar2D", "four_bar2_d")])
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
     assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"

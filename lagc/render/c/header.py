@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable
 
 from lagc.optimize.program import Field, Interface
-from lagc.render.names import Names, comment
+from lagc.render.names import Names, comment, prefix
 
 ABI_VERSION = 1
 LICENCE = "This file is yours: use, change and pass it on as you like, without any condition."
@@ -80,7 +80,7 @@ def _indices(interface: Interface) -> Iterable[str]:
 
 def members(interface: Interface) -> list[str]:
     """The struct member of each parameter, then of each input."""
-    names = Names()
+    names = Names(prefixes=("LAGC_", f"{prefix(interface.model).upper()}_"))  # no macro's name
     found = [names.give(f.name) for f in (*interface.parameters, *interface.inputs)]
     return found or ["none"]
 

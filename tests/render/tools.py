@@ -1,0 +1,53 @@
+"""Compiling what was rendered."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+from lagc.diagnostics.faults import Source
+from lagc.optimize.program import Program
+
+MODELS = Path(__file__).parents[2] / "models"
+STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-ffp-contract=off"]
+COMPILERS = {
+    "gcc": ["gcc", "-std=c99"],
+    "g++": ["g++", "-x", "c++", "-std=c++11"],
+    "zig": [sys.executable, "-m", "ziglang", "cc", "-std=c99"],
+    "zig c++": [sys.executable, "-m", "ziglang", "c++", "-x", "c++", "-std=c++11"],
+}
+
+
+def present(name: str) -> bool:
+    """Whether a compiler of COMPILERS is there."""
+    if name.startswith("zig"):
+        return importlib.util.find_spec("ziglang") is not None
+    return shutil.which(name) is not None
+
+
+def write(files: dict[str, str], folder: Path) -> dict[str, Path]:
+    """The files, by their ending."""
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    return {Path(name).suffix: folder / name for name in files}
+
+
+def call(*words: str | Path) -> str:
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:3000] + done.stdout[:1000]
+    return done.stdout
+
+
+@cache
+def of_model(name: str, work: bool = True, **parameters: float) -> Program:
+    """The program of a model of the library, `classic/four_bar`."""
+    from lagc import compiler
+
+    path = MODELS / f"{name}.lag"
+    source = Source(path.name, path.read_text())
+    model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))
+    return compiler.optimize(compiler.derive(model), work)
