@@ -12,6 +12,11 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 
 
+FUNCTIONS = (
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "floor", "atan2",
+)  # fmt: skip
+
+
 class Value(float):
     """A function of time: its value, and those of its derivatives."""
 
@@ -37,10 +42,11 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
         return lambda t: values[name]
 
     stand_in = SimpleNamespace(
-        Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float, Eq=lambda a, b: a - b,
-        Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0), Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
+        Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float,
+        Eq=lambda a, b: a - b, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
+        Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0),
         And=lambda a, b: a and b, Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],
-        **{n: getattr(math, n) for n in "sin cos tan asin acos atan sinh cosh tanh exp log sqrt floor atan2".split()},
+        **{name: getattr(math, name) for name in FUNCTIONS},
     )  # fmt: skip
     space: dict[str, Any] = {"sympy": stand_in, "__name__": "script"}
     exec(text.replace("import sympy\n", ""), space)

@@ -4,28 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from functools import cache
 from pathlib import Path
 
 import pytest
 
-from lagc.compiler import Choice, derive, parse, resolve
-from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.samples import Chance, samples
 from lagc.view.equations import write
+from tests.view.models import EVERYTHING, LONG, MODELS, derived, equations_of
 from tests.view.scripts import script_residuals, values_at
 
-MODELS = Path(__file__).parents[2] / "models"
 FILES = sorted(MODELS.rglob("*.lag"))
 STATES = 4
-
-
-@cache
-def derived(path: Path) -> EquationsOfMotion:
-    return derive(resolve(parse(Source(path.name, path.read_text(encoding="utf-8"))), Choice()))
 
 
 def states(equations: EquationsOfMotion) -> list[dict[Node, float]]:
@@ -61,7 +53,15 @@ def motion_terms(equations: EquationsOfMotion, state: Mapping[Node, float]) -> l
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_written_equations_are_the_derived_ones(path: Path) -> None:
-    equations = derived(path)
+    assert_same(derived(str(path.relative_to(MODELS).with_suffix(""))))
+
+
+@pytest.mark.parametrize("text", [EVERYTHING, LONG], ids=["every function", "named parts"])
+def test_unusual_equations_are_the_derived_ones(text: str) -> None:
+    assert_same(equations_of(text))
+
+
+def assert_same(equations: EquationsOfMotion) -> None:
     script = write(equations, "sympy")
     kinematic = sum(not (e in equations.v and n == f"der({q})") for e, n, q in kinematics(equations))
     motion = range(kinematic, kinematic + len(equations.v))

@@ -1,0 +1,132 @@
+"""Equations as a person would write them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from lagc.view.equations import write
+from lagc.view.latex import equations_latex, letter
+from tests.view.models import EVERYTHING, LONG, derived, equations_of
+
+
+def lines(name: str, scene: str | None = None) -> list[str]:
+    return [line for line in write(derived(name, scene)).splitlines() if " = 0" in line]
+
+
+def test_simple_pendulum() -> None:
+    assert write(derived("course/simple_pendulum")) == "l*theta'' + g*sin(theta) = 0\n\nwhere g = field.g"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("course/particle_under_gravity", ["x'' = 0", "y'' = 0", "z'' + g = 0"]),
+        (
+            "course/string_pendulum",
+            [
+                "m*x'' - x*lambda_string/sqrt(x^2 + z^2) = 0",
+                "m*z'' + m*g - z*lambda_string/sqrt(x^2 + z^2) = 0",
+                "sqrt(x^2 + z^2) - l = 0",
+            ],
+        ),
+        (
+            "classic/double_pendulum",
+            [
+                "l1*(m1 + m2)*theta1'' + m2*l2*cos(theta1 - theta2)*theta2''"
+                " + m2*l2*sin(theta1 - theta2)*theta2'^2 + g*(m1 + m2)*sin(theta1) = 0",
+                "l1*cos(theta1 - theta2)*theta1'' + l2*theta2''"
+                " - l1*sin(theta1 - theta2)*theta1'^2 + g*sin(theta2) = 0",
+            ],
+        ),
+        (
+            "classic/elastic_pendulum",
+            [
+                "m*s'' - m*(l0 + s)*theta'^2 + k*s - m*g0*cos(theta) = 0",
+                "(l0 + s)^2*theta'' + 2*(l0 + s)*s'*theta' + g0*(l0 + s)*sin(theta) = 0",
+            ],
+        ),
+        ("classic/kepler", ["x'' + mu*x/(x^2 + y^2)^(3/2) = 0", "y'' + mu*y/(x^2 + y^2)^(3/2) = 0"]),
+        (
+            "classic/euler_top",
+            [
+                "I1*o.rate.x' - (I2 - I3)*o.rate.y*o.rate.z = 0",
+                "I2*o.rate.y' + (I1 - I3)*o.rate.x*o.rate.z = 0",
+                "I3*o.rate.z' - (I1 - I2)*o.rate.x*o.rate.y = 0",
+            ],
+        ),
+    ],
+)
+def test_classics_look_as_in_a_textbook(name: str, expected: list[str]) -> None:
+    assert lines(name) == expected
+
+
+def test_kinematics_of_declared_speeds_are_written() -> None:
+    text = write(derived("classic/chaplygin_sleigh_speeds"))
+    assert "x' = cos(theta)*u - sin(theta)*s" in text
+
+
+def test_long_equations_are_written_with_named_parts() -> None:
+    """A power of a sum of 24 terms has some 80,000 of them: it is not multiplied out."""
+    text = write(equations_of(LONG))
+    assert "// shared parts" in text and "s1 = " in text
+    assert len(text) < 100_000
+
+
+def test_latex() -> None:
+    text = write(derived("course/simple_pendulum"), "latex")
+    assert text == "\\begin{aligned}\n  l \\, \\ddot{\\theta} + g \\, \\sin \\theta &= 0\n\\end{aligned}"
+    assert equations_latex(derived("course/simple_pendulum")) == f"$$\n{text}\n$$"
+
+
+@pytest.mark.parametrize(
+    ("name", "dots", "expected"),
+    [
+        ("theta", 0, r"\theta"),
+        ("th[2]", 0, r"\mathit{th}_{2}"),
+        ("theta1", 2, r"\ddot{\theta}_{1}"),
+        ("x[1,2]", 1, r"\dot{x}_{1,2}"),
+        ("a.bob[3]", 0, r"\mathit{bob}_{\mathrm{a},3}".replace(r"\mathrm{a}", "a")),
+        ("lambda_string", 0, r"\lambda_{\mathrm{string}}"),
+        ("o.rate.x", 1, r"\dot{\omega}_{o,x}"),
+    ],
+)
+def test_names_in_latex(name: str, dots: int, expected: str) -> None:
+    assert letter(name, dots) == expected
+
+
+def test_latex_has_balanced_braces_for_every_kind_of_expression() -> None:
+    text = write(equations_of(EVERYTHING), "latex")
+    assert text.count("{") == text.count("}")
+    assert text.count(r"\left") == text.count(r"\right")
+
+
+def test_the_script_runs_with_sympy() -> None:
+    """Really run, in a fresh interpreter; the equation is the pendulum's."""
+    script = write(derived("course/simple_pendulum"), "sympy")
+    check = (
+        "\nassert len(equations) == 1"
+        "\nleft = equations[0].lhs"
+        "\nassert left == l*theta.diff(t, 2) + g*sympy.sin(theta), left"
+    )
+    done = subprocess.run([sys.executable, "-c", script + check], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+
+
+def test_names_that_python_reserves_are_legal_in_the_script() -> None:
+    script = write(equations_of(RESERVED), "sympy")
+    compile(script, "script", "exec")
+    assert "lambda_ = " in script
+
+
+RESERVED = """
+model Reserved
+  parameter Mass t = 1 [kg];
+  parameter Stiffness sympy = 2 [N/m];
+  coordinate Length lambda(start = 1 [m]), equations;
+  body b = Particle(mass = t, at = {lambda, equations, 0});
+  potential V = 1/2*sympy*lambda^2;
+end Reserved;
+"""

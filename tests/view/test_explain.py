@@ -1,0 +1,88 @@
+"""What `lagc explain` says of models whose properties are known."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from lagc.cli.main import main
+from lagc.optimize.optimize import optimize
+from lagc.view.explain import Facts, explanation, text
+from tests.view.models import MODELS, derived
+
+
+def facts(name: str, scene: str | None = None) -> Facts:
+    equations = derived(name, scene)
+    return explanation(equations, optimize(equations))
+
+
+def test_pendulum_on_a_string() -> None:
+    found = facts("course/string_pendulum")
+    assert found["count"] == {"coordinates": 2, "speeds": 2, "rows": 1, "unknowns": 3, "equations": 3}
+    assert found["degrees_of_freedom"] == 1
+    (string,) = found["constraints"]
+    assert (string["kind"], string["time"]) == ("holonomic", "scleronomic")
+    assert "energy" in [c["name"] for c in found["conserved"]]
+
+
+def test_rolling_disc_has_more_postures_than_velocities() -> None:
+    """6 coordinates, the contact, 2 rows of rolling: 3 degrees of freedom, postures of 5."""
+    found = facts("classic/rolling_disc")
+    assert [c["kind"] for c in found["constraints"]] == ["holonomic", "non-holonomic", "non-holonomic"]
+    assert not any(c["integrable"] for c in found["constraints"])
+    assert (found["degrees_of_freedom"], found["positional_freedom"]) == (3, 5)
+
+
+def test_heavy_top_is_cyclic_in_precession_and_spin() -> None:
+    found = facts("classic/heavy_top")
+    assert found["cyclic"] == ["phi", "psi"]
+    assert {"energy", "momentum(phi)", "momentum(psi)"} <= {c["name"] for c in found["conserved"]}
+
+
+def test_drag_ends_the_conservation_of_energy() -> None:
+    assert "energy" in [c["name"] for c in facts("course/simple_pendulum", "vacuum")["conserved"]]
+    room = facts("course/simple_pendulum", "room")
+    assert room["conserved"] == []
+    assert [e["name"] for e in room["effects"]["used"]] == ["gravity", "air"]
+
+
+def test_what_is_left_out_is_said() -> None:
+    vacuum = facts("course/simple_pendulum", "vacuum")
+    assert [e["name"] for e in vacuum["effects"]["left_out"]] == ["air"]
+    assert any("air" in line for line in vacuum["pruned"])
+
+
+def test_moving_rail_makes_terms_of_lower_degree() -> None:
+    """K = 1/2 m (x' + ...)^2 of a driven system has parts of degree 1 and 0 in the speeds."""
+    kinetic = facts("classic/kapitza_pendulum")["kinetic"]
+    assert kinetic["K2"] == "m*l^2*theta'^2/2"
+    assert kinetic["K1"] != "0" and kinetic["K0"] != "0"
+
+
+def test_operations_are_those_of_the_program() -> None:
+    equations = derived("classic/double_pendulum")
+    program = optimize(equations)
+    found = explanation(equations, program)
+    assert found["operations"]["right_hand_side"] == program.interface.operations
+    assert found["operations"]["functions"]["rhs"] == program.functions["rhs"].cost
+
+
+@pytest.mark.parametrize("path", sorted(MODELS.rglob("*.lag")), ids=lambda p: p.stem)
+def test_every_model_is_explained(path: object) -> None:
+    name = str(path.relative_to(MODELS).with_suffix(""))  # type: ignore[attr-defined]
+    found = facts(name)
+    json.dumps(found, allow_nan=False)
+    assert found["count"]["unknowns"] == found["count"]["equations"]
+    assert found["model"] in text(found)
+    assert "None" not in text(found, verbose=True)
+
+
+def test_the_command_prints_text_and_json(capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(MODELS / "course" / "simple_pendulum.lag")
+    assert main(["explain", path, "--scene", "room"]) == 0
+    assert "degrees of freedom: 1" in capsys.readouterr().out
+    assert main(["explain", path, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "ok"
+    assert main(["equations", path, "--json", "--format", "latex"]) == 0
+    assert json.loads(capsys.readouterr().out)["format"] == "latex"
