@@ -6,19 +6,22 @@ All are loops: `index` order is a topological order, so depth never matters.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from operator import attrgetter
 
 from lagc.expr.graph import Graph, Node
+
+_index = attrgetter("index")
 
 
 def reachable(nodes: Iterable[Node]) -> list[Node]:
     """Every node below `nodes`, they included, arguments before users."""
-    seen: dict[Node, None] = {}
-    stack = list(nodes)
+    seen = set(nodes)
+    stack = list(seen)
     while stack:
-        node = stack.pop()
-        if node not in seen:
-            seen[node] = None
-            stack.extend(node.args)
+        for node in stack.pop().args:
+            if node not in seen:
+                seen.add(node)
+                stack.append(node)
     return sorted(seen, key=_index)
 
 
@@ -46,7 +49,3 @@ def substitute(graph: Graph, nodes: Sequence[Node], mapping: Mapping[Node, Node]
         if node not in replaced:
             replaced[node] = graph.rebuild(node, tuple([replaced.get(a, a) for a in node.args]))
     return [replaced.get(node, node) for node in nodes]
-
-
-def _index(node: Node) -> int:
-    return node.index
