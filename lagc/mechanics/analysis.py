@@ -21,6 +21,7 @@ from lagc.mechanics.freeterms import free_terms
 from lagc.mechanics.inertia import moving_parts
 from lagc.mechanics.integrability import integrable_rows, rate_coefficients
 from lagc.mechanics.linear import solve
+from lagc.mechanics.magnitude import vanishes
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.redundancy import dependent_rows
@@ -28,7 +29,6 @@ from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.states import States, build_states
 
 _STATES = 3
-_VANISHES = 1e-9  # relative to the size of what it is compared with
 _LARGEST = 60  # speeds and rows for which motions are solved for
 
 
@@ -145,7 +145,7 @@ def _cyclic(states: States) -> tuple[str, ...]:
         [
             c.name
             for c in scalars
-            if c.symbol not in slopes or _vanishes(slopes[c.symbol], lagrangian, tries)
+            if c.symbol not in slopes or vanishes(slopes[c.symbol], tries)
         ]
     )
 
@@ -171,16 +171,6 @@ def _free(states: States) -> list[Lagrangian]:
     return [x for x in terms if x.is_kinetic or states.in_rates([x.function])[0] in moving]
 
 
-def _vanishes(node: Node, scale: Node, tries: Sequence[Mapping[Node, float]]) -> bool:
-    if node.is_zero:
-        return True
-    for state in tries:
-        value, size = evaluate([node, scale], state)
-        if math.isfinite(value) and abs(value) > _VANISHES * (abs(size) or 1.0):
-            return False
-    return bool(tries)
-
-
 def _conserved(
     equations: EquationsOfMotion, states: States, spare: set[int], cyclic: Sequence[str]
 ) -> list[Conserved]:
@@ -191,7 +181,7 @@ def _conserved(
     met = [onto(states, rows, s) for s in samples(equations.model, _STATES)]
     tries = [s for s in met if s is not None]
     multiplied = [_with_multipliers(equations, s) for s in tries]
-    if _vanishes(equations.power, equations.energy, multiplied):
+    if vanishes(equations.power, multiplied):
         found.append(Conserved("energy", equations.energy, "nothing brings power or takes it"))
     pushed = _pushed(equations, states, tries)
     for c in states.model.coordinates:
@@ -218,13 +208,8 @@ def _pushed(
     pushed: set[Node] = set()
     for table in chain(forces, [row.jacobian for row in equations.rows]):
         weights = rate_coefficients(states, table)
-        total = states.graph.sum(_abs(x) for x in weights.values())
-        pushed |= {rate for rate, x in weights.items() if not _vanishes(x, total, tries)}
+        pushed |= {rate for rate, x in weights.items() if not vanishes(x, tries)}
     return pushed
-
-
-def _abs(node: Node) -> Node:
-    return node.graph.unary("abs", node)
 
 
 def _totals(
@@ -244,18 +229,10 @@ def _totals(
         for axis in "xyz":
             name = f"{head}().{axis}"
             node = quantities.value(name)
-            size = _size_of_rate(states, node)
             rate = tangent(states.graph, [node], states.flow)[0]
-            if not _vanishes(node, states.graph.one, tries) and _vanishes(rate, size, moving):
+            if not vanishes(node, tries) and vanishes(rate, moving):
                 found.append(Conserved(name, node, reason))
     return found
-
-
-def _size_of_rate(states: States, node: Node) -> Node:
-    """sum of |d(node)/dx x'| over q, v and t: what cancels in d(node)/dt."""
-    graph = states.graph
-    slopes = gradient(graph, {node: graph.one}, list(states.flow))
-    return graph.sum(_abs(slope * states.flow[x]) for x, slope in slopes.items())
 
 
 def _with_accelerations(

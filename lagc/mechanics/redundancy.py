@@ -13,30 +13,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
+from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
 
 _STATES = 3
-_SMALL = 1e-9  # relative; entries that cancel leave about 1e-16, others about 1
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
 
 
 @dataclass
 class _Reduced:
-    """The rows so far on one state: pivot column, entries, and the rows they are made of."""
+    """The rows on one state; `bases`: pivot column, entries, and the rows they are made of."""
 
-    state: dict[Node, float]
     entries: list[dict[int, float]]
-    sizes: list[float] = field(default_factory=list)
+    sizes: list[float]  # of each row's entries, before anything in them cancels
     bases: list[tuple[int, dict[int, float], dict[int, float]]] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.sizes = [max(map(abs, row.values()), default=0.0) for row in self.entries]
 
     def reduce(self, k: int) -> tuple[dict[int, float], dict[int, float]]:
         """Row k less its part along the rows before, and the rows that part is made of."""
@@ -52,7 +47,7 @@ class _Reduced:
         return row, made
 
     def depends(self, k: int, row: dict[int, float]) -> bool:
-        return max(map(abs, row.values()), default=0.0) <= _SMALL * self.sizes[k]
+        return max(map(abs, row.values()), default=0.0) <= VANISHES * self.sizes[k]
 
     def add(self, row: dict[int, float], made: dict[int, float]) -> None:
         self.bases.append((max(row, key=lambda j: abs(row[j])), row, made))
@@ -99,17 +94,19 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     flat = [node for row in rows for node in row.jacobian.values()]
     tables: list[_Reduced] = []
     for sample in samples(states.model, _STATES) if rows else ():
-        values = evaluate(flat, sample)
-        if all(map(math.isfinite, values)):
-            entry = iter(values)
-            tables.append(_Reduced(sample, [{j: next(entry) for j in row.jacobian} for row in rows]))
+        entries = magnitudes(flat, sample)
+        if all(math.isfinite(size) for _, size in entries):
+            entry = iter(entries)
+            jacobians = [{j: next(entry) for j in row.jacobian} for row in rows]
+            sizes = [max([size for _, size in row.values()], default=0.0) for row in jacobians]
+            tables.append(_Reduced([{j: x for j, (x, _) in row.items()} for row in jacobians], sizes))
     found: list[Redundant] = []
     for k in range(len(rows) if tables else 0):
         reduced = [table.reduce(k) for table in tables]
         if all(table.depends(k, row) for table, (row, _) in zip(tables, reduced)):
             made = reduced[0][1]
             sizes = tables[0].sizes
-            others = [i for i, c in made.items() if abs(c) * sizes[i] > _SMALL * sizes[k] and i != k]
+            others = [i for i, c in made.items() if abs(c) * sizes[i] > VANISHES * sizes[k] and i != k]
             found.append(Redundant(k, tuple(sorted(others))))
             continue
         for table, (row, made) in zip(tables, reduced):
@@ -152,11 +149,11 @@ def _hold(
     for sample in tries:
         state = onto(states, independent, sample)
         if state is not None:
-            values = evaluate([*residuals, *slopes], state)
+            values = magnitudes([*residuals, *slopes], state)
             entries = iter(values[len(spare) :])
             for k, row in enumerate(spare):
-                size = max([abs(next(entries)) for _ in row.jacobian], default=1.0) or 1.0
-                found[k].add(abs(values[k]) <= _KEPT * size)
+                size = max(values[k][1], *(next(entries)[1] for _ in row.jacobian))
+                found[k].add(abs(values[k][0]) <= _KEPT * size)
     return found
 
 
