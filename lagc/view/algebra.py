@@ -46,7 +46,7 @@ class Atom:
 class Algebra:
     """Makes polynomials of nodes.  `nonnegative`: the symbols known not to be negative."""
 
-    def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 200_000) -> None:
+    def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 100_000) -> None:
         self.atoms: list[Atom] = []
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
@@ -292,9 +292,10 @@ def scaled(p: Polynomial, c: Fraction) -> Polynomial:
 
 def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
     """total += c*monomial."""
-    value = total.get(monomial, 0) + c
+    before = total.get(monomial)
+    value = c if before is None else before + c
     if value:
-        total[monomial] = Fraction(value)
+        total[monomial] = value
     else:
         total.pop(monomial, None)
 

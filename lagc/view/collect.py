@@ -230,4 +230,4 @@ def _uses(candidate: tuple[Monomial, int, Polynomial, set[Monomial]]) -> int:
 def positive_first(terms: Sequence[Product]) -> tuple[Product, ...]:
     """`terms`, where the first is negative with the first positive one before it."""
     k = next((k for k, term in enumerate(terms) if term.coefficient > 0), 0)
-    return (terms[k], *terms[:k], *terms[k + 1 :])
+    return (*terms[k : k + 1], *terms[:k], *terms[k + 1 :])

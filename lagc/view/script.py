@@ -46,10 +46,11 @@ def _plain(text: str) -> str:
 
 def _variables(equations: EquationsOfMotion, found: Sheet) -> dict[str, str]:
     """Full name in the model -> Python identifier."""
-    taken = {"t", "sympy", "equations", "equation"} | {f.label for f in found.formulas if f.kind == "shared"}
+    shared = {f.label for f in found.formulas if f.kind == "shared"}
+    taken = {"t", "sympy", "equations", "equation"} | shared
     variables: dict[str, str] = {}
     for node, name in found.names.items():
-        if node is equations.time or name.full in variables or name.full in taken:
+        if node is equations.time or name.full in variables or name.full in shared:
             continue
         word = re.sub(r"\W+", "_", name.base).strip("_") or "n"
         word = f"n{word}" if word[0].isdigit() else word

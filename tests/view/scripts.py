@@ -11,9 +11,9 @@ from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 
-
 FUNCTIONS = (
-    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "floor", "atan2",
+    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
+    "floor", "atan2",
 )  # fmt: skip
 
 
