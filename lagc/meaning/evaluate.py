@@ -308,11 +308,6 @@ def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value
     return Array(tuple(elements))
 
 
-def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
-    numbers = integers(context, e, environment)
-    return Array(tuple([Scalar(context.graph.const(n), None if n == 0 else NONE) for n in numbers]))
-
-
 def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
     from lagc.meaning.calls import call
 
@@ -322,5 +317,5 @@ def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
 _HOW: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
     tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: _call, tree.Unary: _unary,
-    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
+    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector,
 }  # fmt: skip

@@ -369,13 +369,22 @@ def instantiate(
 def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
     """The arguments of an instance or of `extends`, by name.  Raises Wrong."""
     found: Modifiers = {}
-    for argument in arguments:
+    for argument in map(_named, arguments):
         if argument.name is None:
             raise Wrong("LAG0209", "the arguments of a model have names: `name = value`", argument.span)
         if argument.name in found:
             raise Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span)
         found[argument.name] = [Modifier(argument, environment)]
     return found
+
+
+def _named(argument: tree.Argument) -> tree.Argument:
+    """`a(m = 5)` reads like a call; among the arguments of a model it modifies what is within `a`."""
+    call = argument.value
+    if argument.name is None and isinstance(call, tree.Call) and isinstance(call.function, tree.Name):
+        name = call.function
+        return tree.Argument(name.name, name.span, None, argument.span, argument.each, call.arguments)
+    return argument
 
 
 def names_of(d: tree.Declaration) -> list[str]:

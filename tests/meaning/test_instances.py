@@ -1,0 +1,241 @@
+"""Instances, inheritance, arrays, loops, effects, scenes, imports."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lagc.diagnostics.faults import Refused, Source
+from lagc.frontend.parse import parse
+from lagc.meaning.resolve import resolve
+from tests.meaning.reading import read, value
+
+CHAIN = """
+partial model Lab
+  parameter Mass m0 = 1;
+  effect gravity Gravity field; end gravity;
+  scene lab uses gravity;
+end Lab;
+model Chain
+  structural Integer n = 5;
+  parameter Mass m = 1 [kg];
+  parameter Length l = 1 [m];
+  coordinate Angle th[n](each start = 0.1 [rad]);
+  point P[0] = {0, 0, 0};
+  for i in 1:n loop
+    point P[i] = P[i-1] + l*{sin(th[i]), 0, -cos(th[i])};
+    body bob[i] = Particle(mass = m, at = P[i]);
+  end for;
+end Chain;
+"""
+
+
+def test_a_chain_has_its_links() -> None:
+    model = read(CHAIN)
+    assert [c.name for c in model.coordinates] == [f"th[{i}]" for i in range(1, 6)]
+    assert [b.name for b in model.bodies] == [f"bob[{i}]" for i in range(1, 6)]
+    assert value(model, model.points[-1].position[2], **{f"th[{i}]": 0.0 for i in range(1, 6)}) == -5.0
+
+
+def test_the_structure_is_chosen_from_outside() -> None:
+    model = read(
+        CHAIN, parameters={"n": 2, "l": (50.0, "cm")}, starts={"th[2]": (90.0, "deg"), "der(th[1])": 1.5}
+    )
+    assert len(model.coordinates) == 2
+    assert {p.name: p.value for p in model.parameters} == {"m": 1.0, "l": 0.5}
+    starts = [(c.start.value, c.rate.value) for c in model.coordinates]
+    assert starts == [(0.1, 1.5), (pytest.approx(1.5707963267948966, rel=1e-15), 0.0)]
+
+
+def test_instances_keep_apart_and_gravity_reaches_all() -> None:
+    model = read(
+        CHAIN + "model Two extends Lab; Chain a(n = 3), b(n = 4, l = 0.5 [m]); parameter Stiffness k = 2;"
+        "potential spring = 1/2*k*norm(position(a.bob[3]) - position(b.bob[4]))^2; end Two;"
+    )
+    assert {p.name: p.value for p in model.parameters}["b.l"] == 0.5
+    assert [c.name for c in model.coordinates][-1] == "b.th[4]"
+    assert len(model.bodies) == 7
+    gravity = next(a for a in model.actions if a.name == "field")
+    at_rest = {c.name: 0.0 for c in model.coordinates}
+    # hanging down: heights -1 -2 -3 and -0.5 -1 -1.5 -2, masses 1
+    assert value(model, gravity.energy, **at_rest) == pytest.approx(-9.81 * 11)
+    assert gravity.effect == "gravity"
+
+
+def test_modifications_reach_inward() -> None:
+    text = (
+        "model A parameter Mass m(min = 0) = 1; coordinate Length x(start = 1); "
+        "body b = Particle(mass = m, at = {x, 0, 0}); end A;"
+        "model B A a(m(max = 9) = 3, x(start = 2)); end B;"
+        "model C B b(a(m = 5)); end C;"
+    )
+    model = read(text)
+    assert [(p.name, p.value, p.minimum, p.maximum) for p in model.parameters] == [("b.a.m", 5.0, 0.0, 9.0)]
+    assert model.coordinates[0].start.value == 2.0
+
+
+def test_arrays_of_instances() -> None:
+    model = read(
+        "model A parameter Mass m = 1; coordinate Length x; "
+        "body b = Particle(mass = m, at = {x, 0, 0}); end A;"
+        "model B structural Integer n = 3; A a[n](m = {1, 2, 3}); "
+        "potential V = 1 [N/m]*norm(position(a[1].b) - position(a[n].b))^2; end B;"
+    )
+    assert [(p.name, p.value) for p in model.parameters] == [
+        ("a[1].m", 1.0),
+        ("a[2].m", 2.0),
+        ("a[3].m", 3.0),
+    ]
+
+
+def test_what_depends_on_parameters_follows_them() -> None:
+    text = "model A parameter Length l = 2; parameter Length half = l/2; "
+ "coordinate Length x(start = half); end A;"
+    model = read(text)
+    assert [p.name for p in model.parameters] == ["l"]
+    assert model.built_in == ("half",)
+    assert value(model, model.coordinates[0].start) == 1.0
+    given = read(text, parameters={"half": 7.0})
+    assert [(p.name, p.value) for p in given.parameters] == [("l", 2.0), ("half", 7.0)]
+
+
+SCENES = """
+model P
+  parameter Mass m = 1;
+  parameter Length l = 0.5;
+  coordinate Angle theta(start = 1);
+  body bob = Particle(mass = m, at = l*{sin(theta), 0, -cos(theta)});
+  effect gravity Gravity field; end gravity;
+  effect air "drag" requires gravity;
+    force drag = -1 [kg/s]*velocity(bob) at bob;
+  end air;
+  effect vacuum excludes air; end vacuum;
+  potential spring = 1 [J]*theta^2 unless gravity;
+  scene free;
+  scene lab uses gravity
+    parameter l = 70 [cm];
+    start theta = 30 [deg]; start der(theta) = 2; simulate(stop = 2 [min]); end lab;
+  scene room uses gravity, air;
+end P;
+"""
+
+
+def test_the_first_scene_is_used_and_said() -> None:
+    model = read(SCENES)
+    assert model.scene == "free" and model.scenes == ("free", "lab", "room")
+    assert model.notes == ("no scene named, the first one is used: free",)
+    assert [a.name for a in model.actions] == ["spring"]
+
+
+def test_a_scene_has_its_effects_and_values() -> None:
+    model = read(SCENES, scene="lab")
+    assert [a.name for a in model.actions] == ["field"]
+    assert {p.name: p.value for p in model.parameters}["l"] == 0.7
+    assert model.simulate == {"stop": 120.0}
+    coordinate = model.coordinates[0]
+    assert (coordinate.start.value, coordinate.rate.value) == (pytest.approx(0.5235987755982988), 2.0)
+
+
+def test_effects_are_added_and_removed() -> None:
+    added = read(SCENES, scene="lab", with_effects=["air"])
+    removed = read(SCENES, scene="room", without_effects=["air"])
+    assert [(e.name, e.used) for e in added.effects] == [("gravity", True), ("air", True), ("vacuum", False)]
+    assert [a.name for a in removed.actions] == ["field"]
+
+
+@pytest.mark.parametrize(
+    "choice, code",
+    [
+        ({"scene": "moon"}, "LAG0215"),
+        ({"scene": "lab", "with_effects": ["wind"]}, "LAG0212"),
+        ({"scene": "free", "with_effects": ["air"]}, "LAG0213"),
+        ({"scene": "room", "with_effects": ["vacuum"]}, "LAG0213"),
+        ({"with_effects": ["air"], "without_effects": ["air"]}, "LAG0215"),
+        ({"model": "Q"}, "LAG0215"),
+        ({"parameters": {"k": 1.0}}, "LAG0215"),
+        ({"parameters": {"field.g": 1.0}}, "LAG0215"),
+        ({"parameters": {"m": (1.0, "s")}}, "LAG0302"),
+        ({"parameters": {"m": (1.0, "foo")}}, "LAG0304"),
+        ({"parameters": {"m": float("nan")}}, "LAG0309"),
+        ({"starts": {"phi": 1.0}}, "LAG0224"),
+    ],
+)
+def test_a_wrong_choice_is_refused(choice: dict[str, object], code: str) -> None:
+    with pytest.raises(Refused) as refused:
+        read(SCENES, **choice)
+    assert [f.code for f in refused.value.faults] == [code]
+
+
+def test_without_scenes_no_effect_is_used() -> None:
+    model = read(
+        SCENES.replace("scene free;", "").replace(
+            SCENES[SCENES.index("scene lab") : SCENES.index("end P")], ""
+        )
+    )
+    assert model.scene == "default"
+    assert not any(e.used for e in model.effects)
+    assert "gravity, air, vacuum" in model.notes[0]
+
+
+def test_all_faults_come_at_once() -> None:
+    with pytest.raises(Refused) as refused:
+        read("model A parameter Real k = y; parameter Mass m = 1 [s]; coordinate Length x; "
+             "potential V = z*1 [N] + w; constraint c: x = m; end A;")  # fmt: skip
+    assert sorted(f.code for f in refused.value.faults) == ["LAG0201", "LAG0201", "LAG0201", "LAG0302"]
+
+
+def test_a_fault_is_told_once() -> None:
+    with pytest.raises(Refused) as refused:
+        read("model A parameter Mass k = nothing; coordinate Length x; "
+        "body b = Particle(mass = k, at = {x, 0, 0});"
+             "body c = Particle(mass = 2*k, at = {0, x, 0}); output Mass y = k; end A;")  # fmt: skip
+    assert [f.code for f in refused.value.faults] == ["LAG0201"]
+
+
+def test_files_and_packages_are_imported(tmp_path: Path) -> None:
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "lib" / "parts.lag").write_text(
+        "package parts constant Mass light = 0.1; type Grade = Real[kg/m];"
+        "function twice(Mass u) = 2*u;"
+        "model Bob parameter Mass m = light; coordinate Length x; "
+        "body b = Particle(mass = m, at = {x, 0, 0}); end Bob;"
+        "end parts;"
+    )
+    main = tmp_path / "main.lag"
+    for header, name in (
+        ('import "lib/parts.lag";', "parts.Bob"),
+        ("import lib.parts;", "parts.Bob"),
+        ("import p = lib.parts;", "p.Bob"),
+        ("import lib.parts.Bob;", "Bob"),
+        ("import lib.parts.*;", "Bob"),
+    ):
+        main.write_text(f"{header} model M {name} a, b(m = 3); end M;")
+        model = resolve(parse(Source(str(main), main.read_text())))
+        assert [(p.name, p.value) for p in model.parameters] == [("a.m", 0.1), ("b.m", 3.0)], header
+        assert [Path(path).name for path, _ in model.imports] == ["parts.lag"]
+
+
+def test_no_import_leaves_its_folder(tmp_path: Path) -> None:
+    (tmp_path / "secret.lag").write_text("model S coordinate Length x; end S;")
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    (inner / "link.lag").symlink_to(tmp_path / "secret.lag")
+    main = inner / "main.lag"
+    for path in ("../secret.lag", str(tmp_path / "secret.lag"), "link.lag", "./../inner/../secret.lag"):
+        main.write_text(f'import "{path}"; model M S s; end M;')
+        with pytest.raises(Refused) as refused:
+            resolve(parse(Source(str(main), main.read_text())))
+        assert [f.code for f in refused.value.faults] == ["LAG0217"], path
+    main.write_text('import "../secret.lag"; model M S s; end M;')
+    allowed = resolve(parse(Source(str(main), main.read_text())), roots=(str(tmp_path),))
+    assert [c.name for c in allowed.coordinates] == ["s.x"]
+
+
+def test_models_that_import_each_other(tmp_path: Path) -> None:
+    (tmp_path / "a.lag").write_text('import "b.lag"; model A coordinate Length x; end A;')
+    (tmp_path / "b.lag").write_text('import "a.lag"; model B A a; end B;')
+    text = 'import "b.lag"; model M B b; end M;'
+    (tmp_path / "m.lag").write_text(text)
+    model = resolve(parse(Source(str(tmp_path / "m.lag"), text)))
+    assert [c.name for c in model.coordinates] == ["b.a.x"]

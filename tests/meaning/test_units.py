@@ -1,0 +1,93 @@
+"""Units against the definitions of the SI (BIPM, *The International System of Units*, 9th ed., 2019)."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lagc.meaning.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
+
+
+@pytest.mark.parametrize(
+    "text, factor, exponents",
+    [
+        ("kg", 1.0, {"kg": 1}),
+        ("g", 1e-3, {"kg": 1}),
+        ("t", 1e3, {"kg": 1}),
+        ("mm", 1e-3, {"m": 1}),
+        ("km/h", 1 / 3.6, {"m": 1, "s": -1}),
+        ("m/s2", 1.0, {"m": 1, "s": -2}),
+        ("m/s^2", 1.0, {"m": 1, "s": -2}),
+        ("m.s-2", 1.0, {"m": 1, "s": -2}),
+        ("m*s^(-2)", 1.0, {"m": 1, "s": -2}),
+        ("kg.m2/s2", 1.0, {"kg": 1, "m": 2, "s": -2}),
+        ("m3/(kg.s2)", 1.0, {"kg": -1, "m": 3, "s": -2}),
+        ("W/m2.K", 1.0, {"kg": 1, "s": -3, "K": -1}),  # a/b.c is a/(b.c), ISO 80000-1
+        ("N.m/rad", 1.0, {"kg": 1, "m": 2, "s": -2}),
+        ("kN", 1e3, {"kg": 1, "m": 1, "s": -2}),
+        ("hPa", 1e2, {"kg": 1, "m": -1, "s": -2}),
+        ("mT", 1e-3, {"kg": 1, "s": -2, "A": -1}),
+        ("rpm", 2 * math.pi / 60, {"s": -1}),
+        ("deg/s", math.pi / 180, {"s": -1}),
+        ("rev", 2 * math.pi, {}),
+        ("%", 1e-2, {}),
+        ("eV", 1.602176634e-19, {"kg": 1, "m": 2, "s": -2}),
+        ("1/s", 1.0, {"s": -1}),
+    ],
+)
+def test_a_unit_means_what_the_si_says(text: str, factor: float, exponents: dict[str, int]) -> None:
+    found = unit(text)
+    assert found.dimension == dimension(**exponents)
+    assert found.factor == pytest.approx(factor, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text", ["", " ", "foo", "m//s", "m/", "(m", "m)", "m^", "m^x", "2", "kg m", "m^1000", "k"]
+)
+def test_what_is_no_unit_is_said(text: str) -> None:
+    with pytest.raises(UnknownUnit):
+        unit(text)
+
+
+def test_a_unit_of_many_factors_is_bounded() -> None:
+    with pytest.raises(UnknownUnit, match="64"):
+        unit(".".join(["m"] * 100))
+
+
+@pytest.mark.parametrize(
+    "value, text, wanted", [(70.0, "cm", 0.7), (9.81, "m/s2", 9.81), (0.1, "mm", 1e-4), (1e-3, "g", 1e-6)]
+)
+def test_a_decimal_is_converted_without_an_error(value: float, text: str, wanted: float) -> None:
+    assert unit(text).to_si(value) == wanted
+
+
+@given(st.floats(1e-250, 1e250), st.sampled_from(["mm", "km/h", "deg", "rpm", "lb", "g", "bar", "eV"]))
+def test_there_and_back(value: float, text: str) -> None:
+    meant = unit(text)
+    assert meant.from_si(meant.to_si(value)) == pytest.approx(value, rel=1e-14)
+
+
+def test_units_are_converted_between_equal_dimensions_only() -> None:
+    assert to_si(70.0, "cm", "m") == 0.7
+    with pytest.raises(UnknownUnit, match="cannot be converted"):
+        to_si(70.0, "cm", "s")
+
+
+_DIMENSIONS = st.tuples(*[st.integers(-4, 4).map(lambda n: 12 * n)] * 7)
+
+
+@given(_DIMENSIONS, _DIMENSIONS)
+def test_dimensions_form_a_group(a: tuple[int, ...], b: tuple[int, ...]) -> None:
+    assert over(times(a, b), b) == a
+    assert times(a, over(NONE, a)) == NONE
+    assert raised(a, 2.0) == times(a, a)
+    half = raised(a, 0.5)
+    assert half is not None and times(half, half) == a
+
+
+@given(_DIMENSIONS)
+def test_the_name_of_a_dimension_is_read_back(a: tuple[int, ...]) -> None:
+    assert unit(si_text(a) or "1").dimension == a
