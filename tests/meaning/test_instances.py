@@ -90,8 +90,10 @@ def test_arrays_of_instances() -> None:
 
 
 def test_what_depends_on_parameters_follows_them() -> None:
-    text = "model A parameter Length l = 2; parameter Length half = l/2; "
- "coordinate Length x(start = half); end A;"
+    text = (
+        "model A parameter Length l = 2; parameter Length half = l/2; "
+        "coordinate Length x(start = half); end A;"
+    )
     model = read(text)
     assert [p.name for p in model.parameters] == ["l"]
     assert model.built_in == ("half",)
