@@ -214,7 +214,7 @@ def slopes(errors: list[float]) -> list[float]:
     ("tableau", "system", "t0", "t1", "first"),
     [
         (DOPRI5, Swing(), 0.0, 20.0, 1 / 4),
-        (DOPRI5, Closed(), 0.5, 2.5, 1 / 16),
+        (DOPRI5, Closed(), 0.5, 2.5, 1 / 32),
         (DOP853, Swing(), 0.0, 20.0, 1.0),
         (DOP853, Fall(), 0.0, 1.0, 1 / 3),
     ],
