@@ -7,31 +7,35 @@ costs nothing until it must be stored; sums with negative terms become differenc
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TypeAlias
 
 from lagc.optimize.program import Function, Operation, Store
 
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r")  # inputs, in the order of a signature
+
+_Payload: TypeAlias = "float | tuple[str, int] | None"
+_Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
 
 
 class Block:
     """Maker of one function.  Two operations that are alike are one value."""
 
     def __init__(self) -> None:
-        self.operations: list[Operation] = []
+        self._rows: list[_Row] = []
         self.stores: list[Store] = []
         self._comments: dict[int, str] = {}  # position in `stores` -> what is stored there
-        self._numbers: dict[tuple[object, ...], int] = {}
+        self._numbers: dict[_Row, int] = {}
         self.zero = self.const(0.0)
         self.one = self.const(1.0)
 
     # -- values ---------------------------------------------------------------
 
-    def _value(self, op: str, operands: tuple[int, ...], payload: object = None) -> int:
-        key = (op, operands, payload)
-        number = self._numbers.get(key)
+    def _value(self, op: str, operands: tuple[int, ...], payload: _Payload = None) -> int:
+        row = (op, operands, payload)
+        number = self._numbers.get(row)
         if number is None:
-            number = self._numbers[key] = len(self.operations)
-            self.operations.append(Operation(op, operands, payload))  # type: ignore[arg-type]
+            number = self._numbers[row] = len(self._rows)
+            self._rows.append(row)
         return number
 
     def load(self, array: str, index: int) -> int:
@@ -114,21 +118,21 @@ class Block:
         self, name: str, inputs: tuple[str, ...], outputs: Sequence[tuple[str, int]], description: str
     ) -> Function:
         """What is needed for the stores, each operation close before its first use."""
-        order = _schedule(self.operations, [s.value for s in self.stores])
+        order = _schedule(self._rows, [s.value for s in self.stores])
         number = {old: new for new, old in enumerate(order)}
         operations = []
         for old in order:
-            o = self.operations[old]
-            operations.append(Operation(o.op, tuple([number[k] for k in o.operands]), o.payload))
+            op, operands, payload = self._rows[old]
+            operations.append(Operation(op, tuple([number[k] for k in operands]), payload))
         stores = tuple([Store(s.array, s.index, number[s.value]) for s in self.stores])
         comments = {len(operations) + k: text for k, text in self._comments.items()}
         return Function(name, inputs, tuple(outputs), tuple(operations), stores, description, comments)
 
 
-def _schedule(operations: Sequence[Operation], roots: Sequence[int]) -> list[int]:
+def _schedule(rows: Sequence[_Row], roots: Sequence[int]) -> list[int]:
     """Value numbers in depth-first postorder from `roots`."""
     order: list[int] = []
-    state = bytearray(len(operations))  # 1: operands asked for, 2: placed
+    state = bytearray(len(rows))  # 1: operands asked for, 2: placed
     for root in roots:
         stack = [root]
         while stack:
@@ -140,7 +144,7 @@ def _schedule(operations: Sequence[Operation], roots: Sequence[int]) -> list[int
                     order.append(value)
                 continue
             state[value] = 1
-            for operand in reversed(operations[value].operands):
+            for operand in reversed(rows[value][1]):
                 if not state[operand]:
                     stack.append(operand)
     return order
