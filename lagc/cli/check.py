@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from lagc.cli.exits import DONE, REFUSED
+from lagc.cli.exits import DONE, REFUSED, USAGE
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_faults, print_json, say
 from lagc.diagnostics.faults import Fault, Refused
@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
     faults: list[Fault] = []
     for name in options.files:
         faults += faults_of(name, options)
-    wrong = any(f.severity == "error" for f in faults)
+    wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
         from lagc.diagnostics.report import as_json
 
@@ -43,7 +43,9 @@ def run(options: argparse.Namespace) -> int:
         print_faults(faults, color=False if options.no_color else None, stream=sys.stdout)
     elif not options.quiet:
         say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
-    return REFUSED if wrong else DONE
+    if not wrong:
+        return DONE
+    return REFUSED if any(f.span is not None for f in wrong) else USAGE
 
 
 def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:

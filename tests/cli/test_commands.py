@@ -1,0 +1,115 @@
+"""The other commands: what they print and write, and their exit codes."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from lagc.cli.main import main
+
+WRONG = "model M\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {y, 0, 0});\nend M;\n"
+Capture = pytest.CaptureFixture[str]
+
+
+@pytest.fixture
+def pendulum(tmp_path: Path, capsys: Capture) -> str:
+    path = tmp_path / "Swing.lag"
+    assert main(["new", str(path), "-q"]) == 0
+    return str(path)
+
+
+def test_a_new_model_is_sound_and_simulates(pendulum: str, capsys: Capture) -> None:
+    assert main(["check", pendulum]) == 0
+    assert main(["sim", pendulum, "-q", "--backend", "numpy", "--stop", "1"]) == 0
+
+
+def test_a_file_that_is_there_is_not_replaced(pendulum: str, capsys: Capture) -> None:
+    assert main(["new", pendulum]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["new", pendulum, "--force"]) == 0
+
+
+@pytest.mark.parametrize("name", ["1x", "a-b", "", "no/such/folder/x"])
+def test_a_new_model_needs_a_name_and_a_folder(name: str, capsys: Capture) -> None:
+    assert main(["new", name]) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_check_tells_every_fault_with_its_place(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "wrong.lag"
+    path.write_text(WRONG)
+    assert main(["check", str(path)]) == 1
+    shown = capsys.readouterr().out
+    assert "wrong.lag:3:42" in shown and "^" in shown
+    assert main(["check", str(path), "--format", "json"]) == 1
+    (fault,) = json.loads(capsys.readouterr().out)["faults"]
+    assert (fault["line"], fault["column"], fault["severity"]) == (3, 42, "error")
+
+
+def test_check_of_a_missing_file_is_wrong_usage(capsys: Capture) -> None:
+    assert main(["check", "nofile.lag"]) == 2
+    assert main(["check"]) == 2
+
+
+def test_check_goes_on_after_a_missing_file(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "wrong.lag"
+    path.write_text(WRONG)
+    assert main(["check", "nofile.lag", str(path)]) == 1
+    shown = capsys.readouterr().out
+    assert "nofile.lag" in shown and "wrong.lag:3" in shown
+
+
+def test_check_explains_a_code(capsys: Capture) -> None:
+    assert main(["check", "--explain", "lag0601"]) == 0
+    assert "LAG0601" in capsys.readouterr().out
+    assert main(["check", "--explain", "LAG9999"]) == 2
+
+
+@pytest.mark.parametrize("target, files", [("c", {"swing.h", "swing.c"}), ("numpy", {"swing.py"})])
+def test_build_writes_files_with_the_values_given(
+    target: str, files: set[str], pendulum: str, tmp_path: Path, capsys: Capture
+) -> None:
+    folder = tmp_path / "out"
+    words = ["build", pendulum, "--target", target, "-o", str(folder), "-p", "l=90[cm]", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert {Path(f).name for f in found["files"]} == {f.name for f in folder.iterdir()} == files
+    assert any("0.9" in f.read_text() for f in folder.iterdir())
+
+
+def test_a_built_module_needs_no_lagc(pendulum: str, tmp_path: Path, capsys: Capture) -> None:
+    assert main(["build", pendulum, "--target", "numpy", "-o", str(tmp_path), "-q"]) == 0
+    program = (
+        "import sys; sys.modules['lagc'] = None; import swing; "
+        "print(swing.rhs(0.0, [0.5, 0.0][:swing.NX] + [0.0]*(swing.NX - 2)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("[0.0, -9.4")  # -g/l sin(0.5) = -9.406
+
+
+@pytest.mark.parametrize(
+    "words", [["-p", "zz=1"], ["--scene", "nowhere"], ["-o", "/dev/null/x"], ["--target", "ada"]]
+)
+def test_build_of_nonsense_is_wrong_usage(words: list[str], pendulum: str, capsys: Capture) -> None:
+    assert main(["build", pendulum, *words]) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_every_command_refuses_a_missing_file(capsys: Capture) -> None:
+    for name in ("check", "fmt", "explain", "equations", "sim", "build"):
+        assert main([name, "nofile.lag"]) == 2, name
+        captured = capsys.readouterr()
+        assert "nofile.lag" in captured.out + captured.err
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    command = f"{sys.executable} -m lagc equations simple_pendulum | head -c 1"
+    done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60)
+    assert "Traceback" not in done.stderr and "internal error" not in done.stderr
