@@ -43,7 +43,14 @@ class Builder:
 
 
 def field(name: str, value: float | None = 1.0, **more: object) -> Field:
-    plain = {"minimum": -math.inf, "maximum": math.inf, "unit": "", "display_unit": "", "place": "", "description": ""}
+    plain = {
+        "minimum": -math.inf,
+        "maximum": math.inf,
+        "unit": "",
+        "display_unit": "",
+        "place": "",
+        "description": "",
+    }
     return Field(name=name, value=value, **{**plain, **more})  # type: ignore[arg-type]
 
 
@@ -98,7 +105,9 @@ def pendulum(model: str = "Pendulum", **changes: object) -> Program:
     start = Builder("start", ("p",), (("x", 2),))
     start.store("x", 0, start.const(2.0))
     start.store("x", 1, start.const(0.0))
-    return program(model, [rhs.function("xdot"), system.function(), energies.function(), start.function()], **changes)
+    return program(
+        model, [rhs.function("xdot"), system.function(), energies.function(), start.function()], **changes
+    )
 
 
 TRUTHS = ("lt", "le", "eq", "and", "or", "not")

@@ -20,8 +20,17 @@ WORDS = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "j0", "P
 
 
 def tricky() -> Program:
-    fields = tuple(field(name, place="a */ #include <x> ??/\n.lag:3", description="naïve \\ /* */") for name in TRICKY)
-    return pendulum("int", parameters=fields, q_names=("lambda",), v_names=("der(None)",), scene="*/ evil", source_name="a\nb*/")
+    fields = tuple(
+        field(name, place="a */ #include <x> ??/\n.lag:3", description="naïve \\ /* */") for name in TRICKY
+    )
+    return pendulum(
+        "int",
+        parameters=fields,
+        q_names=("lambda",),
+        v_names=("der(None)",),
+        scene="*/ evil",
+        source_name="a\nb*/",
+    )
 
 
 PROGRAMS = {
@@ -64,7 +73,10 @@ def test_text_is_ascii_and_keeps_to_itself(name: str) -> None:
     for text in render(PROGRAMS[name]()).values():
         assert text.isascii() and "\t" not in text and "\r" not in text
         assert not re.search(r"lagc_|LAGC_|\bmalloc|\bprintf|\bstatic (double|int) \w+\s*[;=]", text)
-        assert re.findall(r"^#\s*include.*", text, re.M) in (['#include <stddef.h>'], [f'#include "{_header(text)}"', "#include <math.h>"])
+        assert re.findall(r"^#\s*include.*", text, re.M) in (
+            ["#include <stddef.h>"],
+            [f'#include "{_header(text)}"', "#include <math.h>"],
+        )
 
 
 def _header(text: str) -> str:
@@ -74,7 +86,11 @@ def _header(text: str) -> str:
 
 def test_nothing_unused_is_written() -> None:
     free = render(of_model("classic/double_pendulum"))["double_pendulum.c"]
-    assert "project" not in free.replace("o.project", "") and "quaternion" not in free and "_position" not in free
+    assert (
+        "project" not in free.replace("o.project", "")
+        and "quaternion" not in free
+        and "_position" not in free
+    )
     assert "_sign" not in free and "_min(" not in free
 
 
@@ -89,7 +105,8 @@ def test_public_names_carry_the_prefix(tmp_path: Path) -> None:
     assert not [symbol for kind, symbol in kinds if kind in "BDCG"]  # no variable data
     assert "four_bar_rhs" in {symbol for kind, symbol in kinds if kind == "T"}
     undefined = {symbol for kind, symbol in kinds if kind == "U"}
-    assert undefined <= {"sin", "cos", "sincos", "sqrt", "pow", "fabs", "memset", "memcpy", "memmove", "_GLOBAL_OFFSET_TABLE_",
+    assert undefined <= {"sin", "cos", "sincos", "sqrt", "pow", "fabs", "memset", "memcpy", "memmove",
+                         "_GLOBAL_OFFSET_TABLE_",
                          "__stack_chk_fail"}  # fmt: skip
 
 
@@ -104,7 +121,18 @@ def test_sanitizers_find_nothing(name: str, tmp_path: Path) -> None:
     (tmp_path / "main.c").write_text(MAIN.replace("MODEL_", f"{stem.upper()}_").replace("model", stem))
     more = ["-DCONSTRAINED"] if program.interface.nc else []
     sanitize = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1"]
-    call("gcc", "-std=c99", *STRICT, *sanitize, *more, files[".c"], tmp_path / "main.c", "-o", tmp_path / "main", "-lm")
+    call(
+        "gcc",
+        "-std=c99",
+        *STRICT,
+        *sanitize,
+        *more,
+        files[".c"],
+        tmp_path / "main.c",
+        "-o",
+        tmp_path / "main",
+        "-lm",
+    )
     lines = call(tmp_path / "main").split()
     assert lines[0] == "0" and float(lines[1]) == 0.1
 
@@ -160,8 +188,8 @@ def test_the_same_bytes_whatever_the_hash_seed(target: str) -> None:
     )
     root = Path(__file__).parents[2]
     found = {
-        subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONHASHSEED": seed}, cwd=root, check=True,
-                       capture_output=True, text=True).stdout
+        subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONHASHSEED": seed}, cwd=root,
+                       check=True, capture_output=True, text=True).stdout
         for seed in ("0", "1", "2")
     }  # fmt: skip
     assert len(found) == 1 and found != {""}

@@ -19,9 +19,35 @@ from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.render.programs import TRUTHS, Builder, program, random_function
 
-FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+FLAGS = [
+    "-std=c99",
+    "-O2",
+    "-ffp-contract=off",
+    "-Wall",
+    "-Wextra",
+    "-Wpedantic",
+    "-Wconversion",
+    "-Wshadow",
+    "-Werror",
+]
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
-HARD = [0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 2.0, 1e308, -1e308, 1e-310, math.inf, -math.inf, math.nan, 710.0, -7.5]
+HARD = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    2.0,
+    1e308,
+    -1e308,
+    1e-310,
+    math.inf,
+    -math.inf,
+    math.nan,
+    710.0,
+    -7.5,
+]
 
 
 def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], ctypes.CDLL]:
@@ -31,11 +57,16 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     python: dict[str, object] = {}
     exec(ARITHMETIC + "".join(function_text(f, names) for f in functions), python)
     body = "".join(c_text(f, names, members).replace("static void", "void", 1) for f in functions)
-    head = "".join(f"void lagc_fn_{f.name}(const lagc_params *p, double t, const double *x, double *y);\n" for f in functions)
+    head = "".join(
+        f"void lagc_fn_{f.name}(const lagc_params *p, double t, const double *x, double *y);\n"
+        for f in functions
+    )
     struct_ = "typedef struct { double m, l, g; } lagc_params;\n"
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + struct_ + helpers(made) + head + body)
-    subprocess.run(["gcc", *FLAGS, "-shared", "-fPIC", str(source), "-o", str(folder / "made.so"), "-lm"], check=True)
+    subprocess.run(
+        ["gcc", *FLAGS, "-shared", "-fPIC", str(source), "-o", str(folder / "made.so"), "-lm"], check=True
+    )
     return python, ctypes.CDLL(str(folder / "made.so"))
 
 
@@ -43,7 +74,15 @@ def bits(values: list[float]) -> list[bytes]:
     return [b"nan" if v != v else struct.pack("<d", v) for v in values]
 
 
-def both(python: dict[str, object], library: ctypes.CDLL, name: str, p: list[float], t: float, x: list[float], n: int):
+def both(
+    python: dict[str, object],
+    library: ctypes.CDLL,
+    name: str,
+    p: list[float],
+    t: float,
+    x: list[float],
+    n: int,
+):
     y = [0.0] * n
     python[f"fn_{name}"](p, t, x, y)  # type: ignore[operator]
     out = (ctypes.c_double * n)()

@@ -10,8 +10,10 @@ from lagc.render.locals import local_names
 from lagc.render.names import RESERVED, Names, comment, identifier, prefix, stem
 from tests.render.programs import field, pendulum
 
-TRICKY = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "x", "p", "a.b[2].m", "a_b_2_m", "x0", "t1",
-          "der(theta)", "θ", "ω1", "__init__", "1st", "", "sin", "y0", "lagc_rhs", "pendulum_rhs", "PENDULUM_NQ"]  # fmt: skip
+TRICKY = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "x", "p", "a.b[2].m", "a_b_2_m",
+          "x0", "t1",
+          "der(theta)", "θ", "ω1", "__init__", "1st", "", "sin", "y0", "lagc_rhs",
+          "pendulum_rhs", "PENDULUM_NQ"]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", TRICKY)
@@ -46,7 +48,9 @@ def test_locals_never_hide_arrays_functions_or_temporaries() -> None:
     assert not any(name.startswith(("lagc_", "pendulum_", "PENDULUM_")) for name in given)
 
 
-@pytest.mark.parametrize("text", ["a */ b", "a /* b", "line\nbreak", "tail\\", "??/", "\u202e\u2066", "naïve θ²", "\x00\x1b[31m"])
+@pytest.mark.parametrize(
+    "text", ["a */ b", "a /* b", "line\nbreak", "tail\\", "??/", "\u202e\u2066", "naïve θ²", "\x00\x1b[31m"]
+)
 def test_comments_cannot_end_or_hide(text: str) -> None:
     found = comment(text)
     assert found.isascii() and found.isprintable()
@@ -57,7 +61,10 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
     assert "*/" not in comment("*\\/ **// */*/") and "/*" not in comment("/\\* //** /*/*")
 
 
-@pytest.mark.parametrize(("model", "expected"), [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega"), ("FourBar2D", "four_bar2_d")])
+@pytest.mark.parametrize(
+    ("model", "expected"),
+    [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega"), ("FourBar2D", "four_bar2_d")],
+)
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
     assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"

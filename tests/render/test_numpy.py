@@ -21,7 +21,8 @@ from tests.render.programs import Builder, pendulum, program
 from tests.render.test_c import PROGRAMS, tricky
 from tests.render.tools import call, of_model, present, write
 
-MODELS = ["classic/double_pendulum", "classic/driven_oscillator", "classic/four_bar", "classic/andrews_squeezer",
+MODELS = ["classic/double_pendulum", "classic/driven_oscillator", "classic/four_bar",
+          "classic/andrews_squeezer",
           "classic/sphere_on_turntable", "classic/heavy_top_quaternion", "classic/knife_edge"]  # fmt: skip
 
 
@@ -38,7 +39,18 @@ def library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
     if not present("gcc"):
         pytest.skip("no gcc")
     files = write(render_c(made), folder)
-    call("gcc", "-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", files[".c"], "-o", folder / "made.so", "-lm")
+    call(
+        "gcc",
+        "-std=c99",
+        "-O2",
+        "-ffp-contract=off",
+        "-shared",
+        "-fPIC",
+        files[".c"],
+        "-o",
+        folder / "made.so",
+        "-lm",
+    )
     return ctypes.CDLL(str(folder / "made.so")), files[".c"].stem
 
 
@@ -181,7 +193,12 @@ def test_where_python_would_raise_the_value_is_that_of_c(tmp_path: Path) -> None
         model, xdot, out = python.equations(p), [0.0, 0.0], doubles([0.0, 0.0])
         status = model.rhs(0.0, [theta, 1.0], xdot, [])
         assert status == python.NOT_FINITE and model.culprit == 1
-        assert getattr(lib, f"{prefix}_rhs")(doubles(p), ctypes.c_double(0.0), doubles([theta, 1.0]), out, None, work) == status
+        assert (
+            getattr(lib, f"{prefix}_rhs")(
+                doubles(p), ctypes.c_double(0.0), doubles([theta, 1.0]), out, None, work
+            )
+            == status
+        )
         assert bits(xdot) == bits(out)
         with pytest.raises(ArithmeticError, match="not finite"):
             python.rhs(0.0, [theta, 1.0], p)

@@ -48,21 +48,31 @@ def verbs(program: Program) -> list[Verb]:
     if "outputs" in functions:
         found.append(_outputs(program))
     if "power" in functions:
-        found.append(_of_accelerations(program, "power", "e[1] = d(energy)/dt: what the given actions and drives feed in.", "e"))
+        found.append(
+            _of_accelerations(
+                program, "power", "e[1] = d(energy)/dt: what the given actions and drives feed in.", "e"
+            )
+        )
     if interface.nc and "scales" in functions:
         found += _linear(interface)
     return found
 
 
 def _direct(name: str, comment: str, output: str) -> Verb:
-    return Verb(comment, f"void lagc_{name}({_POINT}, double *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n")
+    return Verb(
+        comment, f"void lagc_{name}({_POINT}, double *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n"
+    )
 
 
 _DIRECT = {
-    "energies": _direct("energies", "e[3]: kinetic, potential, and the energy whose balance the work is.", "e"),
+    "energies": _direct(
+        "energies", "e[3]: kinetic, potential, and the energy whose balance the work is.", "e"
+    ),
     "position": _direct("position", "phi[NH], the residuals of the holonomic constraints.", "phi"),
     "velocity": _direct("velocity", "psi[NC], the rates of all constraints.", "psi"),
-    "scales": _direct("scales", "s[NC] > 0: the size of each row's terms; residuals are judged against it.", "s"),
+    "scales": _direct(
+        "scales", "s[NC] > 0: the size of each row's terms; residuals are judged against it.", "s"
+    ),
     "displace": Verb(
         "dq[NQ] = N(t,q) d for d[NV], an infinitesimal displacement.",
         f"void lagc_displace({_POINT}, const double *d, double *dq)",
@@ -103,7 +113,8 @@ def _system(interface: Interface) -> list[Verb]:
         Verb(
             "The mass matrix M[NV*NV], all of it.",
             f"void lagc_mass_matrix({_POINT}, double *M, lagc_work *w)",
-            "    int i, j;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
+            "    int i, j;\n" + call
+            + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
             "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
             "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
         Verb(

@@ -87,7 +87,9 @@ class _Ieee(float):
             return _Ieee(float(self) / float(other))
         except ZeroDivisionError:
             a = float(self)
-            return _Ieee(nan if a != a or a == 0.0 else _copysign(inf, _copysign(1.0, a) * _copysign(1.0, other)))
+            if a != a or a == 0.0:
+                return _Ieee(nan)
+            return _Ieee(_copysign(inf, _copysign(1.0, a) * _copysign(1.0, other)))
 
 
 def _ieee(function):
@@ -114,8 +116,8 @@ def _ieee(function):
 
 
 _CAREFUL = {
-    **{f.__name__: _ieee(f) for f in (acos, asin, atan, atan2, cos, cosh, exp, fabs, log, pow, sin, sinh, sqrt)},
-    **{f.__name__: _ieee(f) for f in (tan, tanh, minimum, maximum, sign, floor)},
+    **{f.__name__: _ieee(f) for f in (acos, asin, atan, atan2, cos, cosh, exp, fabs, log, pow, sin)},
+    **{f.__name__: _ieee(f) for f in (sinh, sqrt, tan, tanh, minimum, maximum, sign, floor)},
     "select": select,
     "both": both,
     "either": either,

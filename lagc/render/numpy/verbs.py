@@ -7,7 +7,8 @@ from lagc.optimize.program import Program
 _ALWAYS = '''\
 _integrate = integrate
 STATUSES = (
-    "done", "the mass matrix is singular", "rows of constraints depend on each other", "rows of constraints contradict",
+    "done", "the mass matrix is singular", "rows of constraints depend on each other",
+    "rows of constraints contradict each other",
     "a value is not finite", "the step became too small", "too many steps", "interrupted",
 )
 
@@ -129,7 +130,8 @@ def rhs_many(t, x, p=None):
             _vectorised(fn_rhs)(list(p.T), t, list(x.T), columns, [0.0] * NC, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
-            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= LARGEST_RESIDUAL) & numpy.isfinite(xdot).all(axis=1)
+            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= LARGEST_RESIDUAL)
+            sound = sound & numpy.isfinite(xdot).all(axis=1)
         rest = numpy.flatnonzero(~sound)
     for i in rest:
         row = [0.0] * NX
@@ -158,7 +160,12 @@ def _vectorised(function):
 def verbs(program: Program) -> list[str]:
     """Those that the model has a use for."""
     found = [_ALWAYS]
-    for name, text in (("start", _START), ("system", _SYSTEM), ("energies", _ENERGIES), ("outputs", _OUTPUTS)):
+    for name, text in (
+        ("start", _START),
+        ("system", _SYSTEM),
+        ("energies", _ENERGIES),
+        ("outputs", _OUTPUTS),
+    ):
         if name in program.functions:
             found.append(text)
     if program.interface.nc:
