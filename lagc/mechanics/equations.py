@@ -88,7 +88,8 @@ class EquationsOfMotion:
     v_units: tuple[str, ...]
     qdot: tuple[Node, ...]
     quaternions: tuple[int, ...]  # first q index of each unit quaternion
-    mass_matrix: dict[tuple[int, int], Node]  # (i, j) with i >= j, zeros left out
+    mass_matrix: dict[tuple[int, int], Node]  # (i, j) with i >= j, zeros left out; in q and t (in v
+    #                                           too where a free Lagrangian is not quadratic)
     bias_forces: tuple[Node, ...]
     given_forces: tuple[Node, ...]
     rows: tuple[Row, ...]  # holonomic first
@@ -145,11 +146,12 @@ class EquationsOfMotion:
         rows = [x for row in self.rows for x in (row.rate, row.gamma, *row.jacobian.values())]
         works = [x for c in self.contributions for x in (c.power, *c.forces.values())]
         balance = [self.kinetic, self.energy, *self.rates.values()]
-        forces = [*self.qdot, *self.bias_forces, *self.given_forces, *works]
+        forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]
+        conditions = [residual for residual, _ in self.initial_conditions]
         tables: list[tuple[str, list[Node], set[Node]]] = [
             ("start", [s.value for s in (*self.starts_q, *self.starts_v)], parameters),
-            ("position", [*self.mass_matrix.values(), *phi, self.potential], position),
-            ("state", [*forces, *rows, *balance, *(x for x, _ in self.initial_conditions)], state),
+            ("position", [*phi, self.potential], position),
+            ("state", [*forces, *rows, *balance, *conditions], state),
             ("late", [self.power, *(o.expression for o in self.outputs)], late),
         ]
         for name, nodes, allowed in tables:

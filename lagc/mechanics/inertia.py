@@ -46,8 +46,7 @@ class Moving:
 def moving_parts(states: States) -> list[Moving]:
     """Every velocity that carries inertia.
 
-    Raises Refused: LAG0404 a mass or an inertia that changes with the motion, LAG0405 a body
-    placed by an input, whose derivative is not known.
+    Raises Refused: LAG0404 a mass or an inertia that changes with the motion.
     """
     bodies = states.model.bodies
     _check(states, bodies)
@@ -110,15 +109,8 @@ def _check(states: States, bodies: Sequence[Body]) -> None:
     model = states.model
     inputs = [given.symbol for given in model.inputs]
     motion = [*states.q, *states.rates, *states.v, model.time, *inputs]
-    scalars = [x for body in bodies for x in _inertia_nodes(body)]
-    changing = depends(scalars, motion)
-    placed = depends([x for body in bodies for x in _placing_nodes(body)], inputs)
-    faults: list[Fault] = []
-    for body in bodies:
-        if not changing.isdisjoint(_inertia_nodes(body)):
-            faults.append(_changing(body))
-        if not placed.isdisjoint(_placing_nodes(body)):
-            faults.append(_driven_by_input(body))
+    changing = depends([x for body in bodies for x in _inertia_nodes(body)], motion)
+    faults = [_changing(body) for body in bodies if not changing.isdisjoint(_inertia_nodes(body))]
     if faults:
         raise Refused(faults)
 
@@ -127,24 +119,10 @@ def _inertia_nodes(body: Body) -> list[Node]:
     return [body.mass, *(x for row in body.inertia or () for x in row)]
 
 
-def _placing_nodes(body: Body) -> list[Node]:
-    axes = () if body.frame is None else body.frame.axes
-    return [*body.position, *(x for row in axes for x in row)]
-
-
 def _changing(body: Body) -> Fault:
     return Fault(
         "LAG0404",
         f"the mass or the inertia of `{body.name}` changes with the motion or with an input",
         body.span,
         remedy="make it an expression of parameters (inertia in the axes of the body's own frame)",
-    )
-
-
-def _driven_by_input(body: Body) -> Fault:
-    return Fault(
-        "LAG0405",
-        f"the place of `{body.name}` depends on an input, whose time derivative is not known",
-        body.span,
-        remedy="write the drive as a function of `time`, or let the input act through a force",
     )

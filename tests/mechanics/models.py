@@ -157,6 +157,17 @@ def constant_speed() -> Model:
     return b.model()
 
 
+def relativistic() -> Model:
+    """A free Lagrangian whose mass matrix depends on the speeds."""
+    b = Builder("Relativistic")
+    x, y = b.coordinate("x"), b.coordinate("y")
+    m, c = b.parameter("m", 1.3), b.parameter("c", 3.0)
+    square = b.der(x) ** 2 + b.der(y) ** 2
+    b.lagrangian("free", -m * c * c * b.graph.sqrt(1.0 - square / (c * c)))
+    b.potential("well", 0.5 * (x * x + 2.0 * y * y))
+    return b.model()
+
+
 ALL: dict[str, Callable[[], Model]] = {
     "pendulum": pendulum,
     "double pendulum": lambda: chain(2),
@@ -169,5 +180,6 @@ ALL: dict[str, Callable[[], Model]] = {
     "knife edge": knife_edge,
     "declared speeds": declared_speeds,
     "constant speed": constant_speed,
+    "relativistic": relativistic,
 }
 

@@ -156,10 +156,6 @@ def test_zero_rows_of_a_vector_are_no_rows() -> None:
     assert [r.label for r in derive(b.model()).rows] == ["c[1]", "c[3]"]
 
 
-def _input_places(b: Builder, q: list[Node]) -> None:
-    b.particle("driven", b.graph.one, (b.input("u"), q[0], 0.0))
-
-
 def _mass_in_time(b: Builder, q: list[Node]) -> None:
     b.particle("leaking", b.graph.sin(b.time) + 2.0, (q[0], 0.0, 0.0))
 
@@ -198,7 +194,6 @@ def _many_speeds(b: Builder, q: list[Node]) -> None:
         (_speed_of_nothing, "LAG0402"),
         (_many_speeds, "LAG0403"),
         (_mass_in_time, "LAG0404"),
-        (_input_places, "LAG0405"),
         (_input_in_lagrangian, "LAG0406"),
         (_input_in_constraint, "LAG0407"),
     ],

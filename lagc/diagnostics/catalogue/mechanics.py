@@ -51,15 +51,6 @@ ENTRIES: dict[str, Entry] = {
         "model M\n  parameter Mass m = 1 [kg];\n  coordinate Length x;\n"
         "  body p = Particle(mass = m, at = {x, 0, 0});\nend M;\n",
     ),
-    "LAG0405": Entry(
-        "a body that is placed by an input",
-        "The accelerations of a driven body need the second time derivative of the drive.  An input is "
-        "known by its value only; a drive is an expression of `time`.",
-        "model M\n  parameter Mass m = 1 [kg];\n  input Length u;\n  coordinate Length x;\n"
-        "  body p = Particle(mass = m, at = {x, u, 0});\nend M;\n",
-        "model M\n  parameter Mass m = 1 [kg];\n  parameter Length h = 0.1 [m];\n  coordinate Length x;\n"
-        "  body p = Particle(mass = m, at = {x, h*sin(time/(1 [s])), 0});\nend M;\n",
-    ),
     "LAG0406": Entry(
         "a term of the Lagrangian that depends on an input",
         "Lagrange's equations differentiate the Lagrangian's momenta by time, and the time derivative of "
