@@ -60,12 +60,17 @@ def velocity(places: Places) -> Function:
 def scales(places: Places) -> Function:
     """The sum of the absolute values of a row's terms, plus what its residual changes by when
     every coordinate (speed, for a velocity row) is off by a thousandth of its SI unit: a row that
-    rests at zero is judged against that."""
-    graph = places.graph
+    rests at zero is judged against that.  A velocity row has one more term for each speed, which
+    sees what cancels inside products, as in dot(v, u)."""
+    graph, speeds = places.graph, places.equations.v
     sizes: list[Node] = []
     for row in places.equations.rows:
-        size = graph.sum(graph.unary("abs", term) for term in terms(graph, row.residual))
-        slopes = graph.sum(graph.unary("abs", slope) for _, slope in sorted(row.jacobian.items()))
+        columns = sorted(row.jacobian.items())
+        parts = terms(graph, row.residual)
+        if row.kind == "velocity":
+            parts += [slope * speeds[k] for k, slope in columns]
+        size = graph.sum(graph.unary("abs", part) for part in parts)
+        slopes = graph.sum(graph.unary("abs", slope) for _, slope in columns)
         sizes.append(graph.sum([size, _FLOOR * slopes, graph.const(1e-300)]))
     return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
 
