@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from math import floor, isfinite, log10
+from math import floor, inf, isfinite, log10
 
 from lagc import cache
 from lagc.optimize.program import Interface
@@ -80,6 +80,7 @@ class _Search:
     progress: Progress | None
     tried: list[Trajectory] = field(default_factory=list)
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
+    compared: dict[tuple[float, float], tuple[float, float | None]] = field(default_factory=dict)
 
     @property
     def method(self) -> str:
@@ -166,7 +167,11 @@ class _Search:
         return 10.0 * max(FINEST, fine)
 
     def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
-        return difference(self.runs[fine], self.runs[coarse], self.system.interface, self.accuracy)
+        found = self.compared.get((fine, coarse))
+        if found is None:
+            found = difference(self.runs[fine], self.runs[coarse], self.system.interface, self.accuracy)
+            self.compared[fine, coarse] = found
+        return found
 
     def _compare(self, done: Trajectory) -> tuple[float, float | None]:
         """`done`, which ended early, against the finest other run, over their common times."""
@@ -204,25 +209,18 @@ def difference(
 ) -> tuple[float, float | None]:
     """The largest scaled difference over the common times, and the last time before it first
     exceeds `target` (None where it never does)."""
-    largest, horizon, before = 0.0, None, a.times[0] if a.times else 0.0
-    scales: list[tuple[list[int], float]] = []
+    n = min(len(a.states), len(b.states))
+    worst = [0.0] * n
     for group in kinds(interface):
         size = max((abs(x[i]) for x in a.states for i in group), default=0.0)
-        scales.append((group, size if size > 0.0 and isfinite(size) else 1.0))
-    for t, x, y in zip(a.times, a.states, b.states):
-        here = 0.0
-        for group, size in scales:
-            for i in group:
-                d = abs(x[i] - y[i]) / size
-                if not d <= here:
-                    here = d
-        if not here <= largest:
-            largest = here
-        if horizon is None:
-            if not here <= target:
-                horizon = before
-            before = t
-    return largest, horizon
+        weight = 1.0 / size if size > 0.0 and isfinite(size) else 1.0
+        for i in group:
+            for k, (x, y) in enumerate(zip(a.states, b.states)):
+                d = abs(x[i] - y[i]) * weight
+                if not d <= worst[k]:
+                    worst[k] = d if d == d else inf
+    first = next((k for k, d in enumerate(worst) if not d <= target), None)
+    return max(worst, default=0.0), None if first is None else a.times[max(first - 1, 0)]
 
 
 def _memory_name(

@@ -114,7 +114,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == INCONSISTENT:
         return "failed", f"at {t} the constraints contradict each other: {_row(system, k)}"
     if status == NOT_FINITE:
-        return "failed", f"after {t} {_state(system, k)} is no longer a finite number"
+        when = f"after {t}" if trajectory.steps else "at the start"
+        return "failed", f"{when} {_state(system, k)} or its rate is not a finite number"
     if status == STEP_UNDERFLOW:
         return "failed", (f"at {t} the step became too small{_through(system, k)}: the motion has a "
                           "singularity there, or is too stiff for this method")  # fmt: skip
