@@ -50,6 +50,14 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
     return (graph.zero,) * len(args)  # comparisons and connectives are steps
 
 
+def partial(graph: Graph, node: Node, k: int) -> Node:
+    """d(node)/d(argument k) alone."""
+    if node.op == "mul":
+        exponent = node.value[k]
+        return graph.scale(float(exponent), graph.div(node, node.args[k]))
+    return partials(graph, node)[k]
+
+
 def _unary(graph: Graph, node: Node, x: Node) -> Node:
     op = node.op
     if op == "sin":
@@ -91,10 +99,9 @@ def tangent(graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node]) -
         moving = [k for k, a in enumerate(node.args) if a in rates]
         if not moving:
             continue
-        local = partials(graph, node)
         total = zero
         for k in moving:
-            total = graph.add(total, graph.mul(local[k], rates[node.args[k]]))
+            total = graph.add(total, graph.mul(partial(graph, node, k), rates[node.args[k]]))
         if total is not zero:
             rates[node] = total
     return [rates.get(node, zero) for node in outputs]
@@ -114,12 +121,9 @@ def gradient(
         if weight is None or weight.is_zero:
             continue
         args = node.args
-        if not any(a in live for a in args):
-            continue
-        local = partials(graph, node)
         for k, argument in enumerate(args):
             if argument in live:
-                share = graph.mul(weight, local[k])
+                share = graph.mul(weight, partial(graph, node, k))
                 held = adjoint.get(argument)
                 adjoint[argument] = share if held is None else graph.add(held, share)
     found = {w: adjoint[w] for w in wrt if w in adjoint}
