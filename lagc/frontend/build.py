@@ -15,6 +15,8 @@ from lagc.frontend.lexer import Token
 from lagc.frontend.node import replaced
 from lagc.frontend.places import FILE, arrange
 
+_PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
+_PLAIN = frozenset({"Real", "Integer", "Boolean"})
 MOST_PARTS = 100  # parts of one name, `a.b[1].c`
 
 Children = list[Any]
@@ -50,7 +52,7 @@ class Builder:
 
     def effect(self, c: Children, span: Span) -> tree.Effect:
         name, description, items, _ = c
-        requires = tuple(n for item in items if isinstance(item, Requires) for n in item.names)
+        requires = tuple(n for item in items if type(item) is Requires for n in item.names)
         excludes = tuple(n for item in items if isinstance(item, Excludes) for n in item.names)
         rest = [item for item in items if not isinstance(item, Requires | Excludes)]
         body = arrange(rest, "an effect", self.faults)
@@ -122,9 +124,10 @@ class Builder:
 
     def instance(self, c: Children, span: Span) -> tree.Instance:
         model, declarators, unless, description = c
-        return tree.Instance(
-            self._type_of(model), self._described(declarators, description), unless or (), span
-        )
+        made = self._type_of(model)
+        if any(declarator.value is not None for declarator in declarators) or made.path[-1] in _PLAIN:
+            self.faults.append(_no_kind(made))
+        return tree.Instance(made, self._described(declarators, description), unless or (), span)
 
     def declarators(self, c: Children, span: Span) -> tuple[tree.Declarator, ...]:
         return tuple(c)
@@ -264,6 +267,12 @@ class Builder:
         return self._part(tree.Member(c[0], c[1].text, self._span(c[1]), span), c[0])
 
     def index(self, c: Children, span: Span) -> tree.Index:
+        base, indices = c
+        if not isinstance(base, _PARTS) and isinstance(indices[0], tree.Name | tree.Binary):
+            bracket = Span(self.source, indices[0].span.start - 1, span.end)
+            if self.source.text[bracket.start - 1].isspace():
+                message = "a unit stands behind a number or a vector in braces, or behind `Real`"
+                self.faults.append(Fault("LAG0121", message, bracket, remedy="write the unit within"))
         return self._part(tree.Index(c[0], c[1], span), c[0])
 
     def call(self, c: Children, span: Span) -> tree.Call:
@@ -366,6 +375,24 @@ def unquoted(text: str) -> str:
         else:
             parts.append(character)
     return "".join(parts)
+
+
+def _no_kind(made: tree.TypeName) -> Fault:
+    """`Length x = 3;`, `bod b = Particle(...);`: an instance has no value."""
+    from lagc.diagnostics.suggest import closest
+    from lagc.frontend.foreign import FOREIGN
+    from lagc.frontend.tables import tables
+
+    word = made.path[-1]
+    foreign = FOREIGN.get(word.lower())
+    if foreign is not None:
+        message = f"`{word}` declares nothing by itself"
+        return Fault("LAG0118", message, made.span, remedy=foreign.remedy)
+    keywords = tables().keywords
+    near = word.lower() if word.lower() in keywords else closest(word, keywords)
+    message = f"`{word}` is no keyword, and an instance of a model has no value"
+    quantity = f"a quantity says what it is: `parameter {word} x = 1;`"
+    return Fault("LAG0119", message, made.span, remedy=f"did you mean `{near}`?" if near else quantity)
 
 
 def _names(path: tuple[Token, ...]) -> tuple[str, ...]:

@@ -68,7 +68,8 @@ _HINTS = {
     "“": 'texts stand between straight quotes, "..."', "”": 'texts stand between straight quotes, "..."',
     "„": 'texts stand between straight quotes, "..."', "'": 'texts stand between double quotes, "..."',
     "`": 'texts stand between double quotes, "..."', "#": "comments begin with `//`",
-    "√": "write `sqrt(...)`", "½": "write `1/2`", "∞": "leave the bound away",
+    "?": "write `if condition then value else other`", "√": "write `sqrt(...)`",
+    "½": "write `1/2`", "∞": "leave the bound away",
     "\ufeff": "delete it",
 }
 _GREEK = {

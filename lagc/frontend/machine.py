@@ -71,7 +71,8 @@ class Machine:
         self.blocks: list[Block] = []
         self.last_closed: Block | None = None
         self._reported: set[int] = set()  # where declarations with a fault begin
-        self._repairs = 0
+        self._recoveries = 0
+        self._reduced = False  # since the last token was taken
         self.last_end = 0  # where the last token taken ends
         self.builder = Builder(self.source)
         self.callbacks: list[Any] = [
@@ -150,6 +151,7 @@ class Machine:
         self.depths.append(depth)
         self.last_end = token.end
         self.position += 1
+        self._reduced = False
         return True
 
     def _reduce(self, number: int) -> None:
@@ -182,6 +184,7 @@ class Machine:
             value = callback([None] * len(recipe), Span(self.source, begin, begin))
         if origin == "scene":
             self.blocks = [block for block in self.blocks if block.height < len(self.states)]
+        self._reduced = True
         self.states.append(self.tables.actions[self.states[-1]][origin])
         values.append(value)
         self.starts.append(start)
@@ -226,41 +229,106 @@ class Machine:
         reading ends."""
         from lagc.frontend import mistakes
 
-        token = self.tokens[self.position]
-        bottom = self._item_bottom()
-        if len(self.faults) >= MOST_FAULTS:
+        self._recoveries += 1
+        if len(self.faults) >= MOST_FAULTS or self._recoveries > MOST_REPAIRS:
             return False
-        if token.kind == END and self.blocks and bottom == len(self.states) - 1:
+        token = self.tokens[self.position]
+        if self._end_unfinished():
+            return True
+        self._settle()
+        bottom, begin = self._declaration(self.position)
+        if token.kind == END and begin == self.position:
+            if not self.blocks:
+                return False
             self._insert_end(self.blocks[-1])
             return True
-        begin = self.starts[bottom + 1] if bottom + 1 < len(self.states) else self.position
-        brackets = [
-            value
-            for value in self.values[bottom + 1 :]
-            if type(value) is Token and value.kind == SYMBOL and value.text in ("(", "[", "{")
-        ]
+        brackets: list[Token] = []
+        for value in self.values[bottom + 1 :]:
+            if type(value) is Token and value.kind == SYMBOL and value.text in "([{":
+                brackets.append(value)
+            elif type(value) is Token and value.kind == SYMBOL and value.text in ")]}" and brackets:
+                brackets.pop()
         found = mistakes.explain(mistakes.Where(self, begin, brackets))
         self._report(found.fault, self.tokens[begin])
-        if found.repair is None or not self._repair(found.repair, bottom, begin):
+        if found.repair is None or not self._repair(found.repair):
             self._give_up(bottom, begin)
         return True
 
+    def _end_unfinished(self) -> bool:
+        """Behind `end name`, or `end` alone: put in what is missing."""
+        block = self.last_closed
+        top = self.values[-1]
+        if block is None or type(top) is not Token:
+            return False
+        at = self.tokens[self.position].start
+        if top.text == "end" and "SEMICOLON" not in self.tables.actions[self.states[-1]]:
+            span = Span(self.source, top.start, top.end)
+            opened = ((block.span(self.source), "opened here"),)
+            message, remedy = "an `end` names what it closes", f"write `end {block.closing};`"
+            self._report(Fault("LAG0113", message, span, opened, remedy), top)
+            self.tokens.insert(self.position, Token(WORD, block.closing, at, at))
+            return True
+        before = self.values[-2]
+        if type(before) is not Token or before.text != "end" or top.text != block.closing:
+            return False
+        span = Span(self.source, top.end, top.end)
+        remedy = f"write `end {block.closing};`"
+        self._report(Fault("LAG0111", "a `;` is missing", span, (), remedy), before)
+        self.tokens.insert(self.position, Token(SYMBOL, ";", at, at))
+        return True
+
+    def _settle(self) -> None:
+        """Undo the reductions that the token at fault brought about, so that what may stand here can
+        be told, and end the declaration that a `;` has ended."""
+        if self._reduced and self.tokens[self.position - 1].text != ";":
+            bottom, begin = self._declaration(self.position - 1)
+            position = self.position
+            self._drop(bottom, begin)
+            self.position = begin
+            self._replay(position)
+        while self.position and self.tokens[self.position - 1].text == ";":
+            actions = set(self.tables.actions[self.states[-1]].values())
+            action = actions.pop()
+            if actions or action >= 0:
+                return
+            self._reduce(~action)
+
+    def _replay(self, position: int) -> None:
+        """Take the tokens before number `position` again; they have been taken before."""
+        while self.position < position:
+            terminal = self.terminal(self.position, self.states[-1])
+            action = self.tables.actions[self.states[-1]][terminal]
+            if action < 0:
+                self._reduce(~action)
+            else:
+                self._shift(self.tokens[self.position], terminal, action)
+
     def _report(self, fault: Fault, first: Token) -> None:
-        """One fault a declaration, which begins with the token `first`."""
-        if first.start not in self._reported:
+        """One fault a declaration, which begins with the token `first`, and none where its text has
+        signs that are none."""
+        end = self.source.text.find("\n", self.tokens[self.position].end)
+        end = len(self.source.text) if end < 0 else end
+        odd = fault.code != "LAG0112" and any(
+            known.span is not None and first.start <= known.span.start < end for known in self.lexed.faults
+        )
+        if not odd and first.start not in self._reported:
             self._reported.add(first.start)
             self.faults.append(fault)
 
-    def _item_bottom(self) -> int:
-        """The height of the topmost state in which a declaration may begin."""
-        for height in range(len(self.states) - 1, 0, -1):
+    def _declaration(self, position: int) -> tuple[int, int]:
+        """The declaration around token number `position`: the height of the stack below it, and the
+        number of its first token (that of the next token where none has begun)."""
+        for height in range(len(self.states) - 1, -1, -1):
             if "item" in self.tables.actions[self.states[height]]:
-                return height
-        return 0
+                begin = self.starts[height + 1] if height + 1 < len(self.states) else self.position
+                if begin <= position:
+                    return height, begin
+        return 0, 0
 
-    def accepts(self, terminal: str) -> bool:
-        """Could such a token stand here?"""
-        return self._takes(list(self.states), terminal)
+    def accepts(self, *terminals: str) -> bool:
+        """Could such tokens stand here, one behind the other?"""
+        states = list(self.states)
+        return all(self._takes(states, terminal) for terminal in terminals)
 
     def _takes(self, states: list[int], terminal: str) -> bool:
         """Move `states` over one token; nothing is built."""
@@ -279,13 +347,11 @@ class Machine:
             if terminal == "$END" and states[-1] == self.tables.accept:
                 return True
 
-    def _repair(self, repair: Repair, bottom: int, begin: int) -> bool:
+    def _repair(self, repair: Repair) -> bool:
         """Make the change if the text then reads on, past the place of the fault.  A change before
-        that place reads the declaration again from its beginning."""
-        if self._repairs >= MOST_REPAIRS:
-            return False
-        self._repairs += 1
+        that place reads the declaration around it again from its beginning."""
         again = repair.at < self.position
+        bottom, begin = self._declaration(repair.at)
         first = begin if again else repair.at
         tokens = self.tokens
         others = list(repair.others)

@@ -47,7 +47,6 @@ class Where:
         self.keywords = machine.tables.keywords
         self.signs = machine.tables.symbols
         self.accepts = machine.accepts
-        self.last_closed = machine.last_closed
         self.position = machine.position
         self.begin = begin
         self.brackets = brackets  # that are open
@@ -251,10 +250,12 @@ def _brackets(w: Where) -> Explained | None:
             return Explained(fault, w.insert(right) if outer else w.replace(right))
         return None
     ends = w.token.kind == END or text == ";" or (w.token.kind == WORD and w.new_line())
-    if w.brackets and ends:
+    if w.brackets:
         opening = w.brackets[-1]
         right = _CLOSING[opening.text]
-        if not w.accepts(w.sign(right)):
+        # `m(min = 0 = 1 [kg]`: what stands there could stand behind the bracket.
+        follows = text in w.signs and w.accepts(w.sign(right), w.sign(text))
+        if not w.accepts(w.sign(right)) or not (ends or follows):
             return None
         message = f"this `{opening.text}` is not closed"
         fault = Fault(
@@ -269,24 +270,14 @@ def _brackets(w: Where) -> Explained | None:
 def _semicolon_too_many(w: Where) -> Explained | None:
     if w.token.text != ";" or w.token.kind != SYMBOL:
         return None
-    header = w.first.text in _HEADERS and w.position - w.begin == 2
-    if w.inside and w.before.text not in ("then", "loop", "else") and not header:
+    header = w.tokens[max(w.position - 2, 0)].text in _HEADERS
+    if w.before.text in ("then", "loop", "else") or header:
+        message = f"no `;` stands after `{w.before.text}`"
+    elif not w.inside:
+        message = "this `;` ends nothing"
+    else:
         return None
-    message = "this `;` ends nothing" if not w.inside else f"no `;` stands after `{w.before.text}`"
     return Explained(Fault("LAG0124", message, w.span(w.token), remedy="delete it"), w.replace())
-
-
-def _end_without_name(w: Where) -> Explained | None:
-    block = w.last_closed
-    if w.before.text != "end" or w.token.kind == WORD or block is None:
-        return None
-    message = "an `end` names what it closes"
-    opened = Span(w.source, block.word.start, block.word.end)
-    fault = Fault(
-        "LAG0113", message, w.span(w.before), related=((opened, "opened here"),),
-        remedy=f"write `end {block.closing};`",
-    )  # fmt: skip
-    return Explained(fault, w.insert(block.closing))
 
 
 def _stray_end(w: Where) -> Explained | None:
@@ -296,12 +287,29 @@ def _stray_end(w: Where) -> Explained | None:
 
 
 def _brace_for_block(w: Where) -> Explained | None:
-    if w.token.text != "{" or w.first.text not in _HEADERS or w.tokens[w.begin + 1].kind != WORD:
-        return None
-    if w.first.text == "for" and w.accepts("LOOP"):
+    if w.token.text == "{" and w.first.text == "for" and w.accepts("LOOP"):
         return Explained(_loop_fault(w), w.replace("loop"))
+    if w.first.text != "{" or w.begin < 2 or w.tokens[w.begin - 2].text not in _HEADERS:
+        return None
     message = "blocks stand between their first line and `end name;`, without braces"
-    return Explained(Fault("LAG0114", message, w.span(w.token), remedy="delete it"), w.replace())
+    fault = Fault("LAG0114", message, w.span(w.first), remedy="delete it")
+    return Explained(fault, Repair(w.begin, 1, ()))
+
+
+def _comma_in_list(w: Where) -> Explained | None:
+    """`uses a b;` reads as if the body of the scene began with `b`."""
+    at = w.begin - 1
+    if not w.inside or w.first.kind != WORD or at < 1 or w.tokens[at].kind != WORD:
+        return None
+    while at > 0 and (w.tokens[at].kind == WORD or w.tokens[at].text == ","):
+        if w.tokens[at].text == "uses":
+            message = f"a `,` is missing between `{w.tokens[w.begin - 1].text}` and `{w.first.text}`"
+            span = w.span(w.tokens[w.begin - 1], w.first)
+            fault = Fault("LAG0130", message, span, remedy="names in a list stand apart by `,`")
+            comma = _token(",", w.first.start)
+            return Explained(fault, Repair(w.begin - 1, 1, (w.tokens[w.begin - 1], comma)))
+        at -= 1
+    return None
 
 
 def _missing_semicolon(w: Where) -> Explained | None:
@@ -324,8 +332,10 @@ def _load_target(w: Where) -> Explained | None:
     needed = right.lower()
     shown = "a force acts `at` a point" if kind == "force" else "a torque acts `on` a body"
     example = "force F = vector at point;" if kind == "force" else "torque M = vector on body;"
-    repair = w.replace(needed) if w.token.text in ("at", "on") else None
-    return Explained(Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token)), repair)
+    other = w.token.text in ("at", "on")
+    remedy = f"write `{needed}`" if other else None
+    fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
+    return Explained(fault, w.replace(needed) if other else None)
 
 
 def _loop_fault(w: Where) -> Fault:
@@ -367,6 +377,20 @@ def _description_last(w: Where) -> Explained | None:
     return Explained(Fault("LAG0125", message, w.span(w.before)))
 
 
+def _missing_sign(w: Where) -> Explained | None:
+    """`body b Particle(...)`, `coordinate Angle a b`."""
+    if w.new_line() or w.before.kind != WORD or (w.token.kind == SYMBOL and w.token.text != "{"):
+        return None
+    if not w.accepts("EQUALS") or w.accepts("TIMES") or not w.inside:
+        return None
+    span = w.span(w.before, w.token)
+    if w.accepts("COMMA"):
+        message = f"a sign is missing between `{w.before.text}` and `{w.token.text}`"
+        return Explained(Fault("LAG0130", message, span, remedy="a `,` or a `=` stands there"))
+    message = f"a `=` is missing between `{w.before.text}` and `{w.token.text}`"
+    return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
+
+
 def _missing_operator(w: Where) -> Explained | None:
     operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
     if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
@@ -395,18 +419,36 @@ def _missing_name(w: Where) -> Explained | None:
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
-    _foreign_operator, _first_word, _comparison_for_equation, _equation_for_comparison, _decimal_comma,
-    _chained, _semicolon_too_many, _brace_for_block, _end_without_name, _stray_end, _bare_unit, _brackets, _load_target,
-    _missing_word, _constraint_parts, _description_last, _missing_semicolon, _missing_operator,
-    _unit_behind_expression, _missing_value, _missing_name,
-)  # fmt: skip
+    _foreign_operator,
+    _comma_in_list,
+    _brace_for_block,
+    _first_word,
+    _comparison_for_equation,
+    _equation_for_comparison,
+    _decimal_comma,
+    _chained,
+    _semicolon_too_many,
+    _stray_end,
+    _bare_unit,
+    _brackets,
+    _load_target,
+    _missing_word,
+    _constraint_parts,
+    _description_last,
+    _missing_semicolon,
+    _missing_operator,
+    _missing_sign,
+    _unit_behind_expression,
+    _missing_value,
+    _missing_name,
+)
 
 
 def _anything_else(w: Where) -> Explained:
     shown = "the end of the file" if w.token.kind == END else f"`{w.token.text}`"
     if not w.inside:
         message = f"{shown} begins no declaration"
-        begins = "it begins with a keyword (`parameter`, `coordinate`, `body`, ...) or the name of a model"
+        begins = "one begins with a keyword (`parameter`, `body`, ...) or the name of a model"
         return Explained(Fault("LAG0110", message, w.span(w.token), remedy=begins))
     if w.accepts("SEMICOLON"):
         remedy: str | None = "is a `;` or an operator missing?"

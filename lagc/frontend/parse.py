@@ -22,6 +22,14 @@ def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
     lexed = tokenise(source)
     machine = Machine(source, tables(), lexed)
     tree = machine.run()
-    faults = lexed.faults + machine.faults + machine.builder.faults
-    faults.sort(key=lambda fault: fault.span.start if fault.span is not None else 0)
+    found = {(fault.code, _start(fault)): fault for fault in machine.faults + machine.builder.faults}
+    lost = [_start(fault) for fault in lexed.faults if fault.code == "LAG0103"]
+    if lost:  # an open comment has swallowed what would be missed behind it
+        text = source.text[: lost[0]].rstrip()
+        found = {key: fault for key, fault in found.items() if key[1] < len(text)}
+    faults = sorted(lexed.faults + list(found.values()), key=_start)
     return tree if tree is not None else Tree(source, ()), faults[:MOST_FAULTS]
+
+
+def _start(fault: Fault) -> int:
+    return fault.span.start if fault.span is not None else 0

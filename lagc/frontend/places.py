@@ -76,7 +76,10 @@ def _arrange(
             arranged.append(replaced(item, body=body))
         else:
             initial = False
-            arranged.append(item)
+            if kind not in ("requires", "excludes"):
+                arranged.append(item)
+            if isinstance(item, tree.Quantities) and item.type is None and container != "scene":
+                faults.append(_no_type(item))
         outside = True
         _check(kind, item.span, container, faults)
     return tuple(arranged), initial
@@ -114,6 +117,8 @@ def _check(kind: str, span: Span, container: str, faults: list[Fault]) -> None:
     places = _PLACES.get(kind, _MECHANICS)
     if kind in allowed if allowed is not None else container in places:
         return
+    if container == "file" and faults and faults[-1].code == "LAG0120":
+        return  # one for a whole block that was closed too early
     begin = Span(span.source, span.start, min(span.end, span.start + len(kind)))
     shown = "an instance" if kind == "instance" else f"`{kind}`"
     good = [_SHOWN[place] for place in _SHOWN if place in places]
@@ -128,10 +133,25 @@ def _check(kind: str, span: Span, container: str, faults: list[Fault]) -> None:
 
 def _equation_outside(item: tree.Initial) -> Fault:
     condition = item.conditions[0]
+    left = condition.left
+    if isinstance(left, tree.Name) and (left.name in _PLACES or left.name in _IN_LOOPS):
+        message = f"a name is missing after `{left.name}`"
+        return Fault("LAG0132", message, left.span, remedy=f"write `{left.name} name = ...`")
     return Fault(
         "LAG0122",
         "an equation stands in the `initial` section only",
         condition.span,
         remedy="for a law of the motion write `constraint name: left = right;`, "
         "for a condition at the start put `initial` before it",
+    )
+
+
+def _no_type(item: tree.Quantities) -> Fault:
+    name = item.declarators[0]
+    example = "Integer n" if item.kind == "structural" else "Length l"
+    return Fault(
+        "LAG0133",
+        f"`{item.kind}` is followed by a type and a name; here is only `{name.name}`",
+        name.name_span,
+        remedy=f"write for instance `{item.kind} {example};`",
     )
