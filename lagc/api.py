@@ -199,27 +199,33 @@ class CompiledModel:
 
         if self._preferred == "c" or "c" in self._systems:
             try:
-                return self._run("c", request, parameters, progress)
-            except CannotCompile:
-                return self._run("numpy", request, parameters, progress)
+                return self._run("c", request, parameters, progress, "compiled before")
+            except CannotCompile as error:
+                return self._run("numpy", request, parameters, progress, str(error))
         patience = _Patience(compile_time(self.interface), progress)
         try:
-            return self._run("numpy", request, parameters, patience)
+            return self._run("numpy", request, parameters, patience, "done sooner than C compiles")
         except TakesLong:
             try:
                 self.load("c")
-            except CannotCompile:
-                return self._run("numpy", request, parameters, progress)
-            return self._run("c", request, parameters, progress)
+            except CannotCompile as error:
+                return self._run("numpy", request, parameters, progress, str(error))
+            return self._run("c", request, parameters, progress, "a long run")
 
     def _run(
-        self, backend: str, request: Request, parameters: Sequence[float], progress: Progress | None
+        self,
+        backend: str,
+        request: Request,
+        parameters: Sequence[float],
+        progress: Progress | None,
+        reason: str = "",
     ) -> Run:
         from lagc.run.simulate import simulate
 
         system = self.load(backend)
         system.parameters = list(parameters)
         found = simulate(system, request, self.compile_s, progress)
+        found.backend_reason = reason
         return Run(**{f.name: getattr(found, f.name) for f in fields(Solution)})
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
@@ -297,9 +303,10 @@ class _Patience:
         if perf_counter() > self.end:
             from lagc.run.backends.compile import compiler
 
-            if compiler() is not None:
+            if compiler() is None:
+                self.end = float("inf")
+            else:
                 raise TakesLong
-            self.end = float("inf")
         if self.inner is not None:
             self.inner(t)
 

@@ -51,6 +51,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--points", metavar="N", help="record N points; default 501")
     parser.add_argument("-o", "--output", metavar="FILE", help="write what was recorded: .csv .npz .parquet")
+    parser.add_argument("--units", action="store_true", help="units in the header of a .csv: theta [rad]")
     parser.add_argument(
         "--plot",
         metavar="FILE",
@@ -117,7 +118,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
         from lagc.run.files import CannotSave
 
         try:
-            found.save(options.output)
+            found.save(options.output, units=options.units)
         except CannotSave as error:
             raise Usage(str(error)) from None
         say(f"{len(found)} points written to {options.output}", options.quiet or options.json)

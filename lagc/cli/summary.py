@@ -15,6 +15,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     interface = run.system.interface
     effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
     chosen = " (the first of the file)" if scene_chosen and interface.scene != "default" else ""
+    reason = f" ({run.backend_reason})" if run.backend_reason else ""
     lines = [f"{interface.model}, scene {interface.scene}{chosen}{effects}"]
     lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
     lines.append(f"  {'ended':9} {run.message}")
@@ -26,7 +27,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
             f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)"
         )
     lines.append(f"  {'energy':9} {_energy(run)}")
-    lines.append(f"  {'method':9} {_method(run)}, backend {run.system.backend}")
+    lines.append(f"  {'method':9} {_method(run)}, backend {run.system.backend}{reason}")
     lines.append(f"  {'cost':9} {_cost(run)}")
     return "\n".join(lines)
 

@@ -81,6 +81,7 @@ class Solution:
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
     interrupted: bool = False
+    backend_reason: str = ""  # why `auto` took this backend
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
     @property
@@ -211,15 +212,17 @@ class Solution:
         frame.attrs.update(self.metadata())
         return frame
 
-    def save(self, path: str) -> None:
+    def save(self, path: str, units: bool = False) -> None:
         """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
 
+        `units` writes them into the header of a CSV file, `theta [rad]`; the other formats, and the
+        file `PATH.json` beside a CSV file, carry them in any case, with what else is known of the run.
         Raises `lagc.run.files.CannotSave` where the ending is none of these, a package is missing
         or the file cannot be written.
         """
         from lagc.run.files import save
 
-        save(self, path)
+        save(self, path, units)
 
     def _fill_rates(self) -> None:
         system = self.system

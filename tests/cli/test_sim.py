@@ -110,6 +110,13 @@ def test_a_csv_file_holds_the_grid_with_every_digit(tmp_path: Path) -> None:
     assert about["units"]["theta"] == "rad" and about["model"] == "SimplePendulum" and about["rtol"] > 0.0
 
 
+def test_a_csv_file_has_units_in_its_header_on_request(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    assert sim(PENDULUM, "-q", "--units", "-o", str(path)) == 0
+    header = path.read_text().splitlines()[0]
+    assert header == "time [s],theta [rad],der(theta) [rad/s],E [J]"
+
+
 def test_an_npz_file_holds_columns_and_metadata(tmp_path: Path) -> None:
     numpy = pytest.importorskip("numpy")
     path = tmp_path / "run.npz"

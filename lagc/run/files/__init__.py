@@ -37,10 +37,10 @@ def check_path(path: str) -> str:
     return FORMATS[ending]
 
 
-def save(solution: Solution, path: str) -> None:
+def save(solution: Solution, path: str, units: bool = False) -> None:
     """Write `solution`.  Raises CannotSave."""
     module = importlib.import_module(f"{__name__}.{check_path(path)}")
     try:
-        module.write(solution, path)
+        module.write(solution, path, units)
     except OSError as error:
         raise CannotSave(f"`{path}` cannot be written: {error.strerror or error}") from None

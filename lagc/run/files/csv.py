@@ -13,11 +13,14 @@ if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 
-def write(solution: Solution, path: str) -> None:
+def write(solution: Solution, path: str, units: bool) -> None:
+    """`units`: in the header, after each name."""
     names = solution.columns
+    known = {"time": "s", **solution.units}
+    header = [f"{n} [{known[n]}]" if units and known[n] else n for n in ("time", *names)]
     columns = [solution.times, *(solution.column(name) for name in names)]
     with open(path, "w", encoding="utf-8", newline="") as file:
-        file.write(",".join(quoted(name) for name in ("time", *names)) + "\r\n")
+        file.write(",".join(quoted(name) for name in header) + "\r\n")
         for row in zip(*columns):
             file.write(",".join(map(repr, row)) + "\r\n")
     with open(path + ".json", "w", encoding="utf-8") as file:

@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 
-def write(solution: Solution, path: str) -> None:
+def write(solution: Solution, path: str, units: bool) -> None:
+    """Units are in the metadata, whatever `units` is."""
     import numpy
 
     arrays: dict[str, Any] = {"time": solution.t, **{name: solution[name] for name in solution.columns}}

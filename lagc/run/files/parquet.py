@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 
-def write(solution: Solution, path: str) -> None:
-    """Raises ImportError where pyarrow is not installed."""
+def write(solution: Solution, path: str, units: bool) -> None:
+    """Units are in the fields, whatever `units` is."""
     pyarrow = importlib.import_module("pyarrow")
     parquet = importlib.import_module("pyarrow.parquet")
 
-    units = {"time": "s", **solution.units}
+    known = {"time": "s", **solution.units}
     columns = {"time": solution.times, **{name: solution.column(name) for name in solution.columns}}
-    fields = [pyarrow.field(n, pyarrow.float64(), metadata={"unit": units[n]}) for n in columns]
+    fields = [pyarrow.field(n, pyarrow.float64(), metadata={"unit": known[n]}) for n in columns]
     schema = pyarrow.schema(fields, metadata={"lagc": json.dumps(solution.metadata())})
     parquet.write_table(pyarrow.table(columns, schema=schema), path)
