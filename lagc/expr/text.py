@@ -34,10 +34,10 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
     if op == "symbol":
         return node.value[1], _ATOM
     if op == "add":
-        left, right = parts
-        if right[0].startswith("-") and right[1] != _ATOM:
-            return f"{left[0]} - {right[0][1:]}", _SUM
-        return f"{left[0]} + {right[0]}", _SUM
+        left, right = (_wrap(part, _SUM) for part in parts)
+        if right.startswith("-"):
+            return f"{left} - {right[1:]}", _SUM
+        return f"{left} + {right}", _SUM
     if op == "scale":
         factor = _wrap(parts[0], _PRODUCT)
         if node.value == -1.0:

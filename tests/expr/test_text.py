@@ -1,0 +1,61 @@
+"""The text of an expression says what the expression is."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import assume, given, settings
+
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import UNARY, Graph, Node
+from lagc.expr.text import text
+from tests.expr.expressions import NAMES, grow, points, programs
+
+FUNCTIONS = {**UNARY, "atan2": math.atan2, "min": min, "max": max}
+
+
+def read(written: str, values: dict[str, float]) -> float:
+    return float(eval(written.replace("^", "**"), {"__builtins__": {}}, {**FUNCTIONS, **values}))
+
+
+@settings(max_examples=200, deadline=None)
+@given(programs, points)
+def test_reading_gives_the_value_back(program: list[tuple[str, int, int]], at: tuple[float, ...]) -> None:
+    graph = Graph()
+    node = grow(graph, program[:7]).node
+    state = {graph.symbol("coordinate", name): x for name, x in zip(NAMES, at)}
+    size = max(map(abs, evaluate(graph.nodes, state)))
+    written = text(node)
+    assume(size < 1e6 and len(written) < 5000 and written.count("(") < 90)
+    # Python multiplies from the left, the graph in the order of its factors
+    expected = pytest.approx(evaluate([node], state)[0], rel=1e-9, abs=1e-12 * max(1.0, size))
+    assert read(written, dict(zip(NAMES, at))) == expected
+
+
+@pytest.fixture
+def graph() -> Graph:
+    return Graph()
+
+
+def leaf(graph: Graph, name: str) -> Node:
+    return graph.symbol("coordinate", name)
+
+
+def test_looks(graph: Graph) -> None:
+    m, length, w = (leaf(graph, name) for name in ("m", "l", "der(theta)"))
+    assert text(m * length**2 * w - 2.0 * graph.cos(m)) == "m*l^2*der(theta) - 2*cos(m)"
+    assert text(-(m + length)) == "-(m + l)"
+    assert text(m - (length - w)) == "m - (l - der(theta))"
+    assert text(1.0 / (m * length)) == "1/(m*l)"
+    assert text(m / (length + w)) == "m/(l + der(theta))"
+    assert text((m + length) ** 2) == "(m + l)^2"
+    assert text(graph.const(-0.1)) == "-0.1"
+    assert text(graph.const(3.0)) == "3"
+
+
+def test_choices_keep_their_branches_together(graph: Graph) -> None:
+    x, y = leaf(graph, "x"), leaf(graph, "y")
+    node = graph.select(graph.binary("lt", x, y), x, y)
+    assert text(node + 1.0) == "1 + (if (x < y) then x else y)"
+    assert text(2.0 * node) == "2*(if (x < y) then x else y)"
