@@ -243,3 +243,44 @@ def test_long_chain_is_cheap() -> None:
     begin = time.process_time()
     derive(model)
     assert time.process_time() - begin < 2.0  # 0.4 s on an idle machine
+
+
+def test_what_an_input_does_is_work_from_outside() -> None:
+    """A potential and a force that hold an input give power and no energy."""
+    b = Builder()
+    x, y = b.coordinate("x"), b.coordinate("y")
+    u = b.input("u")
+    b.particle("p", b.parameter("m", 2.0), (x, y, 0.0))
+    b.potential("field", u * x * y)
+    b.potential("spring", x * x)
+    b.force("push", (0.0, u * u, 0.0), (x, y, 0.0))
+    b.output("P", b.quantity("power(push)"))
+    e = derive(b.model())
+    assert [c.conservative for c in e.contributions] == [False, True, False]
+    state = random_state(e, 12)
+    at, vx, vy = state[u], *(state[s] for s in e.v)
+    assert evaluate([e.potential], state)[0] == pytest.approx(state[x] ** 2, rel=CLOSE)
+    expected = -at * (vx * state[y] + vy * state[x]) + at * at * vy
+    assert evaluate([e.power], state)[0] == pytest.approx(expected, rel=CLOSE)
+    assert value(e, "P", state) == pytest.approx(at * at * vy, rel=CLOSE)
+
+
+def test_energy_of_a_driven_bead() -> None:
+    """On a rod turned at w: kinetic() + potential() is energy(), the balance keeps K2 - K0 + V."""
+    b = Builder()
+    r, g, w = b.coordinate("r"), b.graph, b.parameter("w", 2.0)
+    b.particle("bead", b.parameter("m", 3.0), (r * g.cos(w * b.time), r * g.sin(w * b.time), 0.0))
+    b.output("E", b.quantity("energy()"))
+    e = derive(b.model())
+    state = random_state(e, 13)
+    reach, speed = state[e.q[0]], state[e.v[0]]
+    assert value(e, "E", state) == pytest.approx(1.5 * (speed**2 + 4.0 * reach**2), rel=CLOSE)
+    assert evaluate([e.energy], state)[0] == pytest.approx(1.5 * (speed**2 - 4.0 * reach**2), rel=CLOSE)
+    power = evaluate([e.power], motion(e, state))[0]  # Jacobi's integral: the rod's work is not in it
+    assert power == pytest.approx(0.0, abs=1e-12)
+
+
+def test_nothing_moves() -> None:
+    e = derive(Builder().model())
+    e.verify()
+    assert e.v == () and e.mass_matrix == {} and e.power.is_zero
