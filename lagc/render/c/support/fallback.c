@@ -23,11 +23,28 @@ static double lagc_square(const double *vector)
     return value;
 }
 
+/* Row i of G as a unit vector in the metric of M, and its length. */
+static void lagc_row(lagc_work *w, int i)
+{
+    double *row = w->b + i * LAGC_NV;
+    double length;
+    int j;
+    for (j = 0; j < LAGC_NV; j++)
+        row[j] = w->G[i * LAGC_NV + j];
+    lagc_lower(w, row);
+    length = sqrt(lagc_square(row));
+    w->lengths[i] = length;
+    for (j = 0; length > 0.0 && j < LAGC_NV; j++)
+        row[j] = row[j] / length;
+}
+
 static void lagc_orthogonalise(lagc_work *w, double dependent)
 {
     int i, j, k;
-    for (i = 0; i < LAGC_NC; i++)
+    for (i = 0; i < LAGC_NC; i++) {
+        lagc_row(w, i);
         w->order[i] = i;
+    }
     for (k = 0; k < LAGC_NC; k++) {
         int best = k;
         double longest = -1.0, length;
@@ -59,39 +76,34 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
     w->rank = LAGC_NC;
 }
 
-/* From M and G in w; rows below `dependent` are left out. */
-static int lagc_factor_fallback(lagc_work *w, double dependent)
+/* From M and G in w.  Rows count as dependent below a share of 1e-5 that is their own: where two
+ * branches of a mechanism cross, rounding rounds the corner between them within about 1e-8, and the
+ * motion goes straight through only if the row is left out before.  Once rows are known to be
+ * dependent (`lost`) the limit is higher, as stages leave the constraints.  Where M alone is
+ * singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is given. */
+static int lagc_factor_fallback(lagc_work *w)
 {
-    int i, j;
+    int i;
+    double trace = 0.0, squares = 0.0;
     w->weight = 0.0;
-    if (!lagc_cholesky(w)) {
-        double trace = 0.0, squares = 0.0;
-        for (i = 0; i < LAGC_NV; i++)
-            trace += w->M[i * (i + 1) / 2 + i];
-        for (i = 0; i < LAGC_NC * LAGC_NV; i++)
-            squares += w->G[i] * w->G[i];
-        if (squares > 0.0)
-            w->weight = trace > 0.0 ? trace / squares : 1.0 / squares;
-        if (!lagc_cholesky(w))
-            return LAGC_SINGULAR_MASS;
+    if (!w->lost && lagc_cholesky(w)) {
+        lagc_orthogonalise(w, 1e-5);
+        if (w->rank == LAGC_NC)
+            return LAGC_OK;
     }
-    for (i = 0; i < LAGC_NC; i++) {
-        double *row = w->b + i * LAGC_NV;
-        double length;
-        for (j = 0; j < LAGC_NV; j++)
-            row[j] = w->G[i * LAGC_NV + j];
-        lagc_lower(w, row);
-        length = sqrt(lagc_square(row));
-        w->lengths[i] = length;
-        for (j = 0; length > 0.0 && j < LAGC_NV; j++)
-            row[j] = row[j] / length;
-    }
-    lagc_orthogonalise(w, dependent);
-    if (w->rank < LAGC_NC) {
-        w->culprit = w->order[w->rank];
-        return LAGC_REDUNDANT;
-    }
-    return LAGC_OK;
+    for (i = 0; i < LAGC_NV; i++)
+        trace += w->M[i * (i + 1) / 2 + i];
+    for (i = 0; i < LAGC_NC * LAGC_NV; i++)
+        squares += w->G[i] * w->G[i];
+    if (squares > 0.0)
+        w->weight = trace > 0.0 ? trace / squares : 1.0 / squares;
+    if (!lagc_cholesky(w))
+        return LAGC_SINGULAR_MASS;
+    lagc_orthogonalise(w, w->lost ? 1e-4 : 1e-5);
+    if (w->rank == LAGC_NC)
+        return LAGC_OK;
+    w->culprit = w->order[w->rank];
+    return LAGC_REDUNDANT;
 }
 
 /* c = diag(1/lengths) F^-1 c over the independent rows */
@@ -160,7 +172,7 @@ static int lagc_solve_fallback(lagc_work *w, const double *r2, double *z, double
 {
     const int rank = w->rank;
     int i, j, k, status = rank == LAGC_NC ? LAGC_OK : LAGC_REDUNDANT;
-    double value, size = 0.0, longest = 0.0, worst = 1e-6;
+    double value, size = 0.0, longest = 0.0, worst = 1e-3;
     double *c = w->found;
     for (i = 0; w->weight > 0.0 && i < LAGC_NC; i++) {
         const double factor = w->weight * r2[i];

@@ -1,5 +1,13 @@
 /* -- the right-hand side, watched -- */
 
+/* Pivot ratio of a straight solve that is good enough; with constraints the square of the share
+ * below which rows count as dependent. */
+#if LAGC_NC
+#define LAGC_LEAST_PIVOT 1e-10
+#else
+#define LAGC_LEAST_PIVOT 1e-13
+#endif
+
 #define LAGC_FAILED(status) ((status) != LAGC_OK && (status) != LAGC_REDUNDANT)
 
 static void lagc_system_(const lagc_params *p, double t, const double *x, lagc_work *w)
@@ -52,7 +60,7 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
         return LAGC_NOT_FINITE;
     }
 #if LAGC_NC
-    status = lagc_factor_fallback(w, w->lost ? 1e-5 : 1e-8);
+    status = lagc_factor_fallback(w);
     w->lost = status == LAGC_REDUNDANT;
     for (i = w->rank; w->lost && i < LAGC_NC; i++)
         w->redundant[w->order[i]] = 1;
@@ -102,7 +110,7 @@ static int lagc_rhs_(const lagc_params *p, double t, const double *x, double *xd
     if (w->lost)
         return lagc_rhs_dense(p, t, x, xdot, lam, w);
     lagc_fn_rhs(p, t, x, xdot, lam, health);
-    if (!(health[0] >= 1e-13 && health[1] <= 1e-10))
+    if (!(health[0] >= LAGC_LEAST_PIVOT && health[1] <= 1e-10))
         return lagc_rhs_dense(p, t, x, xdot, lam, w);
     i = lagc_not_finite(xdot, LAGC_NX);
     if (i >= 0) {

@@ -11,15 +11,20 @@ from lagc.render.numpy.support.base import INCONSISTENT, OK, REDUNDANT, SINGULAR
 # -- what follows is part of generated modules --
 
 SINGULAR = 1e-13  # pivot ratio of a mass matrix that is singular
-DEPENDENT = 1e-8  # share of a row that is independent of the others, below which it is dependent
-STILL_DEPENDENT = 1e-5  # the same while rows are known to be dependent: stages leave the constraints
-CONTRADICTION = 1e-6  # of the size of accelerations
+# Share of a row that is independent of the others, below which it counts as dependent.  Where two
+# branches of a mechanism cross, rounding rounds the corner between them within about 1e-8: the
+# motion goes straight through only if the row is left out before.  Once rows are known to be
+# dependent the limit is higher, as stages leave the constraints.
+DEPENDENT = 1e-5
+STILL_DEPENDENT = 1e-4
+CONTRADICTION = 1e-3  # of the size of accelerations
 
 
 class Fallback:
     """M = L L^T (packed by rows), L^-1 G^T = Q R diag(lengths) with columns in the order of `order`.
 
-    Where M alone is singular, M + weight G^T G takes its place: the same solution, as G a is given.
+    Where M alone is singular, or very uneven, M + weight G^T G takes its place: the same solution, as
+    G a is given.
     Rows order[rank:] depend on the others.  `b` holds Q by rows, r its factors: r[k][row].
     """
 
@@ -35,27 +40,30 @@ class Fallback:
         self.rank = m
         self.culprit = -1
 
-    def factor(self, mass: list[float], g: list[float], dependent: float) -> int:
-        """From M (packed lower rows) and G (by rows); rows below `dependent` are left out."""
+    def factor(self, mass: list[float], g: list[float], lost: bool) -> int:
+        """From M (packed lower rows) and G (by rows).  `lost`: rows were dependent before."""
         self.g = g
         self.weight = 0.0
+        if self.m == 0:
+            return OK if self._cholesky(mass) else SINGULAR_MASS
+        if not lost and self._cholesky(mass):
+            self._orthogonalise(DEPENDENT)
+            if self.rank == self.m:
+                return OK
+        trace, squares = 0.0, 0.0
+        for i in range(self.n):
+            trace += mass[i * (i + 1) // 2 + i]
+        for a in g:
+            squares += a * a
+        if squares > 0.0:
+            self.weight = trace / squares if trace > 0.0 else 1.0 / squares
         if not self._cholesky(mass):
-            trace, squares = 0.0, 0.0
-            for i in range(self.n):
-                trace += mass[i * (i + 1) // 2 + i]
-            for a in g:
-                squares += a * a
-            if squares > 0.0:
-                self.weight = trace / squares if trace > 0.0 else 1.0 / squares
-            if self.m == 0 or not self._cholesky(mass):
-                return SINGULAR_MASS
-        for i in range(self.m):
-            self._row(i)
-        self._orthogonalise(dependent)
-        if self.rank < self.m:
-            self.culprit = self.order[self.rank]
-            return REDUNDANT
-        return OK
+            return SINGULAR_MASS
+        self._orthogonalise(STILL_DEPENDENT if lost else DEPENDENT)
+        if self.rank == self.m:
+            return OK
+        self.culprit = self.order[self.rank]
+        return REDUNDANT
 
     def solve(self, r1: list[float], r2: list[float]) -> tuple[int, list[float], list[float]]:
         """(status, s1, s2) with M s1 - G^T s2 = r1, G s1 = r2; s2 as short as possible."""
@@ -164,6 +172,7 @@ class Fallback:
         """Modified Gram-Schmidt with pivoting; each new vector is cleaned a second time."""
         m, b, r, order = self.m, self.b, self.r, self.order
         for i in range(m):
+            self._row(i)
             order[i] = i
         for k in range(m):
             best, longest = k, -1.0

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lagc.render.numpy.support.base import FAILED, NOT_FINITE, OK, REDUNDANT
-from lagc.render.numpy.support.fallback import DEPENDENT, STILL_DEPENDENT, Fallback
+from lagc.render.numpy.support.fallback import Fallback
 
 # -- what follows is part of generated modules --
 
 LEAST_PIVOT = 1e-13  # pivot ratio and residual of a straight solve that is good enough
+LEAST_PIVOT_OF_ROWS = 1e-10  # the same with constraints: the square of what counts as dependent
 LARGEST_RESIDUAL = 1e-10
 
 
@@ -37,6 +38,7 @@ class Equations:
         self._functions = {k[3:]: v for k, v in model.items() if k.startswith("fn_")}
         self._fn_rhs = self._functions.get("rhs")
         self._health = [1.0, 0.0]
+        self._least = LEAST_PIVOT_OF_ROWS if self.nc else LEAST_PIVOT
         self._lost = False  # rows are known to be dependent
         self._w = [0.0] * model["NWORK"]
         self._dense = False  # the last `assemble` is in the fallback
@@ -51,7 +53,7 @@ class Equations:
         health = self._health
         if self._straight and not self._lost:
             self._fn_rhs(self.p, t, x, xdot, lam, health)  # type: ignore[misc]
-            if health[0] >= LEAST_PIVOT and health[1] <= LARGEST_RESIDUAL:
+            if health[0] >= self._least and health[1] <= LARGEST_RESIDUAL:
                 return self._finite(xdot, OK)
         return self._solve_dense(t, x, xdot, lam)
 
@@ -69,7 +71,7 @@ class Equations:
         if self._straight and not self._lost:
             self._functions["assemble"](self.p, t, x, self._w)
             self._functions["factor"](self._w, self._health)
-            if self._health[0] >= LEAST_PIVOT and self._health[1] <= LARGEST_RESIDUAL:
+            if self._health[0] >= self._least and self._health[1] <= LARGEST_RESIDUAL:
                 self._dense = False
                 return OK
         self._dense = True
@@ -133,7 +135,7 @@ class Equations:
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
-        status = fallback.factor(mass, g, STILL_DEPENDENT if self._lost else DEPENDENT)
+        status = fallback.factor(mass, g, self._lost)
         self._lost = status == REDUNDANT
         if status != OK:
             self.culprit = fallback.culprit
