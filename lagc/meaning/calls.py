@@ -12,11 +12,12 @@ from lagc.meaning.functions import RESERVED, Argument, Builtin
 from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Environment
 from lagc.meaning.types import QuantityType
-from lagc.meaning.values import Value, Wrong, expect, flat
+from lagc.meaning.values import Poisoned, Value, Wrong, expect, flat
 
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
 
 DEEPEST = 64  # functions within functions
+MOST_CALLS = 100_000  # of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
@@ -141,19 +142,33 @@ def _inline(
                 raise Wrong(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
-    if context.calls >= DEEPEST:
-        raise Wrong(
-            "LAG0225",
-            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
-            e.span,
-            related=((function.name_span, "declared here"),),
-        )
-    context.calls += 1
+    _enter(context, e, function)
     try:
         inner = Environment(home.instance, home.space, dict(zip(names, values)))
         return evaluate(context, function.body, inner)
     finally:
         context.calls -= 1
+
+
+def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:
+    """One more call within others.  Raises Wrong where there is no end of them."""
+    if context.all_calls > MOST_CALLS:
+        raise Poisoned
+    context.all_calls += 1
+    context.calls += 1
+    related = ((function.name_span, "declared here"),)
+    if context.calls > DEEPEST:
+        context.calls -= 1
+        context.all_calls = MOST_CALLS + 1  # whatever else calls it has no end either
+        raise Wrong(
+            "LAG0225",
+            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
+            e.span,
+            related=related,
+        )
+    if context.all_calls > MOST_CALLS:
+        context.calls -= 1
+        raise Wrong("LAG0218", f"more than {MOST_CALLS} calls of functions", e.span, related=related)
 
 
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:

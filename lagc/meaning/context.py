@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MOST_FAULTS = 200
+DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,9 @@ class Context:
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
         self.count = 0
+        self.depth = 0  # declarations that wait for one another
         self.calls = 0  # functions within functions
+        self.all_calls = 0
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
@@ -89,7 +92,15 @@ class Context:
                 related=((entry.span, "declared here"),),
                 remedy="break the circle: one of its members must be given by something else",
             )
+        if self.depth >= DEEPEST_CHAIN:
+            raise Wrong(
+                "LAG0218",
+                f"more than {DEEPEST_CHAIN} declarations wait for one another",
+                span,
+                "declare what others depend on before them",
+            )
         entry.state = "running"
+        self.depth += 1
         try:
             entry.value = self._declare(self, entry)
         except Wrong as wrong:
@@ -99,6 +110,8 @@ class Context:
         except Poisoned:
             entry.state = "poisoned"
             raise
+        finally:
+            self.depth -= 1
         entry.state = "done"
         return entry.value
 

@@ -60,7 +60,10 @@ def choose_model(
             models[-1].name_span,
         )
     raise Wrong(
-        "LAG0215", "the file has no model", Span(file.source, 0, 1), "write `model Name ... end Name;`"
+        "LAG0215",
+        "the file has no model",
+        Span(file.source, 0, min(1, len(file.source.text))),
+        "write `model Name ... end Name;`",
     )
 
 
