@@ -10,17 +10,99 @@ from pathlib import Path
 MODELS = Path(__file__).resolve().parents[2] / "models"
 TOKEN = re.compile(r"//[^\n]*|\s+|[A-Za-z_]\w*|\d[\w.]*|\"[^\"]*\"|.", re.DOTALL)
 
-WORDS = """
-model end effect scene uses unless requires coordinate parameter structural Integer speed frame point body
-constraint potential force torque at on from initial for loop if then else import extends partial package
-function type joint friction when Orientation Particle Solid Gravity der velocity position acceleration reaction
-energy norm cross dot rotate rotate_z sqrt log asin time world pi lambda int None __import__ exec nan inf self
-eval system
-""".split()
-NUMBERS = """
-0 1 -1 2 1e999 1e308 1e-308 1e-320 99999999999999999999 0.1 3.5 1000000 0x1f 1.2.3 1e .5 5.
-9007199254740993 -0.0 64 65
-""".split()
+WORDS = [
+    "model",
+    "end",
+    "effect",
+    "scene",
+    "uses",
+    "unless",
+    "requires",
+    "coordinate",
+    "parameter",
+    "structural",
+    "Integer",
+    "speed",
+    "frame",
+    "point",
+    "body",
+    "constraint",
+    "potential",
+    "force",
+    "torque",
+    "at",
+    "on",
+    "from",
+    "initial",
+    "for",
+    "loop",
+    "if",
+    "then",
+    "else",
+    "import",
+    "extends",
+    "partial",
+    "package",
+    "function",
+    "type",
+    "joint",
+    "friction",
+    "when",
+    "Orientation",
+    "Particle",
+    "Solid",
+    "Gravity",
+    "der",
+    "velocity",
+    "position",
+    "acceleration",
+    "reaction",
+    "energy",
+    "norm",
+    "cross",
+    "dot",
+    "rotate",
+    "rotate_z",
+    "sqrt",
+    "log",
+    "asin",
+    "time",
+    "world",
+    "pi",
+    "lambda",
+    "int",
+    "None",
+    "__import__",
+    "exec",
+    "nan",
+    "inf",
+    "self",
+    "eval",
+    "system",
+]
+NUMBERS = [
+    "0",
+    "1",
+    "-1",
+    "2",
+    "1e999",
+    "1e308",
+    "1e-308",
+    "1e-320",
+    "99999999999999999999",
+    "0.1",
+    "3.5",
+    "1000000",
+    "0x1f",
+    "1.2.3",
+    "1e",
+    ".5",
+    "5.",
+    "9007199254740993",
+    "-0.0",
+    "64",
+    "65",
+]
 SIGNS = [*"+-*/^=<>(){}[],;:.\"'\\@#$%&|!?~`\t\n\0é\u202e𝜃", "==", ">=", "<>", "/*", "*/", "//", "**"]
 UNITS = ["[m]", "[kg]", "[s]", "[rad/s]", "[m/s2]", "[]", "[foo]", "[m/]", "[kg.m2]", "[1]", "[deg]"]
 

@@ -55,7 +55,7 @@ def test_noise_is_refused(seed: int) -> None:
         "model " + "M" * 100_000 + " end M;",
         "package P " * 3000,
         "effect e " * 3000,
-        "model M for i in 1:100000 loop for j in 1:100000 loop point P[i,j] = {0,0,0}; end for; end for; end M;",
+        "model M for i in 1:99999 loop for j in 1:99999 loop point P[i,j] = {0,0,0};",
         "model A B b; end A; model B A a; end B;",
         "model M extends M; end M;",
         "model M function f(Real u) = g(u) + g(u); function g(Real u) = f(u) + f(u); coordinate Length x;"
