@@ -17,7 +17,8 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
     interface = program.interface
     arrays = {name for f in program.functions.values() for name, _ in f.outputs}
     own = prefix(interface.model)
-    names = Names({*ARRAYS, *arrays, *taken}, ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_"))
+    prefixes = ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_")
+    names = Names({*ARRAYS, *arrays, *taken}, prefixes, variables=True)
     found: dict[tuple[str, int], str] = {}
     for index, name in enumerate((*interface.q_names, *interface.v_names)):
         found["x", index] = names.give(name)

@@ -54,15 +54,20 @@ def identifier(name: str) -> str:
 
 class Names:
     """Distinct identifiers, given in the order asked for; `taken` are never given, nor is a name
-    that begins with one of `prefixes` or looks like a temporary of the generated code."""
+    that begins with one of `prefixes`, nor, for `variables`, one that the generated functions may
+    give to a temporary or an entry of an array."""
 
-    def __init__(self, taken: Iterable[str] = (), prefixes: Collection[str] = ()) -> None:
+    def __init__(
+        self, taken: Iterable[str] = (), prefixes: Collection[str] = (), variables: bool = False
+    ) -> None:
         self.taken = set(taken)
         self.prefixes = tuple(prefixes)
+        self.variables = variables
 
     def give(self, name: str) -> str:
         base = identifier(name)
-        if base.startswith(self.prefixes) or re.fullmatch(r"(t|c|p|x|a|lam|d|w|r)\d+", base):
+        temporary = self.variables and re.fullmatch(r"(t|c|p|x|a|lam|d|w|r)\d+", base)
+        if temporary or base.startswith(self.prefixes):
             base = f"the_{base}"
         found, number = base, 2
         while found in self.taken or found in RESERVED:

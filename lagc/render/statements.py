@@ -51,8 +51,8 @@ class Dialect:
 def literal(value: float) -> str:
     """A finite number, so that reading it gives the same bits.  Refused: infinity and NaN."""
     if value != value or value in (float("inf"), float("-inf")):
-        message = "a constant of the model is not a finite number"
-        raise Refused((Fault("LAG0501", message, None),))
+        message = "a number of the equations is too large for a double"
+        raise Refused((Fault("LAG0590", message, None),))
     return repr(float(value))
 
 

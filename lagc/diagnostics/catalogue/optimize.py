@@ -22,4 +22,10 @@ ENTRIES: dict[str, Entry] = {
         f"{_SPRINGS}  body r = Particle(mass = m, at = {{y, 0, 0}});\n"
         "  potential spring = 1/2*k*(y - x)^2;\nend M;\n",
     ),
+    "LAG0590": Entry(
+        "a number of the equations is too large",
+        "A coefficient that came up while the equations were derived exceeds the largest number that "
+        "a double can hold, 1.8e308.  Choose units in which the constants of the model are of "
+        "moderate size.",
+    ),
 }

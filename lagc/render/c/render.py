@@ -70,4 +70,20 @@ _CONTRACTION = """\
 
 def _prefixed(text: str, interface: Interface) -> str:
     own = prefix(interface.model)
-    return re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
+    text = re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
+    return _HEAD.sub(_wrapped, text)
+
+
+_HEAD = re.compile(r"^[a-z][\w *]*\([^()]*\)(?=;$|\n\{)", re.M)  # of a function
+
+
+def _wrapped(match: re.Match[str]) -> str:
+    """The head of a function on lines of at most 98 characters, broken between parameters."""
+    head = " ".join(match[0].split())
+    indent = " " * (head.index("(") + 1)
+    rows = [""]
+    for part in re.split(r"(?<=,) ", head):
+        if rows[-1].strip() and len(rows[-1]) + len(part) > 97:
+            rows.append(indent)
+        rows[-1] += f" {part}" if rows[-1].strip() else part
+    return "\n".join(rows)

@@ -134,8 +134,8 @@ def _system(interface: Interface) -> list[Verb]:
         found.append(Verb(
             "The constraints: phi[NH], their rates psi[NC], G[NC*NV] by rows and gamma[NC] with\n"
             " * G a = gamma.  Each may be NULL.",
-            f"void lagc_constraints({_POINT}, double *phi, double *psi,\n"
-            "                      double *G, double *gamma, lagc_work *w)", body))  # fmt: skip
+            f"void lagc_constraints({_POINT}, double *phi, double *psi, "
+            "double *G, double *gamma, lagc_work *w)", body))  # fmt: skip
     return found
 
 
