@@ -51,7 +51,7 @@ def read(name: str) -> Reference:
 
 def names() -> list[str]:
     """Of the files that hold samples."""
-    return sorted(p.stem for p in FOLDER.glob("*.json") if json.loads(p.read_text(encoding="utf-8"))["samples"])
+    return [name for name in sorted(p.stem for p in FOLDER.glob("*.json")) if read(name).samples]
 
 
 @cache

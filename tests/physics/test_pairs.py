@@ -36,20 +36,27 @@ def _double(f: dict[str, float], t: float) -> dict[str, float]:
     return {"theta1": math.atan2(f["x1"], -f["z1"]), "theta2": math.atan2(dx, -dz), "E": f["E"]}
 
 
+_ANGLES = _same("theta", "z", "E")
+_BEAD = _same("theta", "E")
+_LADDER = _same("theta", "E")
+_SLEIGH = _same("x", "y", "theta", "side")
+_SLIDE = _same("x", "y", "E")
+_SPHERE = _same("x", "y", "psi", "theta", "phi")
+_TWO_ANGLES = _same("theta1", "theta2", "E")
+_WHEEL = _same("x", "theta")
+
 PAIRS: list[tuple[str, str, float, Map, Map]] = [
     ("course/string_pendulum", "course/simple_pendulum", 10.0, _string, _same("theta", "E")),
     ("course/disc_on_a_line_explicit", "course/disc_on_a_line_implicit", 5.0, _disc, _disc),
-    ("course/wheel_explicit", "course/wheel_implicit", 5.0, _same("x", "theta", "slip"), _same("x", "theta", "slip")),
-    ("course/wheel_rolling_explicit", "course/wheel_rolling_implicit", 5.0, _same("x", "theta"), _same("x", "theta")),
-    ("course/sphere_on_a_plane_explicit", "course/sphere_on_a_plane_implicit", 5.0,
-     _same("x", "y", "psi", "theta", "phi"), _same("x", "y", "psi", "theta", "phi")),
-    ("course/moving_slide_explicit", "course/moving_slide_implicit", 1.0, _same("x", "y", "E"), _same("x", "y", "E")),
-    ("classic/bead_on_hoop", "classic/bead_on_hoop_angle", 5.0, _same("theta", "E"), _same("theta", "E")),
-    ("classic/spherical_pendulum", "classic/spherical_pendulum_angles", 5.0, _spherical, _same("theta", "z", "E")),
-    ("classic/double_pendulum_explicit", "classic/double_pendulum", 2.0, _double, _same("theta1", "theta2", "E")),
-    ("classic/sliding_ladder_explicit", "classic/sliding_ladder_implicit", 1.5, _same("theta", "E"), _same("theta", "E")),
-    ("classic/chaplygin_sleigh", "classic/chaplygin_sleigh_speeds", 5.0,
-     _same("x", "y", "theta", "side"), _same("x", "y", "theta", "side")),
+    ("course/wheel_explicit", "course/wheel_implicit", 5.0, _WHEEL, _WHEEL),
+    ("course/wheel_rolling_explicit", "course/wheel_rolling_implicit", 5.0, _WHEEL, _WHEEL),
+    ("course/sphere_on_a_plane_explicit", "course/sphere_on_a_plane_implicit", 5.0, _SPHERE, _SPHERE),
+    ("course/moving_slide_explicit", "course/moving_slide_implicit", 1.0, _SLIDE, _SLIDE),
+    ("classic/bead_on_hoop", "classic/bead_on_hoop_angle", 5.0, _BEAD, _BEAD),
+    ("classic/spherical_pendulum", "classic/spherical_pendulum_angles", 5.0, _spherical, _ANGLES),
+    ("classic/double_pendulum_explicit", "classic/double_pendulum", 2.0, _double, _TWO_ANGLES),
+    ("classic/sliding_ladder_explicit", "classic/sliding_ladder_implicit", 1.5, _LADDER, _LADDER),
+    ("classic/chaplygin_sleigh", "classic/chaplygin_sleigh_speeds", 5.0, _SLEIGH, _SLEIGH),
 ]  # fmt: skip
 
 

@@ -15,9 +15,9 @@ def _final(name: str, stop: float, **parameters: float) -> dict[str, float]:
 
 def test_string_pulls_with_weight_and_centrifugal_force() -> None:
     f = _final("course/string_pendulum", 3.0)
-    m, l, g = 1.0, 0.5, 9.81
+    mass, length, g = 1.0, 0.5, 9.81
     v2 = f["der(x)"] ** 2 + f["der(z)"] ** 2
-    assert math.isclose(f["tension"], m * (v2 / l - g * f["z"] / l), rel_tol=1e-12)
+    assert math.isclose(f["tension"], mass * (v2 - g * f["z"]) / length, rel_tol=1e-12)
 
 
 def test_line_carries_the_disc_and_accelerates_it() -> None:
