@@ -411,7 +411,9 @@ def _options_apart(
     if not isinstance(last, tree.Call) or not last.arguments or any(a.name is None for a in last.arguments):
         return right, ()
     function = last.function
-    if source.text[function.span.end] == "(" or any(node.span.end != last.span.end for node in outer):
+    if source.text[function.span.end] == "(" or last.span.start != function.span.start:
+        return right, ()
+    if any(node.span.end != last.span.end for node in outer):
         return right, ()
     kept: tree.Expression = function
     for node in reversed(outer):

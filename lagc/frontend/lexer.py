@@ -15,15 +15,19 @@ WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "s
 
 
 class Token:
-    """One token: its kind, its text as written, and the characters start..end of the source."""
+    """One token: its kind, its text as written, and the characters start..end of the source.
 
-    __slots__ = ("end", "kind", "start", "text")
+    `terminal` is what the parser took it for (`NAME`, `PARAMETER`, ...).
+    """
+
+    __slots__ = ("end", "kind", "start", "terminal", "text")
 
     def __init__(self, kind: str, text: str, start: int, end: int):
         self.kind = kind
         self.text = text
         self.start = start
         self.end = end
+        self.terminal = ""
 
     def __repr__(self) -> str:
         return f"{self.kind} {self.text!r} at {self.start}"

@@ -145,6 +145,7 @@ class Machine:
             return True
         if terminal in _BLOCKS and self.tokens[self.position - 1].text != "end":
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
+        token.terminal = terminal
         self.states.append(state)
         self.values.append(token)
         self.starts.append(self.position)

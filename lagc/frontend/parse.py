@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.frontend.lexer import tokenise
+from lagc.frontend.lexer import Lexed, tokenise
 from lagc.frontend.machine import MOST_FAULTS, Machine
 from lagc.frontend.tables import tables
 from lagc.frontend.tree import Tree
@@ -22,13 +22,18 @@ def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
     lexed = tokenise(source)
     machine = Machine(source, tables(), lexed)
     tree = machine.run()
+    faults = faults_of(lexed, machine)
+    return tree if tree is not None else Tree(source, ()), faults
+
+
+def faults_of(lexed: Lexed, machine: Machine) -> list[Fault]:
+    """What was wrong with a text that has been read, in the order of the text."""
     found = {(fault.code, _start(fault)): fault for fault in machine.faults + machine.builder.faults}
     lost = [_start(fault) for fault in lexed.faults if fault.code == "LAG0103"]
     if lost:  # an open comment has swallowed what would be missed behind it
-        text = source.text[: lost[0]].rstrip()
-        found = {key: fault for key, fault in found.items() if key[1] < len(text)}
-    faults = sorted(lexed.faults + list(found.values()), key=_start)
-    return tree if tree is not None else Tree(source, ()), faults[:MOST_FAULTS]
+        read = machine.source.text[: lost[0]].rstrip()
+        found = {key: fault for key, fault in found.items() if key[1] < len(read)}
+    return sorted(lexed.faults + list(found.values()), key=_start)[:MOST_FAULTS]
 
 
 def _start(fault: Fault) -> int:

@@ -1,0 +1,204 @@
+"""The one way to lay a model out.
+
+Two blanks a level, one declaration a line, lines of at most WIDTH characters, at most one blank
+line between two, comments and descriptions kept.  A block of one declaration that was written
+on one line stays there.  The tokens are never changed, so that the meaning cannot be.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from lagc.diagnostics.faults import Refused, Source
+from lagc.frontend.lexer import END, WORD, Lexed, Token, tokenise
+from lagc.frontend.machine import Machine
+from lagc.frontend.parse import faults_of
+from lagc.frontend.spacing import Spacing, wrapped
+from lagc.frontend.tables import tables
+from lagc.frontend.tree import Tree
+
+WIDTH = 100
+INDENT = "  "
+
+_HEADS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN", "PARTIAL"})
+
+
+def format_source(source: Source) -> str:
+    """The text of `source` laid out.  Raises Refused where its syntax is at fault."""
+    lexed = tokenise(source)
+    machine = Machine(source, tables(), lexed)
+    tree = machine.run()
+    faults = faults_of(lexed, machine)
+    if faults or not isinstance(tree, Tree):
+        raise Refused(faults)
+    return _Layout(source, lexed, Spacing(tree, lexed.tokens)).text()
+
+
+@dataclass
+class _Layout:
+    source: Source
+    lexed: Lexed
+    spacing: Spacing
+    lines: list[str] = field(default_factory=list)
+    depth: int = 0
+    fresh: bool = True  # right behind the beginning of the file or of a block
+    end: int = 0  # of what has been laid out, in the source
+    initial: bool = False
+    next_comment: int = 0
+
+    def text(self) -> str:
+        tokens = self.lexed.tokens
+        open_blocks: list[bool] = []  # of each open block: was it in an initial section?
+        position = 0
+        while tokens[position].kind != END:
+            first = tokens[position].terminal
+            if first == "END":
+                self.comments(tokens[position].start)
+                self.depth = len(open_blocks) - 1
+                self.initial = open_blocks.pop()
+                self.depth += self.initial
+                self.fresh = True
+                position = self.line(position, self.statement_end(position))
+                continue
+            if self.initial and not self.is_condition(position):
+                self.comments(tokens[position].start)
+                self.initial = False
+                self.depth -= 1
+            short = self.short_block_end(position)
+            if short is not None:
+                position = self.line(position, short)
+            elif first in _HEADS and (stop := self.header_end(position)) is not None:
+                position = self.line(position, stop)
+                open_blocks.append(self.initial)
+                self.depth += 1
+                self.initial = False
+                self.fresh = True
+            elif first == "INITIAL":
+                position = self.line(position, position + 1)
+                self.initial = True
+                self.depth += 1
+                self.fresh = True
+            else:
+                position = self.line(position, self.statement_end(position))
+        self.depth = 0
+        self.comments(tokens[position].start)
+        return "".join(line + "\n" for line in self.lines)
+
+    # -- where statements end ------------------------------------------------------------------
+
+    def statement_end(self, position: int) -> int:
+        tokens = self.lexed.tokens
+        while tokens[position].text != ";" or tokens[position].kind == WORD:
+            position += 1
+        return position + 1
+
+    def header_end(self, position: int) -> int | None:
+        """Behind the first line of the block that begins at `position`; None for a scene that has no
+        body, which is a statement like others."""
+        tokens = self.lexed.tokens
+        kind = tokens[position].terminal
+        if kind in ("FOR", "WHEN"):
+            last = "LOOP" if kind == "FOR" else "THEN"
+            while tokens[position].terminal != last:
+                position += 1
+            return position + 1
+        position += 3 if kind == "PARTIAL" else 2
+        if tokens[position].terminal == "STRING":
+            position += 1
+        if kind == "SCENE" and tokens[position].terminal == "USES":
+            position += 2
+            while tokens[position].text == ",":
+                position += 2
+        return None if tokens[position].text == ";" else position
+
+    def short_block_end(self, position: int) -> int | None:
+        """Behind a block of one declaration that stands on one line and may stay there."""
+        tokens = self.lexed.tokens
+        if tokens[position].terminal not in _HEADS:
+            return None
+        body = self.header_end(position)
+        if body is None or tokens[body].terminal in (*_HEADS, "END", "INITIAL"):
+            return None
+        end = self.statement_end(body)
+        if tokens[end].terminal != "END":
+            return None
+        end = self.statement_end(end)
+        first, last = tokens[position], tokens[end - 1]
+        if "\n" in self.source.text[first.start : last.end]:
+            return None
+        comments = self.lexed.comments
+        if any(first.start < comment.start < last.end for comment in comments):
+            return None
+        pieces = self.spacing.pieces(position, end, [])
+        long = sum(len(piece.text) + piece.space for piece in pieces) + len(INDENT) * self.depth > WIDTH
+        return None if long else end
+
+    def is_condition(self, position: int) -> bool:
+        """Does a line of the initial section begin here, or a loop of such?"""
+        tokens = self.lexed.tokens
+        while tokens[position].terminal == "FOR":
+            stop = self.header_end(position)
+            assert stop is not None  # loops have bodies
+            position = stop
+        if tokens[position].kind == WORD and tokens[position].terminal not in ("NAME", "NOT", "IF"):
+            return False
+        end = self.statement_end(position)
+        depth = 0
+        for token in tokens[position:end]:
+            depth += (token.text in ("(", "[", "{")) - (token.text in (")", "]", "}"))
+            if token.terminal == "EQUALS" and depth == 0:
+                return True
+        return False
+
+    # -- lines ------------------------------------------------------------------------------------
+
+    def line(self, position: int, stop: int) -> int:
+        """Lay tokens position..stop out, with the comments before, among and right behind them."""
+        tokens = self.lexed.tokens
+        self.comments(tokens[position].start)
+        self.blank(tokens[position].start)
+        among = self.taken_until(tokens[stop - 1].start)
+        pieces = self.spacing.pieces(position, stop, among)
+        self.lines.extend(wrapped(pieces, INDENT * self.depth, WIDTH))
+        self.end = tokens[stop - 1].end
+        self.fresh = False
+        self.trailing(tokens[stop].start)
+        return stop
+
+    def taken_until(self, end: int) -> list[Token]:
+        comments = self.lexed.comments
+        begin = self.next_comment
+        while self.next_comment < len(comments) and comments[self.next_comment].start < end:
+            self.next_comment += 1
+        return comments[begin : self.next_comment]
+
+    def comments(self, end: int) -> None:
+        """The comments before character `end`, a line each."""
+        for comment in self.taken_until(end):
+            self.blank(comment.start)
+            self.lines.append(INDENT * self.depth + comment_text(comment))
+            self.end = comment.end
+            self.fresh = False
+
+    def trailing(self, following: int) -> None:
+        """Comments on the line that has just been laid out."""
+        comments = self.lexed.comments
+        while self.next_comment < len(comments):
+            comment = comments[self.next_comment]
+            if comment.start > following or "\n" in self.source.text[self.end : comment.start]:
+                return
+            self.lines[-1] += "  " + comment_text(comment)
+            self.end = comment.end
+            self.next_comment += 1
+            if "\n" in comment.text:
+                return
+
+    def blank(self, start: int) -> None:
+        """Keep a blank line before character `start`, where one is and nothing begins."""
+        between = self.source.text[self.end : start]
+        if not self.fresh and between.count("\n") > 1:
+            self.lines.append("")
+
+
+def comment_text(comment: Token) -> str:
+    return "\n".join(line.rstrip() for line in comment.text.split("\n"))
