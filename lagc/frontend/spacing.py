@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from lagc.frontend import tree
 from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
@@ -11,18 +12,20 @@ from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
 _OPENING = ("(", "[", "{")
 _CLOSING = (")", "]", "}")
 _TIGHT = ("*", "/", "^", ".")
-_CONTINUED = "    "  # before the further lines of a declaration
+_CONTINUED = "  "  # before the further lines of a declaration
 _BEFORE_BREAKS = frozenset({"AT", "ON", "FROM", "UNLESS", "THEN", "ELSE", "ELSEIF", "USES", "AND", "OR"})
 
 
 @dataclass(slots=True)
 class Piece:
     """A token or a comment of a line: `space` before it; `rank` how well the line breaks before it
-    (0: never, then smaller is better); `ends` where the line must end behind it."""
+    (0: never, then smaller is better); `comment` tells which it is; `ends` where the line must end
+    behind it."""
 
     text: str
     space: bool
     rank: int = 0
+    comment: bool = False
     ends: bool = False
 
 
@@ -35,9 +38,7 @@ class Spacing:
         # read as the arguments of the name before it.
         found = _constraints(read.declarations)
         options = {constraint.arguments[0].span.start for constraint in found if constraint.arguments}
-        self.options = {
-            before.start for before, token in zip(tokens, tokens[1:], strict=False) if token.start in options
-        }
+        self.options = {before.start for before, token in pairwise(tokens) if token.start in options}
 
     def pieces(self, position: int, stop: int, comments: Sequence[Token]) -> list[Piece]:
         """Tokens position..stop, and the comments that stand among them."""
@@ -56,7 +57,7 @@ class Spacing:
             tight = ranged or "[" in brackets
             before = self.tokens[number - 1] if number > position else None
             space = before is not None and self.space(number, tight)
-            if made and made[-1].text.startswith("/"):
+            if made and made[-1].comment:
                 space = space or token.text not in (",", ";", *_CLOSING)
             made.append(Piece(_text(token), space, self.rank(number, space, len(brackets))))
             if token.text in _OPENING and token.kind == SYMBOL:
@@ -180,7 +181,7 @@ def _joined(line: Iterable[Piece]) -> str:
 
 def _comment(comment: Token) -> Piece:
     text = "\n".join(part.rstrip() for part in comment.text.split("\n"))
-    return Piece(text, True, ends=text.startswith("//") or "\n" in text)
+    return Piece(text, True, comment=True, ends=text.startswith("//") or "\n" in text)
 
 
 def _text(token: Token) -> str:
