@@ -23,7 +23,11 @@ from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.inertia import Moving
+from lagc.mechanics.magnitude import vanishes
+from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+
+_STATES = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +53,10 @@ def energies(
     drives = graph.sum(dot(part.at_rest, p) for part, p in zip(parts, momenta))
     given = graph.sum(x.stored for x in acting)
     power = graph.sum(x.relative_power for x in acting if not x.contribution.conservative)
-    power = power - graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta))
-    power = power + tangent(graph, [given], {states.model.time: graph.one})[0] - free.explicit
+    explicit = graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta)) + free.explicit
+    explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
+    if not vanishes(explicit, samples(states.model, _STATES)):  # a steady turn brings no power
+        power = power - explicit
     power = power + graph.sum(multiplier * x.drive for multiplier, x in zip(lam, rows))
     return Energies(
         kinetic=kinetic + free.kinetic,
