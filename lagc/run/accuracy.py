@@ -2,9 +2,9 @@
 
 The error of a trajectory is the largest |x_i - exact_i| / scale_i over all recorded times and all
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
-same kind (coordinates, or speeds, of the same unit).  It behaves as C tol^p.  Pilots at 1e-5 and
-1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the finer one
-is returned with the error that their difference tells.
+same kind (coordinates, or speeds, of the same unit), at least 1e-9.  It behaves as C tol^p.  Pilots
+at 1e-5 and 1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the
+finer one is returned with the error that their difference tells.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ SAFETY = 1.5  # on every estimate
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-14  # no tolerance is below this
 SMALLEST = 1e-15  # no difference in double precision tells of a smaller error
+RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
+LEAST = 1e-9  # SI: states of a kind that is smaller are taken for rounding noise
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
@@ -42,6 +44,7 @@ class Verified:
     estimated: float
     horizon: float | None = None
     tried: list[Trajectory] = field(default_factory=list)
+    failed: Trajectory | None = None  # at a finer tolerance
     recalled: bool = False
 
 
@@ -61,13 +64,15 @@ def verified_run(
     name = _memory_name(system, x0, times, accuracy, search.method)
     remembered = _recall(name)
     if remembered is not None:
-        rtol, estimated = remembered
+        rtol, search.size, estimated = remembered
+        options = search.options(rtol)
         trajectory = search.run(rtol)
         if trajectory.status == OK:
-            return Verified(trajectory, search.options(rtol), estimated, None, search.tried, recalled=True)
+            return Verified(trajectory, options, estimated, None, search.tried, recalled=True)
+        search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
     if found.trajectory.status == OK and found.estimated <= accuracy:
-        _remember(name, found.options.rtol, found.estimated)
+        _remember(name, found.options.rtol, search.size, found.estimated)
     return found
 
 
@@ -79,6 +84,7 @@ class _Search:
     accuracy: float
     progress: Progress | None
     tried: list[Trajectory] = field(default_factory=list)
+    size: float = 1.0  # of the smallest kind of states, at most 1
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
     compared: dict[tuple[float, float], tuple[float, float | None]] = field(default_factory=dict)
 
@@ -87,39 +93,55 @@ class _Search:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """The absolute tolerance is relative to a size of one, the relative one rules above it."""
-        return Options(method=self.method, rtol=tol, atol=tol)
+        """The absolute tolerance is relative to `size`.  A run after the first may take many times the
+        steps of the ones before, not any number."""
+        before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
+        limit = 100 * before + 10_000 if before else 0
+        return Options(method=self.method, rtol=tol, atol=tol * self.size, max_steps=limit)
 
     def run(self, tol: float) -> Trajectory:
-        done = self.system.integrate(self.options(tol), self.times[0], self.x0, self.times, self.progress)
+        options = self.options(tol)
+        done = self.system.integrate(options, self.times[0], self.x0, self.times, self.progress)
         self.tried.append(done)
         self.runs[tol] = done
         return done
 
     def verify(self) -> Verified:
-        for tol in PILOTS:
-            failed = self._failed(tol)
-            if failed is not None:
-                return failed
+        stopped = self._pilots()
         tol = PILOTS[-1]
         for _ in range(ATTEMPTS + 1):
+            if stopped is not None:
+                return stopped
             estimated = self.estimate()
             if estimated <= self.accuracy or tol <= FINEST:
                 break
             coarse = max(10.0 * FINEST, min(self._predicted(), tol))
             for tol in (_plain(coarse), _plain(coarse / 10.0)):
-                if tol not in self.runs:
-                    failed = self._failed(tol)
-                    if failed is not None:
-                        return failed
-        return self._result()
+                if tol not in self.runs and stopped is None:
+                    stopped = self._stopped(tol)
+        return stopped or self._result()
 
-    def _failed(self, tol: float) -> Verified | None:
+    def _pilots(self) -> Verified | None:
+        """The first runs, with the absolute tolerance that fits the sizes found."""
+        for tol in PILOTS:
+            stopped = self._stopped(tol)
+            if stopped is not None:
+                return stopped
+            if self.size == 1.0:
+                self.size = smallest(self.runs[min(self.runs)], self.system.interface)
+                if self.size < 0.1:
+                    self.runs.clear()
+                    stopped = self._stopped(tol)
+                    if stopped is not None:
+                        return stopped
+        return None
+
+    def _stopped(self, tol: float) -> Verified | None:
         """Integrate; a result where that ended before its time, at this and at a finer tolerance."""
         done = self.run(tol)
-        if done.status not in (OK, INTERRUPTED) and tol > 1e-9:
+        if done.status not in (OK, INTERRUPTED) and tol > RETRY:
             del self.runs[tol]
-            tol = 1e-9
+            tol = RETRY
             done = self.run(tol)  # what fails coarsely may go well finely
         if done.status == OK:
             return None
@@ -127,6 +149,10 @@ class _Search:
         if done.status == INTERRUPTED and self.runs:
             kept = self._result()  # a coarser run is complete: more than the beginning of this one
             kept.trajectory = replace(kept.trajectory, status=INTERRUPTED)
+            return kept
+        if self.estimate() < MEANINGLESS:
+            kept = self._result()  # two coarser runs agree: too fine a tolerance fails by rounding
+            kept.failed = done
             return kept
         estimated, _ = self._compare(done)
         return Verified(done, self.options(tol), estimated, None, self.tried)
@@ -199,6 +225,19 @@ def kinds(interface: Interface) -> list[list[int]]:
     return list(groups.values())
 
 
+def scale(trajectory: Trajectory, group: Sequence[int]) -> float:
+    """The largest magnitude of the states of one kind; LEAST where that is less, 1 where all are 0."""
+    size = max((abs(x[i]) for x in trajectory.states for i in group), default=0.0)
+    if size == 0.0 or not isfinite(size):
+        return 1.0
+    return max(size, LEAST)
+
+
+def smallest(trajectory: Trajectory, interface: Interface) -> float:
+    """The scale of the smallest kind, at most 1."""
+    return min(1.0, *(scale(trajectory, group) for group in kinds(interface)))
+
+
 def _plain(tol: float) -> float:
     """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
     return float(f"{tol:.2e}")
@@ -212,8 +251,7 @@ def difference(
     n = min(len(a.states), len(b.states))
     worst = [0.0] * n
     for group in kinds(interface):
-        size = max((abs(x[i]) for x in a.states for i in group), default=0.0)
-        weight = 1.0 / size if size > 0.0 and isfinite(size) else 1.0
+        weight = 1.0 / scale(a, group)
         for i in group:
             for k, (x, y) in enumerate(zip(a.states, b.states)):
                 d = abs(x[i] - y[i]) * weight
@@ -228,17 +266,19 @@ def _memory_name(
 ) -> str:
     """The same question has the same answer, whether it is remembered or not; so all of it counts."""
     interface = system.interface
-    return cache.key("accuracy 1", interface.model_hash, method, repr(accuracy), repr(system.parameters),
-                     repr(list(x0)), repr((len(times), times[-1])), system.backend)  # fmt: skip
+    values = [repr(v) for v in (accuracy, system.parameters, list(x0), len(times), times[-1])]
+    tool = cache.tool_fingerprint()
+    return cache.key("accuracy 2", tool, interface.model_hash, method, system.backend, *values)
 
 
-def _recall(name: str) -> tuple[float, float] | None:
+def _recall(name: str) -> tuple[float, float, float] | None:
+    """Tolerance, size and estimated error."""
     body = cache.load(name)
     if body is None:
         return None
     plain = json.loads(body)
-    return float(plain["rtol"]), float(plain["estimated"])
+    return float(plain["rtol"]), float(plain["size"]), float(plain["estimated"])
 
 
-def _remember(name: str, rtol: float, estimated: float) -> None:
-    cache.store(name, json.dumps({"rtol": rtol, "estimated": estimated}).encode())
+def _remember(name: str, rtol: float, size: float, estimated: float) -> None:
+    cache.store(name, json.dumps({"rtol": rtol, "size": size, "estimated": estimated}).encode())

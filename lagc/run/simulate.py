@@ -44,6 +44,7 @@ def simulate(
     times = request.grid()
     estimated: float | None = None
     horizon: float | None = None
+    failed: Trajectory | None = None
     notes = [str(change) for change in start.changes]
     if request.by_hand:
         options = by_hand(request)
@@ -53,11 +54,13 @@ def simulate(
         assert request.accuracy is not None
         found = verified_run(system, start.x, times, request.accuracy, progress)
         trajectory, options, tried = found.trajectory, found.options, found.tried
-        estimated, horizon = found.estimated, found.horizon
+        estimated, horizon, failed = found.estimated, found.horizon, found.failed
     status, message = verdict(system, trajectory, times[-1])
     asked = request.accuracy
     if status == "ok" and estimated is not None and asked is not None and estimated > asked:
         status, message, trajectory = _missed(trajectory, estimated, asked, horizon)
+        if failed is not None:
+            message += f"; with a finer tolerance, {verdict(system, failed, times[-1])[1]}"
     if trajectory.redundant_rows:
         notes.append(_redundant(system, trajectory))
     return Solution(
