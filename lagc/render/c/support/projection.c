@@ -91,7 +91,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
 #if LAGC_NC
     double *y = w->moved, *r = w->right, *s = w->left, *rows = w->rows;
     double speed = 1.0, size;
-    int i, n, status, assembled = 0, falls = 1;
+    int i, n, status, assembled = 0;
 #endif
     *position = 0.0;
     *velocity = 0.0;
@@ -108,7 +108,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
 #if LAGC_NH
     lagc_fn_position(p, t, x, rows);
     *position = lagc_residual(rows, LAGC_NH, w->scales, 1.0);
-    for (n = 0; n < 8 && falls && !(*position <= 1e-15); n++) {
+    for (n = 0; n < 8 && !(*position <= 1e-15); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
             if (LAGC_FAILED(status))
@@ -137,18 +137,16 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
             break;
         for (i = 0; i < LAGC_NQ; i++)
             x[i] = y[i];
-        falls = size < 0.25 * *position;
         *position = size;
     }
     if (*position > 1e-6) {
         w->culprit = lagc_worst(rows, LAGC_NH, w->scales);
         return LAGC_INCONSISTENT;
     }
-    falls = 1;
 #endif
     lagc_fn_velocity(p, t, x, rows);
     *velocity = lagc_residual(rows, LAGC_NC, w->scales, speed);
-    for (n = 0; n < 8 && falls && !(*velocity <= 1e-15); n++) {
+    for (n = 0; n < 8 && !(*velocity <= 1e-15); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
             if (LAGC_FAILED(status))
@@ -168,7 +166,6 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
             break;
         for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
             x[i] = y[i];
-        falls = size < 0.25 * *velocity;
         *velocity = size;
     }
     if (*velocity > 1e-6) {

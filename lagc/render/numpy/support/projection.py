@@ -75,10 +75,7 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
             if not size < position:
                 break
             x[:nq] = y[:nq]
-            falls = size < 0.25 * position
             position = size
-            if not falls:
-                break
         if position > HOPELESS:
             problem.culprit = _worst(phi, scales)
             return INCONSISTENT, position, 0.0
@@ -102,10 +99,7 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
         if not size < velocity:
             break
         x[nq : nq + nv] = y[nq : nq + nv]
-        falls = size < 0.25 * velocity
         velocity = size
-        if not falls:
-            break
     if velocity > HOPELESS:
         problem.culprit = _worst(psi, scales)
         return INCONSISTENT, position, velocity
