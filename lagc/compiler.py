@@ -114,29 +114,35 @@ def render(program: Program, target: str) -> dict[str, str]:
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
-    """Every fault of `source`: of its syntax or, where that is sound, of each of its scenes (of
-    the chosen one where one is named)."""
+    """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
+    scenes (of those named in `choice`), and of the effects that no scene uses."""
+    from lagc.meaning.variants import variants
+
     try:
         tree = parse(source)
     except Refused as refused:
         return list(refused.faults)
+    choices = [choice]
+    if choice.scene is None:
+        choices = [
+            dataclasses.replace(
+                choice,
+                model=v.model,
+                scene=v.scene,
+                with_effects=(*choice.with_effects, *v.with_effects),
+                without_effects=(*choice.without_effects, *v.without_effects),
+            )
+            for v in variants(tree, choice.model, roots)
+        ]
     faults: dict[tuple[object, ...], Fault] = {}
-    scenes: list[str | None] = [choice.scene]
-    done: set[str | None] = set()
-    while scenes:
-        scene = scenes.pop(0)
+    for each in choices:
         try:
-            model = resolve(tree, Choice(choice.model, scene, choice.with_effects, choice.without_effects,
-                                         choice.parameters), roots)  # fmt: skip
-            done |= {scene, model.scene}
-            if choice.scene is None and scene is None:
-                scenes = [s for s in model.scenes if s not in done]
-            optimize(derive(model), work=False)
+            optimize(derive(resolve(tree, each, roots)), work=False)
         except Refused as refused:
             for fault in refused.faults:
                 span = fault.span
                 at = (span.source.name, span.start, span.end) if span else ()
-                faults.setdefault((fault.code, fault.message, *at), fault)
+                faults.setdefault((fault.code, *at), fault)
     return list(faults.values())
 
 

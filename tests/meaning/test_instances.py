@@ -9,6 +9,7 @@ import pytest
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
+from lagc.meaning.variants import Variant, variants
 from tests.meaning.reading import read, value
 
 CHAIN = """
@@ -241,3 +242,20 @@ def test_models_that_import_each_other(tmp_path: Path) -> None:
     (tmp_path / "m.lag").write_text(text)
     model = resolve(parse(Source(str(tmp_path / "m.lag"), text)))
     assert [c.name for c in model.coordinates] == ["b.a.x"]
+
+
+def test_everything_a_file_can_mean() -> None:
+    text = (
+        "partial model L effect e end e; effect f requires e; end f; effect g excludes e; end g;"
+        "scene s uses e; end L; model Part coordinate Length x; end Part;"
+        "model Alone coordinate Length x; scene one; scene two; end Alone;"
+        "model Main extends L; Part p; end Main;"
+    )
+    found = variants(parse(Source("model.lag", text)))
+    assert found == [
+        Variant("Alone", "one"),
+        Variant("Alone", "two"),
+        Variant("Main", "s"),
+        Variant("Main", "s", ("f", "e"), ("g",)),
+        Variant("Main", "s", ("g",), ("e",)),
+    ]

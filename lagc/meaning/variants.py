@@ -1,0 +1,94 @@
+"""All that a file can mean: its models, their scenes, and the effects that no scene uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from lagc.frontend import tree
+from lagc.meaning.namespace import Importer, Namespace
+from lagc.meaning.scope import DEEPEST
+from lagc.meaning.values import Wrong
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """What `resolve` is asked for; None is its own choice."""
+
+    model: str | None
+    scene: str | None
+    with_effects: tuple[str, ...] = ()
+    without_effects: tuple[str, ...] = ()
+
+
+def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
+    """Every scene of every model of the file (of `model` where one is named), and each effect that no
+    scene uses, with what it requires, in the first scene.
+
+    A model that others are made of is looked at within these: alone it may be no whole.  Names that
+    cannot be found are passed over: `resolve` reports them.
+    """
+    importer = Importer(file.source, tuple(roots))
+    space = Namespace(file.declarations, None, importer)
+    models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration) and not d.partial]
+    parts = set(_parts(file.declarations)) - {d.name for d in models[-1:]}
+    found: list[Variant] = []
+    for declaration in models:
+        if declaration.name == model or (model is None and declaration.name not in parts):
+            found += _of_model(declaration, space)
+    return found or [Variant(model, None)]
+
+
+def _parts(declarations: Sequence[tree.Declaration]) -> Iterator[str]:
+    """The names of the models that others extend or contain."""
+    for d in declarations:
+        if isinstance(d, tree.Extends):
+            yield d.path[-1]
+        elif isinstance(d, tree.Instance):
+            yield d.type.path[-1]
+        elif isinstance(d, tree.ModelDeclaration | tree.Package | tree.Effect):
+            yield from _parts(d.body)
+
+
+def _of_model(declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[Variant]:
+    scenes: dict[str, tree.Scene] = {}
+    effects: dict[str, tree.Effect] = {}
+    for inner in _declarations(declaration, space, 0):
+        if isinstance(inner, tree.Scene):
+            scenes.setdefault(inner.name, inner)
+        elif isinstance(inner, tree.Effect):
+            effects.setdefault(inner.name, inner)
+    yield from (Variant(declaration.name, name) for name in scenes or (None,))
+    first = next(iter(scenes), None)
+    used = {name.name for scene in scenes.values() for name in scene.uses}
+    for name, effect in effects.items():
+        if name not in used:
+            wanted = _required(effect, effects)
+            excluded = {e.name for w in wanted if w in effects for e in effects[w].excludes}
+            excluded |= {n for n, e in effects.items() if any(x.name in wanted for x in e.excludes)}
+            yield Variant(declaration.name, first, tuple(wanted), tuple(sorted(excluded - set(wanted))))
+
+
+def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
+    """The effect and all that it needs."""
+    wanted = [effect.name]
+    for name in wanted:  # grows
+        if name in effects:
+            wanted += [r.name for r in effects[name].requires if r.name not in wanted]
+    return wanted
+
+
+def _declarations(
+    declaration: tree.ModelDeclaration, space: Namespace, depth: int
+) -> Iterator[tree.Declaration]:
+    """What a model declares, then what it inherits."""
+    yield from declaration.body
+    inner = Namespace(declaration.body, space, space.importer)
+    for base in declaration.body:
+        if isinstance(base, tree.Extends) and depth < DEEPEST:
+            try:
+                found, where = inner.find(base.path, base.path_span, "model")
+            except Wrong:
+                continue
+            if isinstance(found, tree.ModelDeclaration) and found is not declaration:
+                yield from _declarations(found, where, depth + 1)
