@@ -25,6 +25,11 @@ _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
 _ALWAYS = frozenset({"if", "not", "true", "false", "end"})
 _CALLED = frozenset({"simulate", "annotation", "initial"})  # keywords before a `(`
 _BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
+_OUTSIDE = {  # blocks that cannot stand in others
+    "effect": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
+    "scene": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
+    "model": ("MODEL", "PACKAGE"),
+}
 _NESTING = frozenset({"LPAR", "LBRACE", "LSQB", "IF", "NOT", *_BLOCKS})
 _AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
@@ -144,6 +149,8 @@ class Machine:
         if terminal == "END" and not self._closes():
             return True
         if terminal in _BLOCKS and self.tokens[self.position - 1].text != "end":
+            if self._left_open(terminal):
+                return True
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
         token.terminal = terminal
         self.states.append(state)
@@ -212,6 +219,18 @@ class Machine:
             self._report(_wrong_end(self.source, block, name), self.tokens[self.position])
             self.tokens[self.position + 1] = Token(WORD, block.closing, name.start, name.end)
         self.last_closed = self.blocks.pop()
+        return True
+
+    def _left_open(self, terminal: str) -> bool:
+        """Does a block begin that the innermost open one cannot hold, and which has no `end` of its
+        own further on?  Then that is put in."""
+        if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
+            return False
+        block = self.blocks[-1]
+        for number in range(self.position, len(self.tokens) - 1):
+            if self.tokens[number].text == "end" and self.tokens[number + 1].text == block.closing:
+                return False
+        self._insert_end(block)
         return True
 
     def _insert_end(self, block: Block) -> None:
@@ -423,7 +442,7 @@ def _wrong_end(source: Source, block: Block, name: Token) -> Fault:
 
 
 def _missing_end(source: Source, block: Block, at: Token) -> Fault:
-    before = "the end of the file" if at.kind == END else "this `end`"
+    before = "the end of the file" if at.kind == END else f"this `{at.text}`"
     return Fault(
         "LAG0112",
         f"{block.shown} is not closed before {before}",
