@@ -7,11 +7,9 @@ each up to a factor that is a number or a product of parameters.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.formulas import Sheet, by_kind, sheet
-from lagc.view.names import Name
+from lagc.view.names import where
 from lagc.view.text import TextWriter
 
 TITLES = {
@@ -49,8 +47,3 @@ def write_text(found: Sheet) -> str:
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]
     return "\n".join(lines)
-
-
-def where(seen: Iterable[Name]) -> list[tuple[str, str]]:
-    """(short, full) of the names that were shortened."""
-    return sorted({(n.base, n.full) for n in seen if n.base != n.full and n.full != "time"})

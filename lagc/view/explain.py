@@ -12,6 +12,7 @@ from lagc.mechanics.analysis import Analysis, RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue
 from lagc.optimize.program import Program
 from lagc.view.expression import Expressions
+from lagc.view.names import where
 
 Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose
@@ -23,7 +24,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
     written = Expressions(equations)
     interface = program.interface
     kinetic = analysis.kinetic_parts
-    return {
+    facts: Facts = {
         "model": model.name,
         "scene": model.scene,
         "description": model.description,
@@ -62,7 +63,9 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
             "functions": {name: function.cost for name, function in program.functions.items()},
         },
         "notes": list(model.notes),
-    }  # fmt: skip
+    }
+    facts["short_names"] = dict(where(written.seen))
+    return facts
 
 
 def _effect(name: str, description: str) -> Facts:
@@ -153,6 +156,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _energies_text(facts),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),
         _operations_text(facts, verbose),
+        _short_names_text(facts),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -250,3 +254,8 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     if verbose:
         lines += [f"{name}: {cost}" for name, cost in operations["functions"].items()]
     return _section("operations", lines)
+
+
+def _short_names_text(facts: Facts) -> list[str]:
+    names = facts["short_names"]
+    return ["where " + ", ".join(f"{short} = {full}" for short, full in names.items())] if names else []

@@ -7,7 +7,7 @@ from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Algebra, TooLarge
 from lagc.view.formulas import collector_of, nonnegative, tidy
-from lagc.view.names import names
+from lagc.view.names import Name, names
 from lagc.view.text import TextWriter
 
 LIMIT = 20_000  # products
@@ -20,6 +20,7 @@ class Expressions:
     def __init__(self, equations: EquationsOfMotion) -> None:
         self.equations = equations
         self.names = names(equations)
+        self.seen: set[Name] = set()
 
     def text(self, node: Node) -> str:
         """`node` multiplied out and collected; of one that is too long to be read, its size."""
@@ -27,9 +28,11 @@ class Expressions:
         try:
             collector = collector_of(self.equations, algebra)
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
-            written = TextWriter(collector, self.names).sum(collector.collect(p))
+            writer = TextWriter(collector, self.names)
+            written = writer.sum(collector.collect(p))
         except TooLarge:
             written = ""
         if 0 < len(written) <= LONGEST:
+            self.seen |= writer.seen
             return written
         return f"(an expression of {len(reachable([node]))} parts)"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from lagc.expr.graph import Node
@@ -46,3 +46,8 @@ def _shortener(full: Sequence[str]) -> Callable[[str], str]:
     for name in full:
         ends.setdefault(name.rpartition(".")[2], set()).add(name)
     return lambda name: name.rpartition(".")[2] if len(ends.get(name.rpartition(".")[2], ())) == 1 else name
+
+
+def where(seen: Iterable[Name]) -> list[tuple[str, str]]:
+    """(short, full) of the names that were shortened."""
+    return sorted({(n.base, n.full) for n in seen if n.base != n.full and n.full != "time"})

@@ -130,3 +130,23 @@ model Reserved
   potential V = 1/2*sympy*lambda^2;
 end Reserved;
 """
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "classic/andrews_squeezer",
+        "classic/car_axis",
+        "classic/heavy_top_quaternion",
+        "classic/pleiades",
+        "classic/rolling_disc",
+        "course/string_pendulum",
+    ],
+)
+def test_latex_is_read_by_another_program(name: str) -> None:
+    """matplotlib's reader of formulas stands in for TeX."""
+    mathtext = pytest.importorskip("matplotlib.mathtext")
+    reader = mathtext.MathTextParser("path")
+    body = write(derived(name), "latex").splitlines()[1:-1]
+    for line in body:
+        reader.parse(f"${line.strip().removesuffix(chr(92) * 2).replace('&', '')}$")
