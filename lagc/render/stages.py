@@ -22,6 +22,7 @@ from math import sqrt
 from lagc.render.numpy.support.base import FAILED, OK
 from lagc.render.numpy.support.problem import Problem
 
+# fmt: off
 # -- what follows is part of generated modules --
 '''
 
@@ -81,8 +82,10 @@ def _python_evaluation(c: float, stage: int, result: str) -> str:
 
 
 def _python_stages(tableau: Tableau) -> str:
-    text = (f"def {tableau.name}_stages(\n    problem: Problem, t: float, x: list[float], h: float,"
-            " k: list[list[float]], lam: list[float]\n) -> tuple[int, list[float]]:\n    rhs = problem.rhs\n")
+    text = (
+        f"def {tableau.name}_stages(\n    problem: Problem, t: float, x: list[float], h: float,"
+        " k: list[list[float]], lam: list[float]\n) -> tuple[int, list[float]]:\n    rhs = problem.rhs\n"
+    )
     for stage, (c, row) in enumerate(zip(tableau.c, tableau.a), start=1):
         if row:
             text += _python_combination("y", row, "    ") + _python_evaluation(c, stage, "status, y")
@@ -92,8 +95,10 @@ def _python_stages(tableau: Tableau) -> str:
 def _python_error(tableau: Tableau) -> str:
     every = sorted({stage for row in tableau.errors for stage in row})
     names, lists = _zipped(dict.fromkeys(every, 0.0), "u, v, ")
-    text = (f"def {tableau.name}_error(\n    n: int, rtol: float, atol: float, h: float, x: list[float],"
-            " y: list[float], k: list[list[float]]\n) -> float:\n")
+    text = (
+        f"def {tableau.name}_error(\n    n: int, rtol: float, atol: float, h: float, x: list[float],"
+        " y: list[float], k: list[list[float]]\n) -> float:\n"
+    )
     text += "".join(f"    sum{i} = 0.0\n" for i in range(len(tableau.errors)))
     text += f"    for {names} in zip(x[:n], y, {lists}):\n"
     text += "        u, w = abs(u), abs(v)\n        scale = atol + rtol * (w if w > u else u)\n"
@@ -112,8 +117,10 @@ def _error_result(tableau: Tableau, end: str) -> str:
 
 
 def _python_dense(tableau: Tableau) -> str:
-    text = (f"def {tableau.name}_dense(\n    problem: Problem, t: float, x: list[float], z: list[float],"
-            " h: float,\n    k: list[list[float]], lam: list[float],\n) -> tuple[int, list[list[float]]]:\n")
+    text = (
+        f"def {tableau.name}_dense(\n    problem: Problem, t: float, x: list[float], z: list[float],"
+        " h: float,\n    k: list[list[float]], lam: list[float],\n) -> tuple[int, list[list[float]]]:\n"
+    )
     if tableau.extra_c:
         text += "    rhs = problem.rhs\n"
     for stage, (c, row) in enumerate(zip(tableau.extra_c, tableau.extra_a), start=tableau.stages + 2):
@@ -144,8 +151,10 @@ def _nested(tableau: Tableau, term: str) -> str:
 
 def _python_at(tableau: Tableau) -> str:
     names = ", ".join(f"r{i}" for i in range(4 + len(tableau.dense)))
-    return (f"def {tableau.name}_at(s: float, r: list[list[float]]) -> list[float]:\n    u = 1.0 - s\n"
-            f"    return [\n        {_nested(tableau, 'r{}')}\n        for {names} in zip(*r)\n    ]\n")
+    return (
+        f"def {tableau.name}_at(s: float, r: list[list[float]]) -> list[float]:\n    u = 1.0 - s\n"
+        f"    return [\n        {_nested(tableau, 'r{}')}\n        for {names} in zip(*r)\n    ]\n"
+    )
 
 
 # -- C --
@@ -157,13 +166,17 @@ def _c_combination(row: Row) -> str:
 
 
 def _c_evaluation(c: float, stage: int) -> str:
-    return (f"    status = lagc_rhs_(p, {_time(c, 't')}, w->y, w->k[{stage - 1}], w->lam, w);\n"
-            "    if (LAGC_FAILED(status))\n        return status;\n")
+    return (
+        f"    status = lagc_rhs_(p, {_time(c, 't')}, w->y, w->k[{stage - 1}], w->lam, w);\n"
+        "    if (LAGC_FAILED(status))\n        return status;\n"
+    )
 
 
 def _c_stages(tableau: Tableau) -> str:
-    text = (f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x,\n"
-            "                              double h, lagc_work *w)\n{\n    int i, status;\n")
+    text = (
+        f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x,\n"
+        "                              double h, lagc_work *w)\n{\n    int i, status;\n"
+    )
     for stage, (c, row) in enumerate(zip(tableau.c, tableau.a), start=1):
         if row:
             text += _c_combination(row) + _c_evaluation(c, stage)
@@ -171,9 +184,11 @@ def _c_stages(tableau: Tableau) -> str:
 
 
 def _c_error(tableau: Tableau) -> str:
-    text = (f"static double lagc_{tableau.name}_error(double rtol, double atol, double h, const double *x,\n"
-            "                                 const lagc_work *w)\n{\n    const int n = LAGC_NQ + LAGC_NV;\n"
-            "    int i;\n    double e, scale, u, v")
+    text = (
+        f"static double lagc_{tableau.name}_error(double rtol, double atol, double h, const double *x,\n"
+        "                                 const lagc_work *w)\n{\n    const int n = LAGC_NQ + LAGC_NV;\n"
+        "    int i;\n    double e, scale, u, v"
+    )
     text += "".join(f", sum{i} = 0.0" for i in range(len(tableau.errors)))
     text += ", total;\n" if len(tableau.errors) > 1 else ";\n"
     text += "    for (i = 0; i < n; i++) {\n        u = fabs(x[i]);\n        v = fabs(w->y[i]);\n"
@@ -184,8 +199,10 @@ def _c_error(tableau: Tableau) -> str:
 
 
 def _c_dense(tableau: Tableau) -> str:
-    text = (f"static int lagc_{tableau.name}_dense(const lagc_params *p, double t, const double *x,\n"
-            "                             const double *z, double h, lagc_work *w)\n{\n    int i;\n")
+    text = (
+        f"static int lagc_{tableau.name}_dense(const lagc_params *p, double t, const double *x,\n"
+        "                             const double *z, double h, lagc_work *w)\n{\n    int i;\n"
+    )
     if tableau.extra_c:
         text += "    int status;\n"
     for stage, (c, row) in enumerate(zip(tableau.extra_c, tableau.extra_a), start=tableau.stages + 2):
@@ -206,6 +223,8 @@ def _c_dense(tableau: Tableau) -> str:
 
 
 def _c_at(tableau: Tableau) -> str:
-    return (f"static void lagc_{tableau.name}_at(double s, const lagc_work *w, double *x)\n{{\n"
-            "    const double u = 1.0 - s;\n    int i;\n    for (i = 0; i < LAGC_NX; i++)\n"
-            f"        x[i] = {_nested(tableau, 'w->r[{}][i]')};\n}}\n")
+    return (
+        f"static void lagc_{tableau.name}_at(double s, const lagc_work *w, double *x)\n{{\n"
+        "    const double u = 1.0 - s;\n    int i;\n    for (i = 0; i < LAGC_NX; i++)\n"
+        f"        x[i] = {_nested(tableau, 'w->r[{}][i]')};\n}}\n"
+    )

@@ -81,20 +81,20 @@ def pendulum(
     def solve(w: Any, r: Any) -> Any:
         """w = (m, gx, gy, schur)."""
         s = (r[2] - (w[1] * r[0] + w[2] * r[1]) / w[0]) / w[3]
-        return ((r[0] + w[1] * s) / w[0], (r[1] + w[2] * s) / w[0], s, *((0.0,) * (nc - 1))),
+        return (((r[0] + w[1] * s) / w[0], (r[1] + w[2] * s) / w[0], s, *((0.0,) * (nc - 1))),)
 
     def factor(w: Any) -> Any:
         schur = (w[1] * w[1] + w[2] * w[2]) / w[0]
         return (w[0], w[1], w[2], schur), GOOD if nc == 1 else (0.0, 0.0)
 
     def phi(p: Any, t: Any, x: Any) -> Any:
-        return [c * 0.5 * (x[0] * x[0] + x[1] * x[1] - p[1] * p[1]) for c in copies],
+        return ([c * 0.5 * (x[0] * x[0] + x[1] * x[1] - p[1] * p[1]) for c in copies],)
 
     def psi(p: Any, t: Any, x: Any) -> Any:
-        return [c * (x[0] * x[2] + x[1] * x[3]) for c in copies],
+        return ([c * (x[0] * x[2] + x[1] * x[3]) for c in copies],)
 
     def scales(p: Any, t: Any, x: Any) -> Any:
-        return [abs(c) * 0.5 * (x[0] * x[0] + x[1] * x[1] + p[1] * p[1]) for c in copies],
+        return ([abs(c) * 0.5 * (x[0] * x[0] + x[1] * x[1] + p[1] * p[1]) for c in copies],)
 
     functions = [
         trace("system", PTX, (("qdot", 2), ("M", 3), ("r", 2), ("G", 2 * nc), ("gamma", nc)), system),
@@ -173,21 +173,21 @@ def body_on_a_pivot() -> Program:
 
     def phi(p: Any, t: Any, x: Any) -> Any:
         place, q, _, _ = parts(x)
-        return [a + b for a, b in zip(place, turned(q, ARM))],
+        return ([a + b for a, b in zip(place, turned(q, ARM))],)
 
     def psi(p: Any, t: Any, x: Any) -> Any:
         _, q, v, omega = parts(x)
-        return [a + b for a, b in zip(v, turned(q, cross(omega, ARM)))],
+        return ([a + b for a, b in zip(v, turned(q, cross(omega, ARM)))],)
 
     def displace(p: Any, t: Any, x: Any, d: Any) -> Any:
-        return (d[0], d[1], d[2], *rates([x[i] for i in range(3, 7)], [d[i] for i in range(3, 6)])),
+        return ((d[0], d[1], d[2], *rates([x[i] for i in range(3, 7)], [d[i] for i in range(3, 6)])),)
 
     def energies(p: Any, t: Any, x: Any) -> Any:
         place, _, v, omega = parts(x)
         kinetic = 0.5 * p[0] * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
         for a, o in zip(INERTIA, omega):
             kinetic = kinetic + 0.5 * a * o * o
-        return (kinetic, p[0] * p[1] * place[2], kinetic + p[0] * p[1] * place[2]),
+        return ((kinetic, p[0] * p[1] * place[2], kinetic + p[0] * p[1] * place[2]),)
 
     functions: list[Function] = [
         trace("system", PTX, (("qdot", 7), ("M", 21), ("r", 6), ("G", 18), ("gamma", 3)), system),

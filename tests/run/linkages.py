@@ -41,10 +41,10 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
         return [x[n + i] for i in range(n)], mass, force, rows, right
 
     def phi(p: Any, t: Any, x: Any) -> Any:
-        return [0.5 * (d[0] * d[0] + d[1] * d[1] - r[2] * r[2]) for r in rods for d in (along(x, r, 0),)],
+        return ([0.5 * (d[0] * d[0] + d[1] * d[1] - r[2] * r[2]) for r in rods for d in (along(x, r, 0),)],)
 
     def psi(p: Any, t: Any, x: Any) -> Any:
-        return [a[0] * b[0] + a[1] * b[1] for r in rods for a, b in ((along(x, r, 0), along(x, r, n)),)],
+        return ([a[0] * b[0] + a[1] * b[1] for r in rods for a, b in ((along(x, r, 0), along(x, r, n)),)],)
 
     def energies(p: Any, t: Any, x: Any) -> Any:
         kinetic: Any = 0.0
@@ -53,7 +53,7 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
             kinetic = kinetic + 0.5 * x[n + i] * x[n + i]
         for i in range(count):
             potential = potential + p[0] * x[2 * i + 1]
-        return (kinetic, potential, kinetic + potential),
+        return ((kinetic, potential, kinetic + potential),)
 
     sizes = (("qdot", n), ("M", n * (n + 1) // 2), ("r", n), ("G", nc * n), ("gamma", nc))
     functions = [

@@ -7,6 +7,7 @@ from math import sqrt
 from lagc.render.numpy.support.base import FAILED, OK
 from lagc.render.numpy.support.problem import Problem
 
+# fmt: off
 # -- what follows is part of generated modules --
 
 
