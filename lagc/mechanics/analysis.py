@@ -17,9 +17,10 @@ from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate, Lagrangian
 from lagc.mechanics.actions import act
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.forms import rate_coefficients
 from lagc.mechanics.freeterms import free_terms
 from lagc.mechanics.inertia import moving_parts
-from lagc.mechanics.integrability import integrable_rows, rate_coefficients
+from lagc.mechanics.integrability import integrable_rows
 from lagc.mechanics.linear import solve
 from lagc.mechanics.magnitude import vanishes
 from lagc.mechanics.manifold import onto
@@ -72,6 +73,7 @@ class Analysis:
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
     constraints: tuple[RowKind, ...]
+    integrable_combinations: int  # relations between positions that rows bring only in combination
     dropped: tuple[str, ...]
 
     @property
@@ -84,9 +86,10 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     states = build_states(equations.model)
     rows = equations.rows
     spare = {r.row for r in dependent_rows(states, rows)}
-    integrable = integrable_rows(states, rows)
+    integrable = integrable_rows(states, [row for k, row in enumerate(rows) if k not in spare])
     independent = len(rows) - len(spare)
-    positional = sum(row.kind == "holonomic" or row.label in integrable for row in rows) - len(spare)
+    relations = sum(row.kind == "holonomic" or row.label in integrable.rows for row in rows)
+    positional = relations + integrable.combinations - len(spare)
     cyclic = _cyclic(states)
     return Analysis(
         coordinates=len(equations.q),
@@ -98,7 +101,8 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         kinetic_parts=_kinetic_parts(equations),
         cyclic=cyclic,
         conserved=tuple(_conserved(equations, states, spare, cyclic)),
-        constraints=tuple(_kinds(equations, integrable)),
+        constraints=tuple(_kinds(equations, integrable.rows)),
+        integrable_combinations=integrable.combinations,
         dropped=equations.dropped,
     )
 

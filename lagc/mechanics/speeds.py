@@ -61,7 +61,7 @@ def choose_speeds(model: Model, rates: Sequence[Node]) -> ChosenSpeeds:
     for speed, row, offset in zip(declared, rows, offsets):
         rest = graph.sum(node * rates[i] for i, node in row.items() if i not in held)
         right.append(speed.symbol - offset - rest)
-    solution = _solve(graph, rows, right, pivots)
+    solution = solve_rows(graph, rows, right, pivots)
     return ChosenSpeeds(
         {i: declared[k] for k, i in enumerate(pivots)}, {rates[i]: solution[i] for i in pivots}
     )
@@ -111,10 +111,11 @@ def _eliminate(table: list[dict[int, float]], k: int, pivot: int) -> None:
                 del row[i]
 
 
-def _solve(
+def solve_rows(
     graph: Graph, rows: Sequence[Mapping[int, Node]], right: Sequence[Node], pivots: Sequence[int]
 ) -> dict[int, Node]:
-    """The pivot unknowns, block by block of equations that share none."""
+    """The unknowns `pivots` of rows x = right (row k solvable for pivots[k] once the rows before
+    are), what else the rows hold left aside; block by block of rows that share none."""
     solution: dict[int, Node] = {}
     for block in _blocks(rows, pivots):
         columns = [pivots[k] for k in block]

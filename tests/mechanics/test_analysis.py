@@ -194,6 +194,26 @@ def test_rows_that_are_integrable_only_together() -> None:
     assert answers(b) == {"a": True, "b": True}
 
 
+@pytest.mark.parametrize("scaled", [False, True])
+def test_axle_with_two_wheels_turns_by_their_difference(scaled: bool) -> None:
+    """2 L yaw = R (phi1 - phi2): a combination of the rows, with changing coefficients or not."""
+    b = Builder()
+    x, y, yaw, phi1, phi2 = (b.coordinate(k) for k in ("x", "y", "yaw", "phi1", "phi2"))
+    g = b.graph
+    frame = b.rotate("F", b.world, "z", yaw)
+    b.solid("axle", b.parameter("m"), (0.1, 0.1, 0.2), frame, (x, y, 0.0))
+    b.lagrangian("wheels", 0.5 * (b.der(phi1) ** 2 + b.der(phi2) ** 2), is_kinetic=True)
+    forward = b.der(x) * g.cos(yaw) + b.der(y) * g.sin(yaw)
+    turn, radius = b.parameter("L", 0.7) * b.der(yaw), b.parameter("R", 0.3)
+    factor = 2.0 + g.sin(x + phi1) if scaled else g.one
+    b.constraint("right", factor * (forward + turn - radius * b.der(phi1)))
+    b.constraint("left", forward - turn - radius * b.der(phi2))
+    b.constraint("side", b.der(y) * g.cos(yaw) - b.der(x) * g.sin(yaw))
+    a = analyse(derive(b.model()))
+    assert {c.label: c.integrable for c in a.constraints} == {"right": False, "left": False, "side": False}
+    assert (a.integrable_combinations, a.degrees_of_freedom, a.positional_freedom) == (1, 2, 4)
+
+
 def test_spin_about_one_axis_of_a_quaternion() -> None:
     """Without the two other body rates a solid turns about one axis: positions are restricted."""
     b = Builder()
