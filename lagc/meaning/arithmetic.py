@@ -12,7 +12,7 @@ from lagc.meaning.context import Context
 from lagc.meaning.model import Body
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, over, raised, times
-from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, kind
+from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, kind, shape
 
 LARGEST_EXPONENT = 1000  # of a quantity with a dimension
 
@@ -80,16 +80,8 @@ def _elementwise(a: Value, b: Value, one: Callable[[Scalar, Scalar], Scalar], wh
 
 
 def _shape(value: Value) -> str:
-    if not isinstance(value, Array):
-        return "a number"
-    sizes: list[str] = []
-    inner: Value = value
-    while isinstance(inner, Array):
-        sizes.append(str(len(inner.elements)))
-        if not inner.elements:
-            break
-        inner = inner.elements[0]
-    return f"an array of {' x '.join(sizes)}"
+    sizes = shape(value)
+    return f"an array of {' x '.join(str(n) for n in sizes)}" if sizes else "a number"
 
 
 def _same(a: Scalar, b: Scalar, what: str, span: Span, a_span: Span, b_span: Span) -> Dimension | None:
@@ -114,8 +106,9 @@ def _sum(e: tree.Binary, left: Value, right: Value) -> Value:
 
 
 def _times(a: Scalar, b: Scalar) -> Scalar:
-    none = a.dimension is None or b.dimension is None
-    return Scalar(a.node * b.node, None if none else times(a.dimension, b.dimension))  # type: ignore[arg-type]
+    if a.dimension is None or b.dimension is None:
+        return Scalar(a.node * b.node, None)
+    return Scalar(a.node * b.node, times(a.dimension, b.dimension))
 
 
 def _over(a: Scalar, b: Scalar) -> Scalar:

@@ -5,8 +5,13 @@ Both are remembered node by node, so that a chain of n points costs n and not n^
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from lagc.expr.derivative import partials
 from lagc.expr.graph import Graph, Node
+
+T = TypeVar("T")
 
 KINDS = (
     "parameter",
@@ -39,41 +44,41 @@ class Clock:
 
     def derivative(self, node: Node) -> Node:
         """d(node)/dt; inputs, multipliers and the like have none (check `mask` first)."""
-        known, graph = self._rate, self.graph
-        stack = [node]
-        while stack:
-            top = stack[-1]
-            if top in known:
-                stack.pop()
-                continue
-            missing = [a for a in top.args if a not in known]
-            if missing:
-                stack.extend(missing)
-                continue
-            stack.pop()
+        graph = self.graph
+
+        def rate(top: Node, known: dict[Node, Node]) -> Node:
             total = graph.zero
             if any(not known[a].is_zero for a in top.args):
                 for local, argument in zip(partials(graph, top), top.args):
                     total = total + local * known[argument]
-            known[top] = total
-        return known[node]
+            return total
+
+        return _found(node, self._rate, rate)
 
     def mask(self, node: Node) -> int:
         """The kinds of symbols below `node`, a bit each."""
-        known = self._mask
-        stack = [node]
-        while stack:
-            top = stack[-1]
-            if top in known:
-                stack.pop()
-                continue
-            missing = [a for a in top.args if a not in known]
-            if missing:
-                stack.extend(missing)
-                continue
-            stack.pop()
+
+        def kinds(top: Node, known: dict[Node, int]) -> int:
             found = BIT[top.value[0]] if top.op == "symbol" else 0
             for argument in top.args:
                 found |= known[argument]
-            known[top] = found
-        return known[node]
+            return found
+
+        return _found(node, self._mask, kinds)
+
+
+def _found(node: Node, known: dict[Node, T], find: Callable[[Node, dict[Node, T]], T]) -> T:
+    """`known[node]`, found from those of its arguments; a loop, since graphs are deep."""
+    stack = [node]
+    while stack:
+        top = stack[-1]
+        if top in known:
+            stack.pop()
+            continue
+        missing = [a for a in top.args if a not in known]
+        if missing:
+            stack.extend(missing)
+            continue
+        stack.pop()
+        known[top] = find(top, known)
+    return known[node]

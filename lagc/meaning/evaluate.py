@@ -17,7 +17,7 @@ from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment
 from lagc.meaning.types import CONSTANTS
 from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
-from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind
+from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
 
 T = TypeVar("T")
 Item = TypeVar("Item")
@@ -301,9 +301,7 @@ def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value
     elements = all_values(context, e.elements, environment)
     for value, written in zip(elements, e.elements):
         flat(value, written.span, "an element of a vector")
-        if isinstance(value, Array) != isinstance(elements[0], Array) or (
-            isinstance(value, Array) and len(value.elements) != len(elements[0].elements)  # type: ignore[union-attr]
-        ):
+        if shape(value) != shape(elements[0]):
             raise Wrong("LAG0306", "the elements of an array are all of one shape", written.span)
     return Array(tuple(elements))
 

@@ -19,13 +19,12 @@ from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
 from lagc.meaning.units import Dimension, S, UnknownUnit, over, unit
-from lagc.meaning.values import Scalar, Text, Value, Wrong, expect, flat, kind
+from lagc.meaning.values import Scalar, Text, Value, Wrong, expect, flat, kind, shape
 from lagc.meaning.written import (
     attributes_of,
     elements,
     fixed,
     given_scalar,
-    shape,
     shaped,
     still,
     written_value,

@@ -131,7 +131,7 @@ def scalar_of(value: Value, span: Span, what: str) -> Scalar:
     raise Wrong("LAG0307", f"{what} is a number, this is {kind(value)}", span)
 
 
-def expect(dimension: Dimension | None, wanted: Dimension, span: Span, what: str) -> None:
+def expect(dimension: Dimension | None, wanted: Dimension, span: Span | None, what: str) -> None:
     """Raises Wrong where `what` has another dimension than it should."""
     if dimension is not None and dimension != wanted:
         message = f"{what} is {describe(wanted)}, this is {describe(dimension)}"
@@ -145,6 +145,17 @@ def flat(value: Value, span: Span, what: str) -> list[Scalar]:
     if isinstance(value, Array):
         return [s for element in value.elements for s in flat(element, span, what)]
     raise Wrong("LAG0307", f"{what} is a number or an array of numbers, this is {kind(value)}", span)
+
+
+def shape(value: Value) -> list[int]:
+    """The sizes of an array, rows first; [] for a number."""
+    found: list[int] = []
+    while isinstance(value, Array):
+        found.append(len(value.elements))
+        if not value.elements:
+            break
+        value = value.elements[0]
+    return found
 
 
 def vector_value(vector: Vector, dimension: Dimension | None) -> Array:

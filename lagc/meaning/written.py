@@ -14,7 +14,7 @@ from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate, evaluate_as
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import Dimension, UnknownUnit, unit
-from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind
+from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
 
 
 def attributes_of(entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
@@ -88,16 +88,6 @@ def _rank(value: Value) -> int:
     return len(shape(value))
 
 
-def shape(value: Value) -> list[int]:
-    found: list[int] = []
-    while isinstance(value, Array):
-        found.append(len(value.elements))
-        if not value.elements:
-            break
-        value = value.elements[0]
-    return found
-
-
 def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
     """The scalars (rows first) as a number or an array."""
     if not sizes:
@@ -126,7 +116,7 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
             meant = unit(given.unit or "1")
         except UnknownUnit as unknown:
             raise Wrong("LAG0304", f"{what}: {unknown.reason}", None) from None
-        expect(meant.dimension, dimension, given.span, what)  # type: ignore[arg-type]
+        expect(meant.dimension, dimension, given.span, what)
         number = meant.to_si(number)
     if not math.isfinite(number):
         raise Wrong("LAG0309", f"{what} is not finite", None)
