@@ -7,6 +7,7 @@ from math import cos, pi
 import pytest
 
 from lagc.diagnostics.faults import Refused
+from lagc.run.problem import STEP_UNDERFLOW
 from lagc.run.request import Request
 from lagc.run.simulate import simulate
 from tests.run.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
@@ -184,3 +185,28 @@ def test_the_recorded_grid() -> None:
 def test_a_run_of_no_duration_is_its_start() -> None:
     run = simulate(Oscillator(), Request(stop=0.0))
     assert run.status == "ok" and run.states == [[1.0, 0.0]]
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e6])
+def test_the_accuracy_is_relative_to_the_size_of_the_motion(size: float) -> None:
+    class Scaled(Oscillator):
+        def start(self) -> list[float]:
+            return [size, 0.0]
+
+    run = simulate(Scaled(), Request(stop=10.0, accuracy=1e-8))
+    true = max(abs(x / size - cos(t)) for t, x in zip(run.times, run.column("x")))
+    assert run.status == "ok" and run.estimated is not None
+    assert true <= run.estimated <= 1e-8
+
+
+def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
+    class Fails(Oscillator):
+        def integrate(self, options, t0, x0, times, progress=None):  # type: ignore[no-untyped-def]
+            done = super().integrate(options, t0, x0, times, progress)
+            if options.rtol < 1e-6:
+                done.status, done.t = STEP_UNDERFLOW, 4.0
+            return done
+
+    run = simulate(Fails(), Request(stop=10.0, accuracy=1e-9))
+    assert run.status == "failed" and run.times[-1] == 10.0
+    assert "best is estimated" in run.message and "at t = 4 s the step became too small" in run.message
