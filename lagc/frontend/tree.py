@@ -81,7 +81,8 @@ class Argument:
     """A call's or modification's argument: `name = value`, or a bare value (`name` None).
 
     `each` is Modelica's `each start = 0`.  `arguments` are nested modifications,
-    `bob(m(min = 0) = 2 [kg])`.
+    `bob(m(min = 0) = 2 [kg])`; without a value of its own, `bob(m = 2 [kg])` among arguments, it
+    cannot be told from a call and is one, with `name` None.
     """
 
     name: str | None
