@@ -1,0 +1,119 @@
+"""The double pendulum over 10 s, from rest at (2, 2) rad: one right-hand side, and work-precision.
+
+The reference is the state at 10 s from an extrapolation with 40 digits (the peers' script makes it).
+The error is the largest of the angles and their rates at 10 s.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+
+from lagc import load
+from tests.benchmarks import peers
+from tests.benchmarks.native import Native, Run
+from tests.benchmarks.tables import Cell, cpu_seconds, machine, table
+
+REFERENCE = (-0.60216261066, -10.50147451571, -6.24216709502, -4.89796966316)
+START = (2.0, 2.0, 0.0, 0.0)
+STOP = 10.0
+TOLERANCES = (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14)
+RHS_PEERS = ("casadi_aba_c", "casadi_sx_c", "casadi_tension_c", "heyoka_lagrangian", "pinocchio", "mujoco")
+RUN_PEERS = (
+    "c_dop853_casadi", "heyoka_taylor", "numbalsoda_dop853", "casadi_cvodes_adams",
+    "scipy_dop853_explicit_math", "scipy_dop853_lambdify",
+)  # fmt: skip
+LIMITS = (1e-6, 1e-9)
+
+
+def error(x: tuple[float, ...]) -> float:
+    return max(abs(a - b) for a, b in zip(x, REFERENCE))
+
+
+def fastest(runs: list[tuple[float, float, int | None]], limit: float) -> tuple[float | None, int | None]:
+    """Of (error, seconds, rhs): the time and count of the fastest that meets the limit."""
+    good = [r for r in runs if r[0] <= limit]
+    if not good:
+        return None, None
+    best = min(good, key=lambda r: r[1])
+    return best[1], best[2]
+
+
+def right_hand_sides(native: Native) -> None:
+    own: list[float] = []
+    others: list[tuple[str, float | None, Cell]] = []
+    for peer in RHS_PEERS if peers.available() else ():
+        own.append(native.rhs())
+        found = peers.chain(peer, 2, limit=100.0) or {}
+        seconds = found.get("t_rhs")
+        others.append((peer, seconds, found.get("note", found.get("ops"))))
+    own += [native.rhs() for _ in range(3)]
+    least = median(own)
+    system = load("double_pendulum").compile(backend="numpy").load("numpy")
+    xdot, lam, x = [0.0] * 5, [0.0], [*START, 0.0]
+    python = cpu_seconds(lambda: system.rhs(0.0, x, xdot, lam))
+    rows: list[list[Cell]] = [
+        ["lagc, C (compiled -O2)", least * 1e6, 1.0, native.interface.operations],
+        ["lagc, Python floats", python * 1e6, python / least, native.interface.operations],
+    ]
+    rows += [[name, s * 1e6 if s else None, s / least if s else None, ops] for name, s, ops in others]
+    table("One right-hand side (us of CPU)", ["", "us", "x lagc", "operations"], rows)
+
+
+def work_precision(native: Native) -> None:
+    rows: list[list[Cell]] = []
+    ours: dict[str, list[tuple[float, float, int | None]]] = {}
+    for method in ("dop853", "dopri5"):
+        for tolerance in TOLERANCES:
+            if method == "dopri5" and tolerance < 1e-11:
+                continue
+            run: Run = native.run(STOP, tolerance, method)
+            ours.setdefault(f"lagc, C {method}", []).append((error(run.x), run.seconds, run.rhs))
+            rows.append([f"lagc, C {method}", f"{tolerance:g}", error(run.x), run.seconds * 1e3, run.rhs])
+    for peer in RUN_PEERS if peers.available() else ():
+        found = peers.work_precision(peer) or {}
+        runs = [(r["err"], r["t"], r.get("nfev")) for r in found.get("runs", []) if "t" in r]
+        ours[peer] = runs
+        if not runs:
+            rows.append([peer, found.get("note", "-"), None, None, None])
+    head = ["", "tolerance", "error at 10 s", "ms", "right-hand sides"]
+    table("10 s of the double pendulum: work and precision", head, rows)
+    least = {limit: fastest(ours["lagc, C dop853"], limit)[0] for limit in LIMITS}
+    summary: list[list[Cell]] = []
+    for name, runs in ours.items():
+        row: list[Cell] = [name]
+        for limit in LIMITS:
+            seconds, count = fastest(runs, limit)
+            row += [seconds * 1e3 if seconds else "not reached", _ratio(seconds, least[limit]), count]
+        summary.append(row)
+    head = ["", "ms to 1e-6", "x lagc", "rhs", "ms to 1e-9", "x lagc", "rhs"]
+    table("The fastest run that reached the error (CPU)", head, summary)
+
+
+def _ratio(a: float | None, b: float | None) -> float | None:
+    return a / b if a is not None and b is not None else None
+
+
+def asked() -> None:
+    """What `lagc sim` gives when an accuracy is asked for: the tolerance is its own business."""
+    rows: list[list[Cell]] = []
+    compiled = load("double_pendulum").compile(backend="c")
+    for accuracy in (1e-6, 1e-9):
+        starts = {"theta1": 2.0, "theta2": 2.0}
+        run = compiled.simulate(STOP, accuracy=accuracy, starts=starts, points=2)
+        seconds = cpu_seconds(lambda: compiled.simulate(STOP, accuracy=accuracy, starts=starts, points=2), 3)
+        reached = error(tuple(run.states[-1][:4]))
+        rows.append([f"{accuracy:g}", run.estimated, reached, run.cost.rhs, run.cost.integrations, seconds * 1e3])
+    table("10 s with a verified accuracy (all runs and the comparison, from Python)",
+          ["asked", "estimated", "true error", "rhs", "integrations", "ms"], rows)  # fmt: skip
+
+
+def main() -> None:
+    print(machine())
+    native = Native("double_pendulum", START)
+    right_hand_sides(native)
+    work_precision(native)
+    asked()
+
+
+if __name__ == "__main__":
+    main()
