@@ -1,0 +1,40 @@
+"""The catalogue's examples of the mechanics: each wrong one brings its code, each right one passes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import lagc.mechanics
+from lagc.diagnostics.catalogue.mechanics import ENTRIES
+from lagc.diagnostics.faults import Refused, Source
+from lagc.frontend.parse import parse
+from lagc.meaning.resolve import resolve
+from lagc.mechanics.derive import derive
+
+
+def compiled(text: str) -> None:
+    derive(resolve(parse(Source("example.lag", text)))).verify()
+
+
+@pytest.mark.parametrize("code", ENTRIES)
+def test_wrong_example_is_refused_at_a_place(code: str) -> None:
+    with pytest.raises(Refused) as refused:
+        compiled(ENTRIES[code].wrong)
+    (fault,) = refused.value.faults
+    assert fault.code == code
+    assert fault.span is not None and fault.span.line > 1
+    assert fault.remedy
+
+
+@pytest.mark.parametrize("code", ENTRIES)
+def test_right_example_passes(code: str) -> None:
+    compiled(ENTRIES[code].right)
+
+
+def test_every_code_of_the_room_is_listed() -> None:
+    sources = Path(lagc.mechanics.__file__).parent.glob("*.py")
+    used = {code for p in sources for code in re.findall(r'"(LAG\d{4})"', p.read_text("utf-8"))}
+    assert used == set(ENTRIES)
