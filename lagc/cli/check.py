@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from lagc.cli.exits import DONE, REFUSED, USAGE
+from lagc.cli.exits import DONE, code_of
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_faults, print_json, say
 from lagc.diagnostics.faults import Fault, Refused
@@ -43,9 +43,7 @@ def run(options: argparse.Namespace) -> int:
         print_faults(faults, color=False if options.no_color else None, stream=sys.stdout)
     elif not options.quiet:
         say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
-    if not wrong:
-        return DONE
-    return REFUSED if any(f.span is not None for f in wrong) else USAGE
+    return code_of(wrong) if wrong else DONE
 
 
 def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:

@@ -8,7 +8,7 @@ import os
 import sys
 from typing import NoReturn
 
-from lagc.cli.exits import INTERNAL, INTERRUPTED, REFUSED, USAGE, Usage
+from lagc.cli.exits import INTERNAL, INTERRUPTED, USAGE, Usage, code_of
 from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
 
@@ -34,7 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
         return USAGE
     except Refused as refused:
         _report(refused, words)
-        return REFUSED if any(f.span is not None for f in refused.faults) else USAGE
+        return code_of(refused.faults)
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)
         return INTERRUPTED

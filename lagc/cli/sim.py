@@ -75,16 +75,18 @@ def run(options: argparse.Namespace) -> int:
     request = request_of(options)
     choice = choice_of(options)
     source = library.read(options.file)
-    try:
-        model = CompiledModel(Compilation(source, choice), options.backend)
-        starts = bound_starts(model.interface, quantities(options.starts, "--start"))
-        parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
-        request = dataclasses.replace(request, starts=starts)
-        stop = request.completed(model.interface.simulate).stop or 0.0
-        with Bar(stop, quiet=options.quiet or options.json) as bar:
+    model = CompiledModel(Compilation(source, choice), options.backend)
+    starts = bound_starts(model.interface, quantities(options.starts, "--start"))
+    parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
+    request = dataclasses.replace(request, starts=starts)
+    stop = request.completed(model.interface.simulate).stop or 0.0
+    with Bar(stop, quiet=options.quiet or options.json) as bar:
+        try:
             found = model.run(request, parameters, bar)
-    except CannotCompile as error:
-        raise Usage(f"{error}; --backend numpy needs no compiler") from None
+        except CannotCompile as error:
+            if bar.interrupted:  # the key reached the compiler too
+                raise KeyboardInterrupt from None
+            raise Usage(f"{error}; --backend numpy needs no compiler") from None
     return deliver(found, options)
 
 

@@ -109,6 +109,18 @@ def test_every_command_refuses_a_missing_file(capsys: Capture) -> None:
         assert "nofile.lag" in captured.out + captured.err
 
 
+def test_a_start_that_contradicts_itself_refuses_the_model(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "off.lag"
+    path.write_text(
+        "model Off\n  coordinate Length x(start = 1 [m], fixed = true), y;\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, y, 0});\n"
+        "  constraint wall: x = 2 [m];\nend Off;\n"
+    )
+    assert main(["sim", str(path), "--backend", "numpy"]) == 1
+    said = capsys.readouterr().err
+    assert "LAG0610" in said and "`wall`" in said and "`x`" in said
+
+
 def test_a_reader_that_goes_away_is_no_error() -> None:
     command = f"{sys.executable} -m lagc equations simple_pendulum | head -c 1"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60)
