@@ -46,7 +46,7 @@ class Atom:
 class Algebra:
     """Makes polynomials of nodes.  `nonnegative`: the symbols known not to be negative."""
 
-    def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 100_000) -> None:
+    def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 60_000) -> None:
         self.atoms: list[Atom] = []
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)

@@ -10,9 +10,11 @@ import pytest
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.samples import Chance, samples
 from lagc.view.equations import write
+from tests.mechanics.random_systems import model, random_system
 from tests.view.models import EVERYTHING, LONG, MODELS, derived, equations_of
 from tests.view.scripts import script_residuals, values_at
 
@@ -62,6 +64,11 @@ def test_written_equations_are_the_derived_ones(path: Path) -> None:
 @pytest.mark.parametrize("text", [EVERYTHING, LONG], ids=["every function", "named parts"])
 def test_unusual_equations_are_the_derived_ones(text: str) -> None:
     assert_same(equations_of(text))
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_equations_of_random_systems_are_the_derived_ones(seed: int) -> None:
+    assert_same(derive(model(random_system(seed))))
 
 
 def assert_same(equations: EquationsOfMotion) -> None:
