@@ -228,3 +228,9 @@ def _c_at(tableau: Tableau) -> str:
         "    const double u = 1.0 - s;\n    int i;\n    for (i = 0; i < LAGC_NX; i++)\n"
         f"        x[i] = {_nested(tableau, 'w->r[{}][i]')};\n}}\n"
     )
+
+
+if __name__ == "__main__":  # python -m lagc.render.stages > lagc/render/numpy/support/stages.py
+    from lagc.render.tableaus import DOP853, DOPRI5
+
+    print(python_file((DOPRI5, DOP853)), end="")

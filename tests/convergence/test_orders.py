@@ -11,7 +11,7 @@ import pytest
 from lagc.render.tableaus import DOP853, DOPRI5, Row, Tableau
 from lagc.run.integrate import Integrator, integrate
 from lagc.run.problem import OK, Options, Vector
-from tests.run.systems import Handmade, Oscillator, interface
+from tests.run.systems import Handmade, Oscillator, Rod, interface
 
 METHODS = pytest.mark.parametrize("tableau", [DOPRI5, DOP853], ids=["dopri5", "dop853"])
 
@@ -246,6 +246,31 @@ def test_order_of_dense_output(tableau, system):
             worst = max(worst, system.error(1.0 + s * h, x))
         errors.append(worst)
     assert sum(slopes(errors)) / 2 == pytest.approx(tableau.dense_order + 1, abs=0.15), slopes(errors)
+
+
+class Angle(Handmade):
+    """The pendulum of `Rod` in its angle from below."""
+
+    def __init__(self) -> None:
+        super().__init__(interface())
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        xdot[0], xdot[1] = x[1], -9.81 * sin(x[0])
+        return OK
+
+
+@METHODS
+def test_projection_keeps_the_order(tableau):
+    """A pendulum in x and y on its circle, against its angle at the smallest tolerance.  (DOP853 is
+    above its order at every step that rounding leaves visible.)"""
+    angle = integrate(Angle(), Options(rtol=1e-14, atol=1e-14), 0.0, [1.0, 0.0], [2.0]).x[0]
+    start = [sin(1.0), -cos(1.0), 0.0, 0.0]
+    errors = []
+    for steps in (40, 80, 160) if tableau is DOPRI5 else (20, 40, 80):
+        run = integrate(Rod(), Options(method=tableau.name, step=2.0 / steps), 0.0, start, [2.0])
+        assert run.position_drift <= 1e-15 and run.velocity_drift <= 1e-15
+        errors.append(sqrt((run.x[0] - sin(angle)) ** 2 + (run.x[1] + cos(angle)) ** 2))
+    assert slopes(errors)[-1] > tableau.order - 0.15, slopes(errors)
 
 
 @METHODS

@@ -194,6 +194,19 @@ class Pendulum(Handmade):
         return [kinetic, potential, kinetic + potential]
 
 
+class Rod(Pendulum):
+    """The pendulum with its linear equations: M = 1, G = 2 (x, y)."""
+
+    def assemble(self, t: float, x: Vector) -> int:
+        self.g = 2.0 * x[0], 2.0 * x[1]
+        return OK
+
+    def solve(self, r: Vector) -> list[float]:
+        a, b = self.g
+        s = (r[2] - a * r[0] - b * r[1]) / (a * a + b * b)
+        return [r[0] + a * s, r[1] + b * s, s]
+
+
 class Spun(Handmade):
     """A free orientation `o` turning at constant body rates: a quaternion and three speeds."""
 

@@ -55,7 +55,7 @@ def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[flo
 
 
 def test_the_stages_are_those_of_the_tables():
-    """`python -c "from lagc.render.stages import ..."` wrote the file; it is not edited by hand."""
+    """`python -m lagc.render.stages` writes the file; it is not edited by hand."""
     assert Path(stages.__file__).read_text(encoding="utf-8") == python_file((DOPRI5, DOP853))
 
 

@@ -17,22 +17,9 @@ from lagc.run.problem import (
     Options,
     Vector,
 )
-from tests.run.systems import Handmade, Oscillator, Pendulum, Spun, interface, norm
+from tests.run.systems import Handmade, Oscillator, Rod, Spun, interface, norm
 
 EACH = pytest.mark.parametrize("method", sorted(METHODS))
-
-
-class Rod(Pendulum):
-    """The pendulum with its linear equations: M = 1, G = 2 (x, y)."""
-
-    def assemble(self, t: float, x: Vector) -> int:
-        self.g = 2.0 * x[0], 2.0 * x[1]
-        return OK
-
-    def solve(self, r: Vector) -> list[float]:
-        a, b = self.g
-        s = (r[2] - a * r[0] - b * r[1]) / (a * a + b * b)
-        return [r[0] + a * s, r[1] + b * s, s]
 
 
 @EACH
