@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import subprocess
 import sys
@@ -125,3 +126,37 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
     command = f"{sys.executable} -m lagc equations simple_pendulum | head -c 1"
     done = subprocess.run(command, shell=True, capture_output=True, text=True, timeout=60)
     assert "Traceback" not in done.stderr and "internal error" not in done.stderr
+
+
+UGLY = "model  A\ncoordinate Length x;// c\nbody b=Particle(mass=1[kg],at={x,0,0});end A;"
+LAID_OUT = (
+    "model A\n  coordinate Length x;  // c\n  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\nend A;\n"
+)
+
+
+def test_fmt_lays_a_file_out_once(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "a.lag"
+    path.write_text(UGLY)
+    path.chmod(0o640)
+    assert main(["fmt", "--check", str(path)]) == 1 and path.read_text() == UGLY
+    assert main(["fmt", str(path)]) == 0
+    assert path.read_text() == LAID_OUT and path.stat().st_mode & 0o777 == 0o640
+    assert main(["fmt", "--check", str(path)]) == 0
+
+
+def test_fmt_of_standard_input_is_written_to_standard_output(
+    monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    class Stdin:
+        buffer = io.BytesIO(UGLY.encode())
+
+    monkeypatch.setattr(sys, "stdin", Stdin())
+    assert main(["fmt", "-"]) == 0
+    assert capsys.readouterr().out == LAID_OUT
+
+
+def test_fmt_leaves_a_file_with_mistakes_alone(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "a.lag"
+    path.write_text("model A coordinate")
+    assert main(["fmt", str(path)]) == 1
+    assert path.read_text() == "model A coordinate"
