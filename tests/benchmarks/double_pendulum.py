@@ -100,9 +100,11 @@ def asked() -> None:
     for accuracy in (1e-6, 1e-9):
         starts = {"theta1": 2.0, "theta2": 2.0}
         run = compiled.simulate(STOP, accuracy=accuracy, starts=starts, points=2)
-        seconds = cpu_seconds(lambda: compiled.simulate(STOP, accuracy=accuracy, starts=starts, points=2), 3)
+        seconds = cpu_seconds(lambda: compiled.simulate(STOP, accuracy=accuracy, starts=starts, points=2), 3)  # noqa: B023
         reached = error(tuple(run.states[-1][:4]))
-        rows.append([f"{accuracy:g}", run.estimated, reached, run.cost.rhs, run.cost.integrations, seconds * 1e3])
+        rows.append(
+            [f"{accuracy:g}", run.estimated, reached, run.cost.rhs, run.cost.integrations, seconds * 1e3]
+        )
     table("10 s with a verified accuracy (all runs and the comparison, from Python)",
           ["asked", "estimated", "true error", "rhs", "integrations", "ms"], rows)  # fmt: skip
 

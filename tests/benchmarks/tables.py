@@ -37,7 +37,10 @@ def table(title: str, head: Sequence[str], rows: Sequence[Sequence[Cell]]) -> No
     widths = [max(len(row[k]) for row in cells) for k in range(len(head))]
     print(f"\n{title}\n")
     for number, row in enumerate(cells):
-        print("  " + "  ".join(c.ljust(w) if k == 0 else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths))))
+        print(
+            "  "
+            + "  ".join(c.ljust(w) if k == 0 else c.rjust(w) for k, (c, w) in enumerate(zip(row, widths)))
+        )
         if number == 0:
             print("  " + "  ".join("-" * w for w in widths))
     print(flush=True)
