@@ -15,6 +15,7 @@ import pytest
 from lagc.optimize.program import Function, Program
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers
+from lagc.render.c.parts import divided
 from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.render.programs import TRUTHS, Builder, program, random_function
@@ -56,7 +57,10 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
     python: dict[str, object] = {}
     exec(ARITHMETIC + "".join(function_text(f, names) for f in functions), python)
-    body = "".join(c_text(f, names, members).replace("static void", "void", 1) for f in functions)
+    body = "".join(
+        c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
+        for f in functions
+    )
     head = "".join(
         f"void lagc_fn_{f.name}(const lagc_params *p, double t, const double *x, double *y);\n"
         for f in functions
@@ -101,6 +105,35 @@ def test_random_functions_agree_bitwise(tmp_path: Path) -> None:
             values = [rng.gauss(0, 1) if trial < 20 else rng.choice(HARD) for _ in range(6)]
             ours, theirs = both(python, library, f.name, [values[0], 1.0, 9.81], values[1], values[2:], 8)
             assert ours == theirs, (f.name, values)
+
+
+@needs_gcc
+@pytest.mark.parametrize("length", [1, 7, 40])
+def test_long_functions_in_parts_are_the_same(
+    length: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lagc.render.c.functions.LONGEST", 0)
+    monkeypatch.setattr("lagc.render.c.parts.PART", length)
+    functions = [random_function(seed, name=f"f{seed}") for seed in range(12)]
+    python, library = build(functions, tmp_path)
+    rng = random.Random(2)
+    for f in functions:
+        for _ in range(10):
+            values = [rng.gauss(0, 1) for _ in range(6)]
+            ours, theirs = both(python, library, f.name, [values[0], 1.0, 9.81], values[1], values[2:], 8)
+            assert ours == theirs, (f.name, values)
+
+
+def test_an_array_that_is_written_is_not_read_again_in_a_later_part() -> None:
+    body = ["const double t0 = w[0];", "const double q = x[1];", "w[0] = q * 2.0;", "w[1] = t0 * q;"]
+    parts, shared = divided(body, ("w",))
+    assert shared == 0 and parts == [body]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lagc.render.c.parts.PART", 2)
+        parts, shared = divided(body, ("w",))
+    assert shared == 1
+    assert parts[0] == ["const double t0 = w[0];", "lagc_shared[0] = t0;"]
+    assert set(parts[1][:2]) == {"const double t0 = lagc_shared[0];", "const double q = x[1];"}
 
 
 @needs_gcc

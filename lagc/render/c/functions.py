@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 
 from lagc.optimize.program import Function, Program
+from lagc.render.c.parts import LONGEST, SHARED, divided
 from lagc.render.names import comment
-from lagc.render.statements import AND, OR, Dialect, lines, loads, uses
+from lagc.render.statements import AND, OR, Dialect, lines, uses
 
 CALLS = {
     **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
@@ -51,18 +53,30 @@ def function_text(
         load=load,
     )
     body = lines(function, dialect, locals_)
-    read = {array for array, _ in loads(function)}
-    written = {store.array for store in function.stores}
-    unused = [name for name in _order(function) if name not in read and name not in written]
-    text = []
-    if function.description:
-        text.append(f"/* {comment(function.description)} */")
-    text.append(f"static void lagc_fn_{function.name}({parameters(function)})")
-    text.append("{")
-    text += [f"    {line}" for line in body]
-    text += [f"    (void)({name});" for name in unused]
-    text.append("}")
-    return "\n".join(text) + "\n"
+    name = f"lagc_fn_{function.name}"
+    about = f"/* {comment(function.description)} */\n" if function.description else ""
+    if len(body) <= LONGEST:
+        return about + _definition(name, function, body)
+    parts, shared = divided(body, {array for array, _ in function.outputs})
+    more = f", double *{SHARED}" if shared else ""
+    text = [_definition(f"{name}_{k}", function, part, more) for k, part in enumerate(parts, 1)]
+    arguments = ", ".join([*_order(function), *([SHARED] if shared else [])])
+    calls = [f"{name}_{k}({arguments});" for k in range(1, len(parts) + 1)]
+    return about + "\n".join([*text, _definition(name, function, _room(shared) + calls)])
+
+
+def _room(shared: int) -> list[str]:
+    return [f"double {SHARED}[{shared}];"] if shared else []
+
+
+def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:
+    code = "\n".join(line for line in body if line[0] != "/")
+    words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
+    unused = [
+        f"(void)({word});" for word in [*_order(function), *([SHARED] if more else [])] if word not in words
+    ]
+    lines_ = "".join(f"    {line}\n" for line in [*body, *unused])
+    return f"static void {name}({parameters(function)}{more})\n{{\n{lines_}}}\n"
 
 
 def parameters(function: Function) -> str:

@@ -17,6 +17,7 @@ typedef struct {
     double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
     double force[LAGC_NV];
     double low[LAGC_NV * (LAGC_NV + 1) / 2];
+    double column[LAGC_NV];
 #if LAGC_NC
     double G[LAGC_NC * LAGC_NV];
     double gamma[LAGC_NC];
