@@ -412,6 +412,7 @@ class Machine:
         del self.depths[bottom + 1 :]
         self.blocks = [block for block in self.blocks if block.height < len(self.states)]
         self.last_end = self.tokens[begin - 1].end if begin else 0
+        self._reduced = False
 
     def _give_up(self, bottom: int, begin: int) -> None:
         """Drop the declaration that began at token `begin` and go on behind it: behind its `;`, or
@@ -426,8 +427,7 @@ class Machine:
                 self.position = number + 1
                 return
             if number > begin and token.kind == WORD and token.text in self.tables.keywords:
-                line = self.source.text.rfind("\n", 0, token.start) + 1
-                if not self.source.text[line : token.start].strip():
+                if "\n" in self.source.text[self.tokens[number - 1].end : token.start]:
                     return
 
 

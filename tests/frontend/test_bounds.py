@@ -1,0 +1,165 @@
+"""Odd files, long ones, deep ones, damaged ones: a tree or a refusal, and soon."""
+
+from __future__ import annotations
+
+import random
+import time
+from pathlib import Path
+
+import pytest
+
+from lagc.diagnostics.faults import Refused, Source
+from lagc.frontend import tree
+from lagc.frontend.format import format_source
+from lagc.frontend.lexer import tokenise
+from lagc.frontend.parse import parse, parse_recovering
+
+MODELS = sorted((Path(__file__).resolve().parents[2] / "models").glob("*/*.lag"))
+
+
+def model(expression: str) -> Source:
+    return Source("x", f"model M\n  potential V = {expression};\nend M;\n")
+
+
+def faults(source: Source) -> list[tuple[str, int, int]]:
+    _, found = parse_recovering(source)
+    return [(f.code, f.span.line, f.span.column) for f in found if f.span is not None]
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "// nothing\n", "/* nothing */", "\ufeff", "\r\n", " \t"])
+def test_files_without_declarations(text: str) -> None:
+    assert parse(Source("x", text)).declarations == ()
+
+
+def test_line_ends_tabs_and_byte_order_mark() -> None:
+    text = "\ufeffmodel M\r\n\tparameter Mass m = 1 [kg];\r\nend M;\r\n"
+    (read,) = parse(Source("x", text)).declarations
+    assert isinstance(read, tree.ModelDeclaration)
+    quantities = read.body[0]
+    assert (quantities.span.line, quantities.span.column) == (2, 2)
+    assert format_source(Source("x", text)) == "model M\n  parameter Mass m = 1 [kg];\nend M;\n"
+
+
+def test_columns_count_characters() -> None:
+    source = Source("x", "model M\n  /* ünïcödé 𝛼 */ parameter Mass m == 1;\nend M;\n")
+    assert faults(source) == [("LAG0115", 2, 36)]
+
+
+def test_no_break_spaces_are_blanks() -> None:
+    assert parse(Source("x", "model\u00a0M\u2003end M;")).declarations
+
+
+def test_ten_thousand_terms() -> None:
+    begin = time.perf_counter()
+    read = parse(model(" + ".join(f"a{i}*b" for i in range(10_000))))
+    assert time.perf_counter() - begin < 5
+    (declaration,) = read.declarations
+    assert isinstance(declaration, tree.ModelDeclaration)
+    construct = declaration.body[0]
+    assert isinstance(construct, tree.Construct)
+    depth, node = 0, construct.value
+    while isinstance(node, tree.Binary) and node.op == "+":
+        depth, node = depth + 1, node.left
+    assert depth == 9_999
+
+
+def test_ten_thousand_declarations() -> None:
+    lines = "".join(f"  parameter Mass m{i}(min = 0) = 1 [kg];\n" for i in range(10_000))
+    begin = time.perf_counter()
+    (read,) = parse(Source("x", f"model M\n{lines}end M;\n")).declarations
+    assert time.perf_counter() - begin < 10
+    assert isinstance(read, tree.ModelDeclaration) and len(read.body) == 10_000
+
+
+@pytest.mark.parametrize(
+    ("opening", "closing", "levels"),
+    [
+        ("(", ")", 99), ("{", "}", 99), ("f(", ")", 99), ("1 + (", ")", 99), ("a[", "]", 99),
+        ("-", "", 99), ("if a then b else ", "", 99),
+    ],
+)  # fmt: skip
+def test_depth_is_bounded(opening: str, closing: str, levels: int) -> None:
+    """A hundred, of which the model is one."""
+    assert parse(model(opening * levels + "1" + closing * levels))
+    too_deep = model(opening * (levels + 1) + "1" + closing * (levels + 1))
+    with pytest.raises(Refused) as refused:
+        parse(too_deep)
+    (fault,) = refused.value.faults
+    assert fault.code == "LAG0106" and "100" in fault.message
+
+
+@pytest.mark.parametrize("part", ["(", "{", "[", "f(", "-", "if a then ", "not ", "for i in 1:n loop ", "effect e "])
+def test_absurdly_deep_files_are_refused_soon(part: str) -> None:
+    begin = time.perf_counter()
+    with pytest.raises(Refused):
+        parse(Source("x", "model M potential V = " + part * 50_000))
+    assert time.perf_counter() - begin < 5
+
+
+@pytest.mark.parametrize("part", [".a", "[1]", ".a[2]"])
+def test_parts_of_a_name_are_bounded(part: str) -> None:
+    count = part.count("a") + part.count("[")
+    assert parse(model("a" + part * (99 // count)))
+    with pytest.raises(Refused) as refused:
+        parse(model("a" + part * 20_000))
+    assert {fault.code for fault in refused.value.faults} == {"LAG0106"}
+
+
+def test_numbers_out_of_range() -> None:
+    assert faults(model("1e999")) == [("LAG0105", 2, 17)]
+    assert parse(model("1e-999 + " + "9" * 300))
+
+
+def test_at_most_fifty_faults() -> None:
+    with pytest.raises(Refused) as refused:
+        parse(Source("x", "model M\n" + "parameter Mass m = ;\n" * 500 + "end M;\n"))
+    assert len(refused.value.faults) == 50
+
+
+WORDS = sorted(
+    {token.text for path in MODELS[:20] for token in tokenise(Source("x", path.read_text("utf-8"))).tokens}
+    | {"**", "==", '"', "/*", "?", "θ", "\x00", "when", "initial", "unless", "\n", ";", "[", "{", "("}
+)
+
+
+def mutated(text: str, chance: random.Random) -> str:
+    """A few random edits: parts left out, doubled, words and characters put in."""
+    for _ in range(chance.randint(1, 6)):
+        start = chance.randrange(len(text) + 1)
+        stop = min(len(text), start + chance.randint(1, 30))
+        kind = chance.randrange(5)
+        if kind == 0:
+            text = text[:start] + text[stop:]
+        elif kind == 1:
+            text = text[:start] + chance.choice(WORDS) + text[start:]
+        elif kind == 2:
+            text = text[:stop] + text[start:]
+        elif kind == 3:
+            text = text[:start] + chr(chance.choice((chance.randrange(32, 127), chance.randrange(0x3000)))) + text[stop:]
+        else:
+            text = text[:start] if chance.random() < 0.2 else text[start:] + text[:start]
+    return text
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_damaged_models(seed: int) -> None:
+    """2,000 damaged texts: each is read or refused within a second, and what is read is laid out
+    without a change of its tokens."""
+    chance = random.Random(seed)
+    for _ in range(100):
+        text = mutated(chance.choice(MODELS).read_text("utf-8"), chance)
+        begin = time.perf_counter()
+        try:
+            parse(Source("x", text))
+        except Refused as refused:
+            assert refused.faults
+            assert all(f.span is not None and 0 <= f.span.start <= f.span.end <= len(text) for f in refused.faults)
+        else:
+            laid_out = format_source(Source("x", text))
+            assert words(laid_out) == words(text)
+            assert format_source(Source("x", laid_out)) == laid_out
+        assert time.perf_counter() - begin < 1
+
+
+def words(text: str) -> list[str]:
+    return [token.text.replace(" ", "") for token in tokenise(Source("x", text)).tokens if token.kind != "string"]
