@@ -21,7 +21,7 @@ CONTRADICTION = 1e-3  # of the size of accelerations
 
 
 class Fallback:
-    """M = L L^T (packed by rows), L^-1 G^T = Q R diag(lengths) with columns in the order of `order`.
+    """M = L L^T (`low`: its rows), L^-1 G^T = Q R diag(lengths) with columns in the order of `order`.
 
     Where M alone is singular, or very uneven, M + weight G^T G takes its place: the same solution, as
     G a is given.
@@ -30,7 +30,7 @@ class Fallback:
 
     def __init__(self, n: int, m: int):
         self.n, self.m = n, m
-        self.low = [0.0] * (n * (n + 1) // 2)
+        self.low: list[list[float]] = []
         self.weight = 0.0
         self.g: list[float] = []
         self.b = [[0.0] * n for _ in range(m)]
@@ -114,45 +114,52 @@ class Fallback:
         return status, z, self._multipliers(w)
 
     def _cholesky(self, mass: list[float]) -> bool:
-        n, low = self.n, self.low
-        for i in range(n):
-            start = i * (i + 1) // 2
-            for j in range(i + 1):
-                other = j * (j + 1) // 2
-                value = mass[start + j]
-                for k in range(self.m if self.weight > 0.0 else 0):
-                    value += self.weight * self.g[k * n + i] * self.g[k * n + j]
-                whole = value
-                for k in range(j):
-                    value -= low[start + k] * low[other + k]
-                if j < i:
-                    low[start + j] = value / low[other + j]
-                elif value > SINGULAR * whole:
-                    low[start + j] = sqrt(value)
-                else:
-                    self.culprit = i
-                    return False
+        low: list[list[float]] = []
+        self.low = low
+        for i in range(self.n):
+            entries = mass[i * (i + 1) // 2 : i * (i + 1) // 2 + i + 1]
+            if self.weight > 0.0:
+                self._weigh(entries, i)
+            row: list[float] = []
+            for value, other in zip(entries, low):
+                for a, b in zip(row, other):  # as far as `row` is known
+                    value -= a * b
+                row.append(value / other[-1])
+            value = whole = entries[i]
+            for a in row:
+                value -= a * a
+            if not value > SINGULAR * whole:
+                self.culprit = i
+                return False
+            row.append(sqrt(value))
+            low.append(row)
         return True
+
+    def _weigh(self, entries: list[float], i: int) -> None:
+        """Row i of M + weight G^T G."""
+        n, g = self.n, self.g
+        for j in range(i + 1):
+            value = entries[j]
+            for k in range(self.m):
+                value += self.weight * g[k * n + i] * g[k * n + j]
+            entries[j] = value
 
     def _lower(self, z: list[float]) -> None:
         """z = L^-1 z."""
-        low = self.low
-        for i in range(self.n):
-            start = i * (i + 1) // 2
-            value = z[i]
-            for k in range(i):
-                value -= low[start + k] * z[k]
-            z[i] = value / low[start + i]
+        known: list[float] = []
+        for value, row in zip(z, self.low):
+            for a, b in zip(row, known):
+                value -= a * b
+            known.append(value / row[-1])
+        z[:] = known
 
     def _upper(self, z: list[float]) -> None:
         """z = L^-T z."""
-        low = self.low
         for i in range(self.n - 1, -1, -1):
-            start = i * (i + 1) // 2
-            value = z[i] / low[start + i]
+            row = self.low[i]
+            value = z[i] / row[i]
             z[i] = value
-            for k in range(i):
-                z[k] -= low[start + k] * value
+            z[:i] = [a - b * value for a, b in zip(z, row[:i])]
 
     def _row(self, i: int) -> None:
         """Row i of G as a unit vector in the metric of M, and its length."""
