@@ -426,9 +426,9 @@ class Machine:
             if token.kind == SYMBOL and token.text == ";":
                 self.position = number + 1
                 return
-            if number > begin and token.kind == WORD and token.text in self.tables.keywords:
-                if "\n" in self.source.text[self.tokens[number - 1].end : token.start]:
-                    return
+            keyword = number > begin and token.kind == WORD and token.text in self.tables.keywords
+            if keyword and "\n" in self.source.text[self.tokens[number - 1].end : token.start]:
+                return
 
 
 def _wrong_end(source: Source, block: Block, name: Token) -> Fault:

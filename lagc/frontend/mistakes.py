@@ -327,7 +327,7 @@ def _missing_semicolon(w: Where) -> Explained | None:
 def _load_target(w: Where) -> Explained | None:
     kind = w.first.text
     right = {"force": "AT", "torque": "ON"}.get(kind)
-    if right is None or not w.accepts(right):
+    if right is None or not w.accepts(right) or (w.before.kind == NUMBER and w.before.end == w.token.start):
         return None
     needed = right.lower()
     shown = "a force acts `at` a point" if kind == "force" else "a torque acts `on` a body"

@@ -146,8 +146,19 @@ class Range:
 
 
 Expression: TypeAlias = (
-    Number | Boolean | String | Quantity | Name | Member | Index | Call | Unary | Binary
-    | Conditional | Vector | Range
+    Number
+    | Boolean
+    | String
+    | Quantity
+    | Name
+    | Member
+    | Index
+    | Call
+    | Unary
+    | Binary
+    | Conditional
+    | Vector
+    | Range
 )
 
 # -- declarations -----------------------------------------------------------------
@@ -394,9 +405,25 @@ class Package:
 
 
 Declaration: TypeAlias = (
-    TypeDeclaration | Quantities | FunctionDeclaration | Construct | Load | Constraint | Initial
-    | ForLoop | When | Effect | Start | Simulate | Scene | Extends | Import | Instance | Annotation
-    | ModelDeclaration | Package
+    TypeDeclaration
+    | Quantities
+    | FunctionDeclaration
+    | Construct
+    | Load
+    | Constraint
+    | Initial
+    | ForLoop
+    | When
+    | Effect
+    | Start
+    | Simulate
+    | Scene
+    | Extends
+    | Import
+    | Instance
+    | Annotation
+    | ModelDeclaration
+    | Package
 )
 
 

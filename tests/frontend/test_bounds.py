@@ -88,7 +88,9 @@ def test_depth_is_bounded(opening: str, closing: str, levels: int) -> None:
     assert fault.code == "LAG0106" and "100" in fault.message
 
 
-@pytest.mark.parametrize("part", ["(", "{", "[", "f(", "-", "if a then ", "not ", "for i in 1:n loop ", "effect e "])
+@pytest.mark.parametrize(
+    "part", ["(", "{", "[", "f(", "-", "if a then ", "not ", "for i in 1:n loop ", "effect e "]
+)
 def test_absurdly_deep_files_are_refused_soon(part: str) -> None:
     begin = time.perf_counter()
     with pytest.raises(Refused):
@@ -135,7 +137,8 @@ def mutated(text: str, chance: random.Random) -> str:
         elif kind == 2:
             text = text[:stop] + text[start:]
         elif kind == 3:
-            text = text[:start] + chr(chance.choice((chance.randrange(32, 127), chance.randrange(0x3000)))) + text[stop:]
+            odd = chr(chance.choice((chance.randrange(32, 127), chance.randrange(0x3000))))
+            text = text[:start] + odd + text[stop:]
         else:
             text = text[:start] if chance.random() < 0.2 else text[start:] + text[:start]
     return text
@@ -153,7 +156,9 @@ def test_damaged_models(seed: int) -> None:
             parse(Source("x", text))
         except Refused as refused:
             assert refused.faults
-            assert all(f.span is not None and 0 <= f.span.start <= f.span.end <= len(text) for f in refused.faults)
+            for fault in refused.faults:
+                assert fault.span is not None
+                assert 0 <= fault.span.start <= fault.span.end <= len(text)
         else:
             laid_out = format_source(Source("x", text))
             assert words(laid_out) == words(text)
@@ -162,4 +167,5 @@ def test_damaged_models(seed: int) -> None:
 
 
 def words(text: str) -> list[str]:
-    return [token.text.replace(" ", "") for token in tokenise(Source("x", text)).tokens if token.kind != "string"]
+    tokens = tokenise(Source("x", text)).tokens
+    return [token.text.replace(" ", "") for token in tokens if token.kind != "string"]
