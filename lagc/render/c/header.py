@@ -32,6 +32,21 @@ def banner(interface: Interface, file: str) -> str:
     )
 
 
+USE = """\
+/* In short (the functions are explained below):
+ *     static lagc_work w;                     zeros; one for each thread
+ *     lagc_params p = lagc_default_params();
+ *     lagc_options o = lagc_default_options();
+ *     lagc_state s;
+ *     double x[LAGC_NX];
+ *     lagc_start(&p, x);
+ *     lagc_begin(&s, 0.0, x);
+ *     if (lagc_advance(&p, &s, 1.0, &o, &w) == LAGC_OK)
+ *         ... s.x is the state at t = 1
+ */
+"""
+
+
 def constants(interface: Interface) -> str:
     """Sizes as macros, so that the preprocessor knows them, then what the names stand for."""
     quaternions = interface.quaternions

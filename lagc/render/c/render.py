@@ -32,6 +32,7 @@ def _header(program: Program, file: str) -> str:
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
+        header.USE,
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),

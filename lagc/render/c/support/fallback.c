@@ -79,15 +79,18 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
 /* From M and G in w.  Rows count as dependent below a share of 1e-5 that is their own: where two
  * branches of a mechanism cross, rounding rounds the corner between them within about 1e-8, and the
  * motion goes straight through only if the row is left out before.  Once rows are known to be
- * dependent (`lost`) the limit is higher, as stages leave the constraints.  Where M alone is
- * singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is given. */
+ * dependent (`lost`) the limit is higher, and so it is beside the constraints (`miss`), where rows
+ * that depend on others on them have a share of that size of their own.  Where M alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is given. */
 static int lagc_factor_fallback(lagc_work *w)
 {
     int i;
     double trace = 0.0, squares = 0.0;
+    double least = w->lost ? 1e-4 : 1e-5;
+    if (30.0 * w->miss > least)
+        least = 30.0 * w->miss < 0.1 ? 30.0 * w->miss : 0.1;
     w->weight = 0.0;
     if (!w->lost && lagc_cholesky(w)) {
-        lagc_orthogonalise(w, 1e-5);
+        lagc_orthogonalise(w, least);
         if (w->rank == LAGC_NC)
             return LAGC_OK;
     }
@@ -99,7 +102,7 @@ static int lagc_factor_fallback(lagc_work *w)
         w->weight = trace > 0.0 ? trace / squares : 1.0 / squares;
     if (!lagc_cholesky(w))
         return LAGC_SINGULAR_MASS;
-    lagc_orthogonalise(w, w->lost ? 1e-4 : 1e-5);
+    lagc_orthogonalise(w, least);
     if (w->rank == LAGC_NC)
         return LAGC_OK;
     w->culprit = w->order[w->rank];

@@ -60,6 +60,14 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
         return LAGC_NOT_FINITE;
     }
 #if LAGC_NC
+    w->miss = 0.0;
+#if LAGC_NH
+    lagc_fn_position(p, t, x, w->free);
+    lagc_fn_scales(p, t, x, w->found);
+    for (i = 0; i < LAGC_NH; i++)
+        if (!(fabs(w->free[i]) / w->found[i] <= w->miss))
+            w->miss = fabs(w->free[i]) / w->found[i];
+#endif
     status = lagc_factor_fallback(w);
     w->lost = status == LAGC_REDUNDANT;
     for (i = w->rank; w->lost && i < LAGC_NC; i++)

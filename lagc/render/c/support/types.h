@@ -22,6 +22,7 @@ typedef struct {
     double G[LAGC_NC * LAGC_NV];
     double gamma[LAGC_NC];
     double weight;
+    double miss;
     double b[LAGC_NC * LAGC_NV];
     double f[LAGC_NC * LAGC_NC];
     double table[LAGC_NC * LAGC_NC];
