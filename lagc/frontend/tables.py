@@ -1,7 +1,9 @@
-"""The parser's tables, made from `grammar/lag.lark` and kept in the cache.
+"""The parser's tables, made from `grammar/lag.lark` by Lark.
 
-Lark reads the grammar and builds the LALR(1) automaton, once; what is kept is plain data,
-so that a later run needs neither Lark nor the grammar's analysis.
+Lark reads the grammar and builds the LALR(1) automaton when lagc is installed (`hatch_build.py`);
+what is kept is plain data, so that a run needs neither Lark nor the grammar's analysis.  Where it
+is missing or belongs to another grammar, as in a checkout that is being worked on, the tables are
+made when they are first needed, and kept in the cache.
 """
 
 from __future__ import annotations
@@ -42,6 +44,9 @@ class Tables:
 def tables() -> Tables:
     """The tables of the language."""
     grammar = grammar_text()
+    shipped = _shipped(grammar)
+    if shipped is not None:
+        return shipped
     name = "grammar-" + store.key(_LAYOUT, grammar, sys.version)
     kept = store.load(name)
     if kept is not None:
@@ -64,6 +69,30 @@ def grammar_path() -> str:
 def grammar_text() -> str:
     with open(grammar_path(), encoding="utf-8") as file:
         return file.read()
+
+
+def shipped_path() -> str:
+    """Where the tables lie that were made when lagc was installed."""
+    return os.path.join(os.path.dirname(os.path.abspath(__file__)), "tables.json")
+
+
+def packed() -> str:
+    """The tables as text, with the key of their grammar: what `hatch_build.py` ships."""
+    import json
+
+    grammar = grammar_text()
+    return json.dumps([store.key(_LAYOUT, grammar), *_build(grammar)], separators=(",", ":"))
+
+
+def _shipped(grammar: str) -> Tables | None:
+    import json
+
+    try:
+        with open(shipped_path(), encoding="utf-8") as file:
+            key, *fields = json.load(file)
+        return Tables(*fields) if key == store.key(_LAYOUT, grammar) else None
+    except (OSError, ValueError, TypeError):
+        return None
 
 
 def _build(grammar: str) -> tuple[Any, ...]:
