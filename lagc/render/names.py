@@ -34,6 +34,11 @@ _LIBRARY = """
     DBL_EPSILON FLT_MAX FLT_MIN FLT_EPSILON INT_MAX INT_MIN
 """
 RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_LIBRARY.split())
+# Macros that the headers of some C library define without being asked to.
+_MACRO = re.compile(
+    r"(M_|FP_|HUGE_|SNAN|MATH_|U?INT|EXIT_|W[A-Z]{4})[A-Za-z0-9_]*|[A-Z0-9_]*_(MAX|MIN|WIDTH|ENDIAN|ORDER)"
+    r"|FD_SETSIZE|NFDBITS"
+)
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign
     stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
@@ -49,7 +54,12 @@ def identifier(name: str) -> str:
     plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", spelled)).strip("_")
     if not plain or plain[0].isdigit():
         plain = f"n{plain}"
-    return plain + "_" if plain in RESERVED else plain
+    return plain + "_" if is_reserved(plain) else plain
+
+
+def is_reserved(name: str) -> bool:
+    """Whether C or Python or a header of C has a use of its own for `name`."""
+    return name in RESERVED or _MACRO.fullmatch(name) is not None
 
 
 class Names:
@@ -70,7 +80,7 @@ class Names:
         if temporary or base.startswith(self.prefixes):
             base = f"the_{base}"
         found, number = base, 2
-        while found in self.taken or found in RESERVED:
+        while found in self.taken or is_reserved(found):
             found = f"{base.rstrip('_')}_{number}" if number > 2 or base.endswith("_") else f"{base}_"
             number += 1
         self.taken.add(found)

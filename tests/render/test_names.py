@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import keyword
+from pathlib import Path
 
 import pytest
 
 from lagc.render.locals import local_names
-from lagc.render.names import RESERVED, Names, comment, identifier, prefix, stem
+from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
 from tests.render.programs import field, pendulum
+from tests.render.tools import COMPILERS, call, present
 
 TRICKY = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "x", "p", "a.b[2].m", "a_b_2_m",
           "x0", "t1",
@@ -25,6 +27,18 @@ def test_identifier_is_one(name: str) -> None:
 
 def test_every_keyword_of_python_is_reserved() -> None:
     assert set(keyword.kwlist) <= RESERVED
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+def test_every_macro_of_the_headers_is_reserved(compiler: str, tmp_path: Path) -> None:
+    if not present(compiler):
+        pytest.skip(f"no {compiler}")
+    (tmp_path / "headers.c").write_text("#include <stddef.h>\n#include <math.h>\n")
+    done = call(*COMPILERS[compiler], "-dM", "-E", tmp_path / "headers.c")
+    macros = [line.split()[1] for line in done.splitlines()]
+    objects = [name for name in macros if "(" not in name and not name.startswith("_")]
+    assert [name for name in objects if not is_reserved(name)] == []
+    assert "INFINITY" in objects
 
 
 def test_names_are_distinct_and_in_order() -> None:

@@ -32,7 +32,7 @@ from typing import Any
 def render(program: Program) -> dict[str, str]:
     """File name -> text; one file, `<model>.py`."""
     file = f"{stem(program.interface.model)}.py"
-    names = local_names(program, CALLS.values())
+    names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
     return {file: "\n\n".join([*parts, *_support(), *verbs(program)])}
