@@ -67,10 +67,11 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
     return program(name, n, n, nc, nc, functions, {"g": 9.81}, solve="looped")
 
 
-def four_bar(count: int, angle: float, speed: float) -> Program:
+def four_bar(count: int, angle: float, speed: float, spare: bool = False) -> Program:
     """`count` parallelograms in a row: cranks of length 1 on the places (i, 0), at `angle` and turning
     with `speed`, masses at their ends, joined by rods of length 1.  All are in line at angle 0 and pi,
-    where motions that keep the cranks parallel meet others.
+    where motions that keep the cranks parallel meet others.  `spare`: one more rod from the first
+    mass to the last.
     """
     rods: list[Rod] = []
     places: list[float] = []
@@ -79,5 +80,7 @@ def four_bar(count: int, angle: float, speed: float) -> Program:
         places += [i + cos(angle), sin(angle)]
         if i:
             rods.append((i - 1, i, 1.0))
+    if spare:
+        rods.append((0, count, float(count)))
     speeds = [-speed * sin(angle), speed * cos(angle)] * (count + 1)
     return points("four_bar", count + 1, rods, [*places, *speeds])

@@ -102,3 +102,21 @@ def test_dependent_rows_are_free_again_after_the_posture(backend):
     assert system.rhs(0.0, x, [0.0] * 8, [0.0] * 3) == REDUNDANT
     later = system.integrate(Options(), 0.0, x, [0.2])
     assert system.rhs(0.2, later.x, [0.0] * 8, [0.0] * 3) == OK
+
+
+@BACKENDS
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
+def test_an_overconstrained_linkage_moves(backend, tolerance):
+    """Two parallelograms with one rod too many, which is dependent on the constraints only: the
+    stages of a step leave them."""
+    fair, over = (build(four_bar(2, 1.0, -4.0, spare), backend) for spare in (False, True))
+    x = fair.start()
+    options = Options(rtol=tolerance, atol=tolerance)
+    one, other = (s.integrate(options, 0.0, x, [0.2]) for s in (fair, over))
+    assert other.status == OK and other.redundant_rows == (5,)
+    assert other.x == pytest.approx(one.x, abs=30.0 * tolerance)
+    long = over.integrate(options, 0.0, x, [10.0])
+    assert long.status == OK and long.position_drift <= 1e-14 and long.velocity_drift <= 1e-14
+    energy = over.energies(0.0, long.x)[2] - over.energies(0.0, x)[2]
+    assert abs(energy) < 1e3 * tolerance
+    assert long.x[2] - long.x[0] == pytest.approx(1.0, abs=1e-9)
