@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from lagc.expr.graph import UNARY, Node
 from lagc.expr.walk import reachable
@@ -41,15 +41,15 @@ def _value(node: Node, known: Mapping[Node, float]) -> float:
         if op == "select":
             return x[1] if x[0] else x[2]
         if op in _BINARY:
-            return float(_BINARY[op](x[0], x[1]))  # type: ignore[operator]
+            return float(_BINARY[op](x[0], x[1]))
         if op == "not":
             return float(not x[0])
-        return float(UNARY[op](x[0]))  # type: ignore[operator]
+        return float(UNARY[op](x[0]))
     except (ValueError, ZeroDivisionError, OverflowError):
         return math.nan
 
 
-_BINARY: dict[str, object] = {
+_BINARY: dict[str, Callable[[float, float], float]] = {
     "atan2": math.atan2,
     "pow": math.pow,
     "min": min,

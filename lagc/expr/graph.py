@@ -17,10 +17,10 @@ Normal form (kept by the constructors, cheap on purpose):
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
-UNARY: dict[str, object] = {
+UNARY: dict[str, Callable[[float], float]] = {
     "sin": math.sin,
     "cos": math.cos,
     "tan": math.tan,
@@ -371,15 +371,15 @@ def _by_index(item: tuple[Node, int]) -> int:
     return item[0].index
 
 
-def _fold(function: object, *values: object) -> float | None:
+def _fold(function: Callable[..., float], *values: float) -> float | None:
     try:
-        result = float(function(*values))  # type: ignore[operator]
+        result = float(function(*values))
     except (ValueError, OverflowError, ZeroDivisionError):
         return None
     return result if math.isfinite(result) else None
 
 
-_BINARY_FOLD: dict[str, object] = {
+_BINARY_FOLD: dict[str, Callable[[float, float], float]] = {
     "atan2": math.atan2,
     "min": min,
     "max": max,
