@@ -157,6 +157,21 @@ def test_a_pole_is_not_passed(method):
     assert run.status in (STEP_UNDERFLOW, NOT_FINITE) and run.t == pytest.approx(1.0, abs=1e-6)
 
 
+class Worked(Oscillator):
+    """The oscillator with an integral that no step follows."""
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        xdot[2] = 1e6 * sin(1e4 * t)
+        return super().rhs(t, x, xdot, lam)
+
+
+@EACH
+def test_the_work_integral_does_not_choose_the_steps(method):
+    plain = integrate(Oscillator(), Options(method=method), 0.0, [1.0, 0.0], [5.0])
+    worked = integrate(Worked(nz=1), Options(method=method), 0.0, [1.0, 0.0, 0.0], [5.0])
+    assert worked.steps == plain.steps and worked.x[:2] == plain.x
+
+
 @EACH
 def test_projection_holds_at_every_step(method):
     rod = Rod()
