@@ -99,9 +99,12 @@ class _Layout:
         kind = tokens[position].terminal
         if kind in ("FOR", "WHEN"):
             last = "LOOP" if kind == "FOR" else "THEN"
-            while tokens[position].terminal != last:
+            ours = 1
+            while ours:  # the condition of a `when` may have a `then` of its own
+                ours += last == "THEN" and tokens[position].terminal in ("IF", "ELSEIF")
+                ours -= tokens[position].terminal == last
                 position += 1
-            return position + 1
+            return position
         position += 3 if kind == "PARTIAL" else 2
         if tokens[position].terminal == "STRING":
             position += 1

@@ -23,7 +23,8 @@ MOST_REPAIRS = 200
 
 _FIXED = {NUMBER: "NUMBER", STRING: "STRING", UNIT: "UNIT", END: "$END"}
 _ALWAYS = frozenset({"if", "not", "true", "false", "end"})
-_CALLED = frozenset({"simulate", "annotation", "initial"})  # keywords before a `(`
+# Keywords behind which a `(` or a sign may stand.
+_BEFORE_SIGNS = {"simulate": "(", "annotation": "(", "initial": "(+-", "when": "(+-"}
 _BLOCKS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN"})
 _OUTSIDE = {  # blocks that cannot stand in others
     "effect": ("MODEL", "PACKAGE", "EFFECT", "SCENE"),
@@ -132,9 +133,7 @@ class Machine:
     def _reads_as_name(self, word: str, after: str) -> bool:
         if word in _ALWAYS or after not in _AFTER_NAMES:
             return False
-        if word in _CALLED and after == "(":
-            return False
-        return word != "initial" or after not in ("-", "+")
+        return after not in _BEFORE_SIGNS.get(word, "")
 
     # -- the two moves --------------------------------------------------------------------
 

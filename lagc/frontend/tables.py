@@ -11,6 +11,7 @@ from __future__ import annotations
 import marshal
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -104,14 +105,14 @@ def _build(grammar: str) -> tuple[Any, ...]:
     data, memo = lark.memo_serialize([TerminalDef, Rule])
     automaton = data["parser"]["parser"]
     symbols = automaton["tokens"]
-    order = sorted(automaton["states"])
+    order = _in_order(automaton)
     number = {state: position for position, state in enumerate(order)}
     rules: list[tuple[str, int, str | None, Recipe]] = []
     rule_number: dict[int, int] = {}
     actions: list[dict[str, int]] = []
     for state in order:
         row: dict[str, int] = {}
-        for symbol, (reduces, argument) in automaton["states"][state].items():
+        for symbol, (reduces, argument) in sorted(automaton["states"][state].items(), key=_by_name(symbols)):
             if reduces:
                 key = argument["@"]
                 if key not in rule_number:
@@ -132,6 +133,24 @@ def _build(grammar: str) -> tuple[Any, ...]:
         keywords,
         signs,
     )
+
+
+def _by_name(symbols: dict[int, str]) -> Callable[[tuple[int, Any]], str]:
+    return lambda item: symbols[item[0]]
+
+
+def _in_order(automaton: dict[str, Any]) -> list[int]:
+    """The states as they are met from the first one on: Lark's own numbers differ from run to run."""
+    order: list[int] = [automaton["start_states"]["file"]]
+    met = set(order)
+    for state in order:  # which grows
+        for _, (reduces, argument) in sorted(
+            automaton["states"][state].items(), key=_by_name(automaton["tokens"])
+        ):
+            if not reduces and argument not in met:
+                met.add(argument)
+                order.append(argument)
+    return order
 
 
 def _rule(rule: Any) -> tuple[str, int, str | None, Recipe]:

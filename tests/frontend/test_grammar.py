@@ -1,0 +1,69 @@
+"""The grammar file is the syntax: Lark's own parser reads the models by it; the cache is a cache."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lark import Lark
+
+from lagc import cache
+from lagc.diagnostics.faults import Source
+from lagc.frontend import tables
+from lagc.frontend.parse import parse
+
+MODELS = sorted((Path(__file__).resolve().parents[2] / "models").rglob("*.lag"))
+
+
+@pytest.fixture(scope="module")
+def lark() -> Lark:
+    return Lark(tables.grammar_text(), parser="lalr", start="file", maybe_placeholders=True)
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.stem)
+def test_lark_reads_the_models(lark: Lark, path: Path) -> None:
+    text = path.read_text("utf-8")
+    theirs = lark.parse(text)
+    assert len(theirs.children) == len(parse(Source(str(path), text)).declarations)
+
+
+def test_tables_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    monkeypatch.setattr(tables, "shipped_path", lambda: str(tmp_path / "none"))
+    tables.tables.cache_clear()
+    made = tables.tables()
+    (entry,) = [path for path in tmp_path.rglob("*") if path.is_file()]
+    tables.tables.cache_clear()
+    monkeypatch.setattr(tables, "_build", lambda grammar: pytest.fail("built again"))
+    assert tables.tables() == made
+    tables.tables.cache_clear()
+    monkeypatch.undo()
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    monkeypatch.setattr(tables, "shipped_path", lambda: str(tmp_path / "none"))
+    entry.write_bytes(entry.read_bytes()[:-10])
+    assert tables.tables() == made
+    tables.tables.cache_clear()
+
+
+def test_no_cache_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "shipped_path", lambda: str(tmp_path / "none"))
+    monkeypatch.setenv("LAGC_CACHE", "")
+    assert cache.folder() is None
+    tables.tables.cache_clear()
+    assert tables.tables().keywords["model"] == "MODEL"
+    tables.tables.cache_clear()
+
+
+def test_tables_made_at_installation(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "tables.json"
+    path.write_text(tables.packed(), encoding="utf-8")
+    monkeypatch.setattr(tables, "shipped_path", lambda: str(path))
+    monkeypatch.setattr(tables, "_build", lambda grammar: pytest.fail("built again"))
+    tables.tables.cache_clear()
+    assert tables.tables().keywords["model"] == "MODEL"
+    tables.tables.cache_clear()
+    path.write_text('["another grammar"]', encoding="utf-8")
+    monkeypatch.setattr(tables, "_build", lambda grammar: [[{}], [], 0, 0, {}, {}])
+    monkeypatch.setenv("LAGC_CACHE", "")
+    assert tables.tables().keywords == {}
+    tables.tables.cache_clear()
