@@ -4,6 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+_FOREIGN = {
+    "ln": "write `log`, the natural logarithm", "lg": "write `log10`", "log2": "write `log(x)/log(2)`",
+    "pow": "write `x^n`", "power_of": "write `x^n`", "arcsin": "write `asin`", "arccos": "write `acos`",
+    "arctan": "write `atan`", "arctan2": "write `atan2`", "tg": "write `tan`", "ctg": "write `1/tan(x)`",
+    "cot": "write `1/tan(x)`", "sec": "write `1/cos(x)`", "csc": "write `1/sin(x)`",
+    "mag": "write `norm`", "magnitude": "write `norm`", "length": "write `norm`, or `size` of an array",
+    "len": "write `size`", "inner": "write `dot`", "vector": "write `{x, y, z}`", "unit": "write `normalize`",
+    "diff": "write `der(x)` for the time derivative", "ddt": "write `der(x)`", "dot_": "write `der(x)`",
+    "deriv": "write `der(x)`", "derivative": "write `der(x)`", "dt": "write `der(x)`",
+    "ceiling": "write `ceil`", "round": "write `floor(x + 1/2)`", "fmod": "write `mod`", "rem": "write `mod`",
+    "radians": "give the number its unit: `30 [deg]`", "deg2rad": "give the number its unit: `30 [deg]`",
+    "heaviside": "write `if x > 0 then 1 else 0`", "step": "write `if time > 1 [s] then 1 else 0`",
+    "Pi": "write `pi`", "PI": "write `pi`", "t": "the time is `time`",
+}  # fmt: skip
+
 LONGEST = 64  # characters of a name that is compared
 MOST = 2000  # known names that are compared
 
@@ -34,6 +49,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
     """A remedy for a fault, or None."""
     found = closest(name, known)
     return None if found is None else f"did you mean `{found}`?"
+
+
+def foreign(name: str) -> str | None:
+    """How to write here what other languages call `name`, or None."""
+    return _FOREIGN.get(name)
 
 
 def _plain(name: str) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.frontend import tree
+from lagc.meaning.bare import unit_remedy
 from lagc.meaning.context import Context
 from lagc.meaning.model import Body
 from lagc.meaning.types import describe
@@ -84,22 +85,34 @@ def _shape(value: Value) -> str:
     return f"an array of {' x '.join(str(n) for n in sizes)}" if sizes else "a number"
 
 
-def _same(a: Scalar, b: Scalar, what: str, span: Span, a_span: Span, b_span: Span) -> Dimension | None:
+def _same(
+    a: Scalar, b: Scalar, what: str, span: Span, a_span: Span, b_span: Span, remedy: str | None = None
+) -> Dimension | None:
     if a.dimension is None:
         return b.dimension
     if b.dimension is None or a.dimension == b.dimension:
         return a.dimension
     message = f"{what} differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
     raise Wrong(
-        "LAG0301", message, span, related=((a_span, describe(a.dimension)), (b_span, describe(b.dimension)))
+        "LAG0301",
+        message,
+        span,
+        remedy,
+        ((a_span, describe(a.dimension)), (b_span, describe(b.dimension))),
     )
+
+
+def _sides(e: tree.Binary, a: Scalar, b: Scalar, what: str) -> Dimension | None:
+    """The one dimension of both sides of an operator.  Raises Wrong."""
+    remedy = unit_remedy(e.left, b.dimension) or unit_remedy(e.right, a.dimension)
+    return _same(a, b, what, e.op_span, e.left.span, e.right.span, remedy)
 
 
 def _sum(e: tree.Binary, left: Value, right: Value) -> Value:
     what = "the two sides of `+`" if e.op == "+" else "the two sides of `-`"
 
     def one(a: Scalar, b: Scalar) -> Scalar:
-        dimension = _same(a, b, what, e.op_span, e.left.span, e.right.span)
+        dimension = a.dimension if a.dimension == b.dimension else _sides(e, a, b, what)
         return Scalar(a.node + b.node if e.op == "+" else a.node - b.node, dimension)
 
     return _elementwise(left, right, one, what, e.op_span)
@@ -188,7 +201,7 @@ _ARITHMETIC: dict[str, Callable[[tree.Binary, Value, Value], Value]] = {
 def _comparison(context: Context, e: tree.Binary, left: Value, right: Value) -> Value:
     if not isinstance(left, Scalar) or not isinstance(right, Scalar):
         raise Wrong("LAG0306", f"`{e.op}` compares numbers", e.span)
-    _same(left, right, f"the two sides of `{e.op}`", e.op_span, e.left.span, e.right.span)
+    _sides(e, left, right, f"the two sides of `{e.op}`")
     op, swapped = _COMPARISONS[e.op]
     a, b = (right.node, left.node) if swapped else (left.node, right.node)
     node = context.graph.binary(op, a, b)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.frontend import tree
 from lagc.meaning import functions, motion, rotations
 from lagc.meaning.constants import dotted, space_only
@@ -146,8 +146,11 @@ def _inline(
     try:
         inner = Environment(home.instance, home.space, dict(zip(names, values)))
         return evaluate(context, function.body, inner)
+    except Wrong as wrong:
+        context.report(wrong)
+        raise Poisoned from None
     finally:
-        context.calls -= 1
+        context.callers.pop()
 
 
 def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:
@@ -155,10 +158,10 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
     if context.all_calls > MOST_CALLS:
         raise Poisoned
     context.all_calls += 1
-    context.calls += 1
+    context.callers.append(e.span)
     related = ((function.name_span, "declared here"),)
-    if context.calls > DEEPEST:
-        context.calls -= 1
+    if len(context.callers) > DEEPEST:
+        context.callers.pop()
         context.all_calls = MOST_CALLS + 1  # whatever else calls it has no end either
         raise Wrong(
             "LAG0225",
@@ -167,7 +170,7 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
             related=related,
         )
     if context.all_calls > MOST_CALLS:
-        context.calls -= 1
+        context.callers.pop()
         raise Wrong("LAG0218", f"more than {MOST_CALLS} calls of functions", e.span, related=related)
 
 
@@ -189,5 +192,5 @@ def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
         "LAG0201",
         f"there is no function `{name}`",
         span,
-        did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
+        foreign(name) or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused, Span
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 MOST_FAULTS = 200
+MOST_CALLERS = 3  # calls, the innermost first, that a fault within a function shows
 DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 
@@ -56,17 +57,25 @@ class Context:
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
+        self._reported: set[tuple[str, Span | None, str]] = set()
         self.count = 0
         self.depth = 0  # declarations that wait for one another
-        self.calls = 0  # functions within functions
+        self.callers: list[Span] = []  # of functions within functions
         self.all_calls = 0
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
 
     def report(self, wrong: Wrong) -> None:
-        if len(self.faults) < MOST_FAULTS and wrong.fault not in self.faults:
-            self.faults.append(wrong.fault)
+        fault = wrong.fault
+        key = (fault.code, fault.span, fault.message)
+        if len(self.faults) >= MOST_FAULTS or key in self._reported:
+            return
+        self._reported.add(key)
+        if self.callers and fault.span is not None:
+            calls = [(span, "called here") for span in self.callers[: -MOST_CALLERS - 1 : -1]]
+            fault = replace(fault, related=(*fault.related, *calls))
+        self.faults.append(fault)
 
     def grow(self, span: Span) -> None:
         """One more declaration.  Raises Wrong where there are too many."""

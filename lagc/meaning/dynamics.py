@@ -8,6 +8,7 @@ from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
+from lagc.meaning.bare import unit_remedy
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
@@ -246,6 +247,7 @@ def _residuals(
                 "LAG0301",
                 message,
                 source.relation_span,
+                unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension),
                 related=(
                     (source.left.span, describe(a.dimension)),
                     (source.right.span, describe(b.dimension)),

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypeVar
 
 from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.expr.graph import Node
 from lagc.frontend import tree
 from lagc.meaning.arithmetic import binary, negative, select
+from lagc.meaning.bare import is_bare, unit_remedy
 from lagc.meaning.context import Context
 from lagc.meaning.members import element, member
 from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment
-from lagc.meaning.types import CONSTANTS
+from lagc.meaning.types import CONSTANTS, describe
 from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
 from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
 
@@ -23,7 +24,6 @@ T = TypeVar("T")
 Item = TypeVar("Item")
 
 LONGEST_RANGE = 100_000
-BARE = (tree.Number, tree.Unary, tree.Vector, tree.Binary)
 
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
@@ -40,22 +40,6 @@ def evaluate_as(
     if dimension != NONE and is_bare(expression):
         return _dressed(value, dimension)
     return value
-
-
-def is_bare(expression: tree.Expression) -> bool:
-    """Whether an expression is made of numbers without units alone: `-2`, `{1, 0}`, `2/5`."""
-    stack = [expression]
-    while stack:
-        top = stack.pop()
-        if isinstance(top, tree.Unary):
-            stack.append(top.operand)
-        elif isinstance(top, tree.Binary):
-            stack += [top.left, top.right]
-        elif isinstance(top, tree.Vector):
-            stack += top.elements
-        elif not isinstance(top, tree.Number):
-            return False
-    return True
 
 
 def _dressed(value: Value, dimension: Dimension) -> Value:
@@ -190,7 +174,12 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         "time",
         "world",
     ]
-    raise Wrong("LAG0201", f"`{e.name}` is not known here", e.span, remedy=did_you_mean(e.name, known))
+    raise Wrong(
+        "LAG0201",
+        f"`{e.name}` is not known here",
+        e.span,
+        remedy=foreign(e.name) or did_you_mean(e.name, known),
+    )
 
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
@@ -303,7 +292,30 @@ def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value
         flat(value, written.span, "an element of a vector")
         if shape(value) != shape(elements[0]):
             raise Wrong("LAG0306", "the elements of an array are all of one shape", written.span)
+    _one_dimension(elements, e.elements)
     return Array(tuple(elements))
+
+
+def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
+    """Raises Wrong where the numbers of a vector differ in dimension, at the first that does."""
+    first: tuple[Dimension, tree.Expression] | None = None
+    for value, expression in zip(elements, written):
+        if not isinstance(value, Scalar) or value.dimension is None:
+            continue
+        if first is None or (is_bare(first[1]) and not is_bare(expression)):
+            first = (value.dimension, expression)
+    for value, expression in zip(elements, written):
+        if first is None or not isinstance(value, Scalar) or value.dimension in (None, first[0]):
+            continue
+        assert value.dimension is not None
+        here, there = describe(value.dimension), describe(first[0])
+        raise Wrong(
+            "LAG0301",
+            f"the elements differ in dimension: {there} and {here}",
+            expression.span,
+            unit_remedy(expression, first[0]),
+            related=((first[1].span, there),),
+        )
 
 
 def _call(context: Context, e: tree.Call, environment: Environment) -> Value:

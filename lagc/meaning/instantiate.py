@@ -10,13 +10,15 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import integer, integers
+from lagc.meaning.members import MOST_NAMED
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Indexed, Part, Poisoned, Scalar, Wrong
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
-_LATER = {"joint": "joints", "friction": "friction"}
+_CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
+_LATER = {"joint": "joints are", "friction": "friction is"}
 
 
 class Builder:
@@ -146,7 +148,7 @@ class Builder:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
             raise Wrong(
-                "LAG0220", f"{_LATER[kind]} are part of the language, but not yet of this version", d.span
+                "LAG0220", f"{_LATER[kind]} part of the language, but not yet of this version", d.span
             )
         if not d.index:
             self._enter(kind, d.name, d, d, environment, effect, items)
@@ -348,7 +350,11 @@ class Builder:
     def _unknown_modifier(self, name: str, modifier: Modifier) -> Wrong:
         owner = self.instance.declaration.name
         span = modifier.argument.name_span or modifier.argument.span
-        return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, did_you_mean(name, self.instance.entries))
+        known = [n for n, e in self.instance.entries.items() if e.kind in _CHANGEABLE]
+        remedy = did_you_mean(name, known)
+        if remedy is None and known:
+            remedy = f"what can be given is {', '.join(f'`{n}`' for n in known[:MOST_NAMED])}"
+        return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, remedy)
 
 
 def instantiate(

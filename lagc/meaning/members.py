@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning.context import Context
@@ -9,6 +11,7 @@ from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.units import KG, NONE, M, S, over
 from lagc.meaning.values import Array, Indexed, Part, Scalar, Value, Wrong, kind, vector_value
 
+MOST_NAMED = 8  # names that a remedy lists
 _AXES = ("x", "y", "z")
 
 
@@ -67,8 +70,17 @@ def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
     if e.name in instance.unused:
         raise Wrong("LAG0214", f"`{e.name}` of `{owner}` {instance.unused[e.name]}", e.name_span)
     raise Wrong(
-        "LAG0206", f"`{owner}` has no `{e.name}`", e.name_span, did_you_mean(e.name, instance.entries)
+        "LAG0206",
+        f"`{owner}` has no `{e.name}`",
+        e.name_span,
+        did_you_mean(e.name, instance.entries) or _contents(instance.entries),
     )
+
+
+def _contents(names: Iterable[str]) -> str | None:
+    """What there is, where it is not too much to say."""
+    found = list(names)
+    return f"it has {', '.join(f'`{n}`' for n in found)}" if 0 < len(found) <= MOST_NAMED else None
 
 
 def element(context: Context, base: Value, numbers: list[int], e: tree.Index) -> Value:

@@ -112,6 +112,7 @@ class Importer:
         self.faults: list[Wrong] = []
         self.refused: list[Refused] = []
         self.files: dict[str, Namespace] = {}
+        self.broken: set[str] = set()
         self.digests: list[tuple[str, str]] = []
         self._packages: dict[int, Namespace] = {}
         self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
@@ -183,12 +184,14 @@ class Importer:
             "LAG0216",
             f"there is nothing to import called `{'.'.join(names)}`",
             declaration.span,
-            remedy=f"looked for {os.path.join(*names[:1])}.lag in: {', '.join(self.roots)}",
+            remedy=f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}",
         )
 
     def _read(self, path: str, span: Span) -> Namespace:
         from lagc.frontend.parse import parse
 
+        if path in self.broken:
+            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span)
         if path in self.files:
             return self.files[path]
         try:
@@ -200,10 +203,20 @@ class Importer:
             raise Wrong("LAG0216", f"`{os.path.basename(path)}` cannot be imported: {reason}", span) from None
         self.digests.append((path, hashlib.sha256(data).hexdigest()))
         try:
-            parsed = parse(Source(path, text))
+            parsed = parse(Source(shown(path), text))
         except Refused as refused:
             self.refused.append(refused)
-            self.files[path] = Namespace((), None, self)
+            self.broken.add(path)
             raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span) from None
         space = self.files[path] = Namespace(parsed.declarations, None, self)
         return space
+
+
+def _candidates(names: tuple[str, ...]) -> str:
+    return " and ".join(f"{'/'.join(names[:n])}.lag" for n in range(1, len(names) + 1))
+
+
+def shown(path: str) -> str:
+    """The path as people know it: from where they are, if it is below."""
+    here = os.path.realpath(os.getcwd())
+    return os.path.relpath(path, here) if path == here or path.startswith(here + os.sep) else path

@@ -29,7 +29,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
             source.value.span,
             "give its value at the start: `(start = ...)`",
         )
-    attributes = attributes_of(entry, ("start", "fixed", "rate"))
+    attributes = attributes_of(context, entry, ("start", "fixed", "rate"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", f"{name}.{part}") for part in PARTS)
     rates = [graph.symbol("rate", f"{name}.rate.{axis}") for axis in "xyz"]

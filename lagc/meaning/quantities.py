@@ -37,6 +37,8 @@ _ATTRIBUTES = {
     "output": ("displayUnit",),
 }  # fmt: skip
 
+_SAID = {"structural": "structural parameter"}
+
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
@@ -77,7 +79,7 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         return declare_orientation(context, entry, source)
     meant = type_of(declaration.type, entry.environment.space)
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
-    attributes = attributes_of(entry, _ATTRIBUTES[entry.kind])
+    attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     quantity = Quantity(entry, source, meant, sizes, attributes, _display(context, meant, attributes))
     return _DECLARE[entry.kind](context, quantity)
 
@@ -125,6 +127,13 @@ def _values(context: Context, quantity: Quantity) -> list[Scalar | None]:
     return found
 
 
+def _value_span(quantity: Quantity) -> Span:
+    """Where the value that counts is written; the name where there is none."""
+    modifier = written_value(quantity.entry)
+    value = None if modifier is None else modifier.argument.value
+    return quantity.entry.span if value is None else value.span
+
+
 def _bounds(context: Context, quantity: Quantity) -> tuple[float, float]:
     found = [-math.inf, math.inf]
     for k, name in enumerate(("min", "max")):
@@ -155,11 +164,11 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
         name = quantity.name(subscript)
-        span = quantity.source.value.span if quantity.source.value else entry.span
+        span = _value_span(quantity)
         if scalar is None:
             raise Wrong(
                 "LAG0210",
-                f"the {entry.kind} `{name}` has no value",
+                f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
                 entry.span,
                 "write `= value`" + (" or give it with `-p`" if entry.kind == "structural" else ""),
             )
@@ -180,7 +189,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
         name = quantity.name(subscript)
-        span = quantity.source.value.span if quantity.source.value else entry.span
+        span = _value_span(quantity)
         value: float | None = None
         if scalar is not None:
             still(context, scalar.node, span, f"the parameter `{name}`")
@@ -216,7 +225,9 @@ def _input(context: Context, quantity: Quantity) -> Value:
         if scalar is not None:
             if not scalar.node.is_const:
                 raise Wrong(
-                    "LAG0208", f"the default of the input `{entry.path}` is a fixed number", entry.span
+                    "LAG0208",
+                    f"the default of the input `{entry.path}` is a fixed number",
+                    _value_span(quantity),
                 )
             default = scalar.node.value
         name = quantity.name(subscript)
@@ -312,7 +323,9 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values):
         if context.clock.mask(scalar.node) & LATE:
-            raise Wrong("LAG0219", "a speed depends on no acceleration and no reaction", entry.span)
+            raise Wrong(
+                "LAG0219", "a speed depends on no acceleration and no reaction", _value_span(quantity)
+            )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))

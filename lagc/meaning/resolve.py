@@ -122,8 +122,32 @@ def _check_given(context: Context, instance: Instance) -> None:
             if reason is not None:
                 context.report(Wrong(code, f"`{name}` {reason}", given.span))
                 continue
-            known = [n for e in instance.in_order() if e.kind in kinds for n in _names(e.nouns)]
-            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, did_you_mean(name, known)))
+            entries = [e for e in instance.in_order() if e.kind in kinds]
+            if any(e.state == "poisoned" and e.path == _base(name) for e in entries):
+                continue
+            known = [n for e in entries for n in (_names(e.nouns) or [e.path])]
+            remedy = did_you_mean(name, known) or _other_kind(instance, _base(name))
+            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
+
+
+def _base(name: str) -> str:
+    """`a.th` of `a.th[2]` and of `der(a.th[2])`."""
+    inner = name.removeprefix("der(").removesuffix(")")
+    return inner.rpartition("[")[0] if inner.endswith("]") else inner
+
+
+def _other_kind(instance: Instance, path: str) -> str | None:
+    """What a name that is given a value in the wrong way is."""
+    kind = next((e.kind for e in instance.in_order() if e.path == path), None)
+    if kind == "parameter":
+        return f"`{path}` is a parameter: write `parameter {path} = ...;`"
+    if kind == "coordinate":
+        return f"`{path}` is a coordinate: write `start {path} = ...;`"
+    if kind == "speed":
+        return (
+            "a declared speed gets its value in the `initial` section, or from the rates of the coordinates"
+        )
+    return None if kind is None else f"`{path}` is a {kind}"
 
 
 def _names(found: Sequence[nouns.Noun]) -> list[str]:

@@ -133,7 +133,7 @@ def read_scene(context: Context, setting: Setting, environment: Environment) -> 
                 _parameters(context, d, environment)
             elif isinstance(d, tree.Start):
                 name = target_text(context, d.target, environment)
-                context.starts[name] = Given(d.value, environment, span=d.span)
+                context.starts[name] = Given(d.value, environment, span=d.target.span)
             elif isinstance(d, tree.Simulate):
                 simulate.update(_simulate(context, d, environment))
             else:
@@ -190,7 +190,8 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
 
 def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> dict[str, float]:
     found: dict[str, float] = {}
-    for argument in d.arguments:
+
+    def one(argument: tree.Argument) -> None:
         name = argument.name
         if name not in SIMULATE or argument.value is None:
             span = argument.name_span or argument.span
@@ -200,6 +201,8 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
                 span,
                 did_you_mean(name or "", SIMULATE) or f"it has {', '.join(SIMULATE)}",
             )
+        if name in found:
+            raise Wrong("LAG0209", f"`{name}` is given twice", argument.span)
         value = evaluate_as(context, argument.value, environment, SIMULATE[name])
         if not isinstance(value, Scalar) or not value.node.is_const:
             raise Wrong("LAG0208", f"`{name}` is a fixed number, this is {kind(value)}", argument.value.span)
@@ -209,6 +212,12 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
         if number <= 0:
             raise Wrong("LAG0308", f"`{name}` is positive", argument.value.span)
         found[name] = number
+
+    for argument in d.arguments:
+        try:
+            one(argument)
+        except Wrong as wrong:
+            context.report(wrong)
     return found
 
 
@@ -248,6 +257,7 @@ def check_effects(context: Context, setting: Setting) -> None:
                         f"`{setting.name}` does not use",
                         other.span,
                         f"add it: `uses ..., {other.name}`",
+                        _scene_place(setting, (path,)),
                     )
                 )
         for other in effect.excludes:
@@ -259,8 +269,15 @@ def check_effects(context: Context, setting: Setting) -> None:
                         f"`{setting.name}` uses both",
                         other.span,
                         "leave one of them out",
+                        _scene_place(setting, (path, other.name)),
                     )
                 )
+
+
+def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:
+    """Where the scene names these effects."""
+    names = setting.scene.uses if setting.scene else ()
+    return tuple((n.span, "used here") for n in names if n.name in {e.rpartition(".")[2] for e in effects})
 
 
 def used(setting: Setting, path: str) -> bool:

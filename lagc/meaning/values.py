@@ -9,7 +9,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.meaning.model import Body, Frame, Orientation, Vector
 from lagc.meaning.types import describe
-from lagc.meaning.units import Dimension
+from lagc.meaning.units import NONE, Dimension, si_text
 
 if TYPE_CHECKING:
     from lagc.meaning.scope import Entry, Instance
@@ -135,7 +135,10 @@ def expect(dimension: Dimension | None, wanted: Dimension, span: Span | None, wh
     """Raises Wrong where `what` has another dimension than it should."""
     if dimension is not None and dimension != wanted:
         message = f"{what} is {describe(wanted)}, this is {describe(dimension)}"
-        raise Wrong("LAG0302", message, span)
+        remedy = (
+            f"give a number in it its unit, such as `1 [{si_text(wanted)}]`" if dimension == NONE else None
+        )
+        raise Wrong("LAG0302", message, span, remedy)
 
 
 def flat(value: Value, span: Span, what: str) -> list[Scalar]:

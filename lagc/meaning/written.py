@@ -17,27 +17,44 @@ from lagc.meaning.units import Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
 
 
-def attributes_of(entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
-    """What the modifications of a declaration and the declaration itself say, outermost first."""
+def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
+    """What the modifications of a declaration and the declaration itself say, the outermost counts.
+
+    What is not `known` is reported.
+    """
     source = entry.source
     assert isinstance(source, tree.Declarator)
     own = [Modifier(a, entry.environment) for a in source.arguments]
     outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
     found: dict[str, Modifier] = {}
+    first: dict[str | None, Span] = {}
+    for modifier in own:
+        argument = modifier.argument
+        if argument.name in first:
+            related = ((first[argument.name], "first here"),)
+            context.report(
+                Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span, related=related)
+            )
+        first.setdefault(argument.name, argument.span)
     for modifier in [*outer, *own]:
         argument = modifier.argument
         if argument.name is None:
-            raise Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
-        if argument.name not in known:
-            raise Wrong(
-                "LAG0209",
-                f"a {entry.kind} has no `{argument.name}`",
-                argument.name_span or argument.span,
-                did_you_mean(argument.name, known) or _has(entry.kind, known),
+            context.report(
+                Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
             )
-        if argument.value is None or argument.arguments:
-            raise Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span)
-        found.setdefault(argument.name, modifier)
+        elif argument.name not in known:
+            context.report(
+                Wrong(
+                    "LAG0209",
+                    f"a {entry.kind} has no `{argument.name}`",
+                    argument.name_span or argument.span,
+                    did_you_mean(argument.name, known) or _has(entry.kind, known),
+                )
+            )
+        elif argument.value is None or argument.arguments:
+            context.report(Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span))
+        else:
+            found.setdefault(argument.name, modifier)
     return found
 
 
