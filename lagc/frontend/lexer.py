@@ -7,9 +7,9 @@ there.  A bracket is a unit after a number, a `}` or the word `Real`; else it op
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Source, Span
+from lagc.frontend.node import node
 
 WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "symbol", "end"
 
@@ -33,7 +33,7 @@ class Token:
         return f"{self.kind} {self.text!r} at {self.start}"
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Lexed:
     """The tokens of a text (the last is of kind END), its comments, and what is no token."""
 

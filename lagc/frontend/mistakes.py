@@ -14,7 +14,7 @@ from lagc.frontend.foreign import FOREIGN, OPERATORS, looks_like_unit
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
 
 if TYPE_CHECKING:
-    from lagc.frontend.machine import Machine
+    from lagc.frontend.recovery import Recovery
 
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _OPENING = {closing: opening for opening, closing in _CLOSING.items()}
@@ -41,12 +41,13 @@ class Where:
     """The place of a mistake: a token that cannot stand there, in the declaration that begins with
     token number `begin`."""
 
-    def __init__(self, machine: Machine, begin: int, brackets: Sequence[Token]):
+    def __init__(self, recovery: Recovery, begin: int, brackets: Sequence[Token]):
+        machine = recovery.machine
         self.source = machine.source
         self.tokens = machine.tokens
         self.keywords = machine.tables.keywords
         self.signs = machine.tables.symbols
-        self.accepts = machine.accepts
+        self.accepts = recovery.accepts
         self.position = machine.position
         self.begin = begin
         self.brackets = brackets  # that are open

@@ -12,11 +12,11 @@ import marshal
 import os
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from lagc import cache as store
+from lagc.frontend.node import node
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
 
@@ -24,7 +24,7 @@ _LAYOUT = "tables 1"  # of the data below; another one where it changes
 Recipe = tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@node
 class Tables:
     """actions[state][symbol]: a terminal leads to the next state, or to ~rule (negative) to
     reduce; a nonterminal leads to the next state.
