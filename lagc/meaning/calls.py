@@ -17,7 +17,7 @@ from lagc.meaning.values import Poisoned, Value, Wrong, expect, flat
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
 
 DEEPEST = 64  # functions within functions
-MOST_CALLS = 100_000  # of the user's functions in one model
+MOST_CALLS = 50_000  # of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
@@ -142,10 +142,15 @@ def _inline(
                 raise Wrong(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
+    key = (id(home.instance), id(function), tuple(values))
+    known = context.results.get(key)  # the same arguments give the same nodes
+    if known is not None:
+        return known
     _enter(context, e, function)
     try:
         inner = Environment(home.instance, home.space, dict(zip(names, values)))
-        return evaluate(context, function.body, inner)
+        context.results[key] = evaluate(context, function.body, inner)
+        return context.results[key]
     except Wrong as wrong:
         context.report(wrong)
         raise Poisoned from None

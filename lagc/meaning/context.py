@@ -62,6 +62,7 @@ class Context:
         self.depth = 0  # declarations that wait for one another
         self.callers: list[Span] = []  # of functions within functions
         self.all_calls = 0
+        self.results: dict[tuple[int, int, tuple[Value, ...]], Value] = {}  # of functions
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
