@@ -33,11 +33,15 @@ static void lagc_row(lagc_work *w, int i)
         row[j] = w->G[i * LAGC_NV + j];
     lagc_lower(w, row);
     length = sqrt(lagc_square(row));
+    if (length > 0.0)
+        length = length / w->slight[i];
     w->lengths[i] = length;
     for (j = 0; length > 0.0 && j < LAGC_NV; j++)
         row[j] = row[j] / length;
 }
 
+/* The next vector is the first row that is long enough, not the longest, so that it is always the
+ * same rows that are said to depend on those before. */
 static void lagc_orthogonalise(lagc_work *w, double dependent)
 {
     int i, j, k;
@@ -46,20 +50,22 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
         w->order[i] = i;
     }
     for (k = 0; k < LAGC_NC; k++) {
-        int best = k;
-        double longest = -1.0, length;
+        int best = -1;
+        double longest = 0.0, length;
         double *q;
         for (j = k; j < LAGC_NC; j++) {
             const double value = lagc_square(w->b + w->order[j] * LAGC_NV);
-            if (value > longest) {
-                best = j;
+            w->free[w->order[j]] = value;
+            if (value > longest)
                 longest = value;
-            }
         }
         if (!(longest > dependent * dependent)) {
             w->rank = k;
             return;
         }
+        for (j = k; j < LAGC_NC; j++)
+            if (w->free[w->order[j]] >= 0.1 * longest && (best < 0 || w->order[j] < w->order[best]))
+                best = j;
         i = w->order[best];
         w->order[best] = w->order[k];
         w->order[k] = i;
@@ -80,7 +86,10 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
  * branches of a mechanism cross, rounding rounds the corner between them within about 1e-8, and the
  * motion goes straight through only if the row is left out before.  Once rows are known to be
  * dependent (`lost`) the limit is higher, and so it is beside the constraints (`miss`), where rows
- * that depend on others on them have a share of that size of their own.  Where M alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is given. */
+ * that depend on others on them have a share of that size of their own.  A row whose gradient all
+ * but vanishes has a direction that says little: it counts for less than one (`slight`).  Where M
+ * alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is
+ * given. */
 static int lagc_factor_fallback(lagc_work *w)
 {
     int i;

@@ -35,6 +35,35 @@ static int lagc_not_finite(const double *values, int n)
     return -1;
 }
 
+#if LAGC_NC
+/* How far x is from the constraints, scaled; and, for each row, the change of its residual over the
+ * size of the coordinates relative to the size of its terms, at most 1. */
+static void lagc_trust(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+    int i, j;
+    double reach = 0.0;
+    w->miss = 0.0;
+    lagc_fn_scales(p, t, x, w->found);
+#if LAGC_NH
+    lagc_fn_position(p, t, x, w->free);
+    for (i = 0; i < LAGC_NH; i++)
+        if (!(fabs(w->free[i]) / w->found[i] <= w->miss))
+            w->miss = fabs(w->free[i]) / w->found[i];
+#endif
+    for (i = 0; i < LAGC_NQ; i++)
+        if (fabs(x[i]) > reach)
+            reach = fabs(x[i]);
+    reach += 1.0;
+    for (i = 0; i < LAGC_NC; i++) {
+        double total = 0.0, share;
+        for (j = 0; j < LAGC_NV; j++)
+            total += fabs(w->G[i * LAGC_NV + j]);
+        share = total * reach / w->found[i];
+        w->slight[i] = share < 1.0 ? share : 1.0;
+    }
+}
+#endif
+
 /* Factors of the equations at (t, x) that hold for any rank. */
 static int lagc_factor_dense(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
@@ -60,14 +89,7 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
         return LAGC_NOT_FINITE;
     }
 #if LAGC_NC
-    w->miss = 0.0;
-#if LAGC_NH
-    lagc_fn_position(p, t, x, w->free);
-    lagc_fn_scales(p, t, x, w->found);
-    for (i = 0; i < LAGC_NH; i++)
-        if (!(fabs(w->free[i]) / w->found[i] <= w->miss))
-            w->miss = fabs(w->free[i]) / w->found[i];
-#endif
+    lagc_trust(p, t, x, w);
     status = lagc_factor_fallback(w);
     w->lost = status == LAGC_REDUNDANT;
     for (i = w->rank; w->lost && i < LAGC_NC; i++)

@@ -23,6 +23,7 @@ typedef struct {
     double gamma[LAGC_NC];
     double weight;
     double miss;
+    double slight[LAGC_NC];
     double b[LAGC_NC * LAGC_NV];
     double f[LAGC_NC * LAGC_NC];
     double table[LAGC_NC * LAGC_NC];

@@ -4,6 +4,7 @@ orthogonal factors of G in its metric.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import sqrt
 
 from lagc.render.numpy.support.base import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
@@ -17,6 +18,10 @@ SINGULAR = 1e-13  # pivot ratio of a mass matrix that is singular
 # dependent the limit is higher, as stages leave the constraints.
 DEPENDENT = 1e-5
 STILL_DEPENDENT = 1e-4
+# Rows that depend on others on the constraints have a share of their own beside them, of the size
+# of the way to the constraints.
+MISSED = 30.0
+MOST_DEPENDENT = 0.1
 CONTRADICTION = 1e-3  # of the size of accelerations
 
 
@@ -36,18 +41,27 @@ class Fallback:
         self.b = [[0.0] * n for _ in range(m)]
         self.r = [[0.0] * m for _ in range(m)]
         self.lengths = [0.0] * m
+        self.slight = [1.0] * m
         self.order = list(range(m))
         self.rank = m
         self.culprit = -1
 
-    def factor(self, mass: list[float], g: list[float], lost: bool) -> int:
-        """From M (packed lower rows) and G (by rows).  `lost`: rows were dependent before."""
+    def factor(
+        self, mass: list[float], g: list[float], lost: bool, miss: float = 0.0, slight: Sequence[float] = ()
+    ) -> int:
+        """From M (packed lower rows) and G (by rows).  `lost`: rows were dependent before; `miss`:
+        how far, scaled, the posture is from the constraints; `slight`: 1 for each row, less for one
+        whose gradient all but vanishes, so that its direction says little."""
+        self.slight = list(slight) if slight else [1.0] * self.m
+        least = STILL_DEPENDENT if lost else DEPENDENT
+        if MISSED * miss > least:
+            least = MISSED * miss if MISSED * miss < MOST_DEPENDENT else MOST_DEPENDENT
         self.g = g
         self.weight = 0.0
         if self.m == 0:
             return OK if self._cholesky(mass) else SINGULAR_MASS
         if not lost and self._cholesky(mass):
-            self._orthogonalise(DEPENDENT)
+            self._orthogonalise(least)
             if self.rank == self.m:
                 return OK
         trace, squares = 0.0, 0.0
@@ -59,7 +73,7 @@ class Fallback:
             self.weight = trace / squares if trace > 0.0 else 1.0 / squares
         if not self._cholesky(mass):
             return SINGULAR_MASS
-        self._orthogonalise(STILL_DEPENDENT if lost else DEPENDENT)
+        self._orthogonalise(least)
         if self.rank == self.m:
             return OK
         self.culprit = self.order[self.rank]
@@ -162,45 +176,48 @@ class Fallback:
             z[:i] = [a - b * value for a, b in zip(z, row[:i])]
 
     def _row(self, i: int) -> None:
-        """Row i of G as a unit vector in the metric of M, and its length."""
+        """Row i of G as a vector of length `slight` in the metric of M, and its length then."""
         n = self.n
         row = self.b[i]
         row[:] = self.g[i * n : (i + 1) * n]
         self._lower(row)
-        length = 0.0
-        for a in row:
-            length += a * a
-        length = sqrt(length)
+        length = sqrt(_square(row))
+        if length > 0.0:
+            length = length / self.slight[i]
         self.lengths[i] = length
         if length > 0.0:
             row[:] = [a / length for a in row]
 
     def _orthogonalise(self, dependent: float) -> None:
-        """Modified Gram-Schmidt with pivoting; each new vector is cleaned a second time."""
+        """Modified Gram-Schmidt; each new vector is cleaned a second time.
+
+        The next is the first row that is long enough, not the longest, so that it is always the
+        same rows that are said to depend on those before.
+        """
         m, b, r, order = self.m, self.b, self.r, self.order
+        squares = [0.0] * m
         for i in range(m):
             self._row(i)
             order[i] = i
         for k in range(m):
-            best, longest = k, -1.0
+            longest = 0.0
             for j in range(k, m):
-                value = 0.0
-                for a in b[order[j]]:
-                    value += a * a
+                squares[order[j]] = value = _square(b[order[j]])
                 if value > longest:
-                    best, longest = j, value
+                    longest = value
             if not longest > dependent * dependent:
                 self.rank = k
                 return
+            best = -1
+            for j in range(k, m):
+                if squares[order[j]] >= 0.1 * longest and (best < 0 or order[j] < order[best]):
+                    best = j
             order[k], order[best] = order[best], order[k]
             i = order[k]
             q = b[i]
             for j in range(k):
                 r[j][i] += _remove(q, b[order[j]])
-            length = 0.0
-            for a in q:
-                length += a * a
-            length = sqrt(length)
+            length = sqrt(_square(q))
             r[k][i] = length
             q[:] = [a / length for a in q]
             for j in range(k + 1, m):
@@ -259,6 +276,13 @@ class Fallback:
             c[k] = value / r[k][order[k]]
         for k in range(rank):
             c[k] = c[k] / self.lengths[order[k]]
+
+
+def _square(vector: list[float]) -> float:
+    value = 0.0
+    for a in vector:
+        value += a * a
+    return value
 
 
 def _remove(vector: list[float], q: list[float]) -> float:

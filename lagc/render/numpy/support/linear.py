@@ -57,6 +57,12 @@ class Equations:
                 return self._finite(xdot, OK)
         return self._solve_dense(t, x, xdot, lam)
 
+    def inspect(self, t: float, x: Sequence[float]) -> None:
+        """See whether rows are dependent at a start, where straight factors need not show it."""
+        if self._straight and self.nc:
+            self._factor_dense(t, x)
+            self.fallbacks -= 1
+
     def position(self, t: float, x: Sequence[float]) -> list[float]:
         return self._call("position", self.nh, t, x)
 
@@ -135,7 +141,7 @@ class Equations:
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
-        status = fallback.factor(mass, g, self._lost)
+        status = fallback.factor(mass, g, self._lost, *self._trust(t, x, g) if self.nc else ())
         self._lost = status == REDUNDANT
         if status != OK:
             self.culprit = fallback.culprit
@@ -143,6 +149,27 @@ class Equations:
             if row not in self.redundant_rows:
                 self.redundant_rows.append(row)
         return status
+
+    def _trust(self, t: float, x: Sequence[float], g: list[float]) -> tuple[float, list[float]]:
+        """How far x is from the constraints, scaled; and, for each row, the change of its residual
+        over the size of the coordinates relative to the size of its terms, at most 1."""
+        sizes = self.scales(t, x)
+        miss, reach, nv = 0.0, 0.0, self.nv
+        for value, size in zip(self.position(t, x), sizes) if self.nh else ():
+            if not abs(value) / size <= miss:
+                miss = abs(value) / size
+        for a in x[: self.nq]:
+            if abs(a) > reach:
+                reach = abs(a)
+        reach += 1.0
+        slight = []
+        for i, size in enumerate(sizes):
+            total = 0.0
+            for a in g[i * nv : (i + 1) * nv]:
+                total += abs(a)
+            share = total * reach / size
+            slight.append(share if share < 1.0 else 1.0)
+        return miss, slight
 
     def _solve_dense(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         nq, nv = self.nq, self.nv
