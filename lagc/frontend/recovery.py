@@ -97,7 +97,9 @@ class Recovery:
         """Take the tokens before number `position` again; they have been taken before."""
         while self.machine.position < position:
             terminal = self.machine.terminal(self.machine.position, self.machine.states[-1])
-            action = self.machine.tables.actions[self.machine.states[-1]][terminal]
+            action = self.machine.tables.actions[self.machine.states[-1]].get(terminal)
+            if action is None:
+                return
             if action < 0:
                 self.machine.reduce(~action)
             else:

@@ -8,6 +8,7 @@ from lagc.diagnostics.catalogue.syntax import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend import tree
 from lagc.frontend.parse import parse, parse_recovering
+from lagc.meaning.resolve import resolve
 
 # The mistake, the marked text (None: not looked at), the code, a part of the message or the remedy.
 MISTAKES = [
@@ -202,7 +203,7 @@ def test_catalogue(code: str) -> None:
     with pytest.raises(Refused) as refused:
         parse(Source("wrong.lag", entry.wrong))
     assert [fault.code for fault in refused.value.faults] == [code]
-    assert parse(Source("right.lag", entry.right)).declarations
+    assert resolve(parse(Source("right.lag", entry.right))).name
     assert entry.title and entry.explanation
 
 
