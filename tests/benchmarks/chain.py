@@ -1,7 +1,7 @@
 """The n-fold pendulum: from the model's text to the first right-hand side, in a cold process.
 
-Nothing is cached, except the parser's tables where a column says so; the time of the
-interpreter's start is left out, imports are in.  Stages are CPU times within one process.
+Nothing of the model is cached; the time of the interpreter's start is left out, imports are in.
+Stages are CPU times within one process.
 
     python -m tests.benchmarks.chain [--peers NAMES] [--n NUMBERS]
 """
@@ -10,13 +10,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import subprocess
 import sys
 import tempfile
 from statistics import median
 
 from tests.benchmarks import peers
+from tests.benchmarks.installed import run
 from tests.benchmarks.tables import Cell, machine, table
 
 NUMBERS = (1, 2, 5, 10, 20, 50, 100, 200)
@@ -68,23 +67,14 @@ print(clock() - first, wall() - began, compiled.backend)
 
 
 def child(text: str, n: int, cache: str) -> str:
-    """What the program says, run in a process of its own; byte code is kept, as by an installation."""
-    environment = dict(os.environ, LAGC_CACHE=cache)
-    environment.setdefault("PYTHONPYCACHEPREFIX", os.path.join(tempfile.gettempdir(), "lagc-bytecode"))
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    done = subprocess.run(
-        [sys.executable, "-c", text, str(n)], env=environment, capture_output=True, text=True
-    )
-    if done.returncode != 0:
-        raise SystemExit(done.stderr)
-    return done.stdout
+    """What the program says, run in a process of its own."""
+    return run([sys.executable, "-c", text, str(n)], cache).stdout
 
 
 def stages(numbers: tuple[int, ...], rounds: int) -> dict[int, float]:
     """Print the stages of each n; the CPU seconds of all stages."""
     taken: dict[int, list[dict[str, list[float]]]] = {n: [] for n in numbers}
     with tempfile.TemporaryDirectory() as cache:
-        child(WORKER, 1, cache)  # byte code and the parser's tables
         for _ in range(rounds):
             for n in numbers:
                 taken[n].append(json.loads(child(WORKER, n, cache)))
@@ -100,7 +90,7 @@ def stages(numbers: tuple[int, ...], rounds: int) -> dict[int, float]:
             [n, *cells, round(1e3 * totals[n], 1), one["nodes"], one["operations"], one["solve"], rhs]
         )
     head = ["n", *STAGES, "all", "nodes", "operations", "solve", "us a rhs"]
-    table("Stages, NumPy backend, tables of the parser kept (ms of CPU)", head, rows)
+    table("Stages, NumPy backend (ms of CPU)", head, rows)
     return totals
 
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 import os
 import resource
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from statistics import median
 
+from tests.benchmarks.installed import folder, run
 from tests.benchmarks.tables import Cell, machine, table
 
 ROUNDS = 9
@@ -36,19 +36,11 @@ CASES: dict[str, tuple[Sequence[str], bool]] = {  # words, with an empty cache
 
 
 def child(words: Sequence[str], cache: str) -> tuple[float, float, str]:
-    """CPU and wall seconds of one process, and what it wrote to its error output.
-
-    Byte code is kept, as an installed package keeps it, in a folder beside the caches.
-    """
-    environment = dict(
-        os.environ, LAGC_CACHE=cache, PYTHONPYCACHEPREFIX=os.path.join(cache, "..", "bytecode")
-    )
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    """CPU and wall seconds of one process, and what it wrote to its error output."""
+    folder()
     before, began = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
-    done = subprocess.run(words, env=environment, capture_output=True, text=True)
+    done = run(words, cache)
     wall, after = time.perf_counter() - began, resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode != 0:
-        raise SystemExit(f"{' '.join(words)} failed: {done.stderr}")
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return cpu, wall, done.stderr
 

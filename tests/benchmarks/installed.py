@@ -1,0 +1,39 @@
+"""lagc as an installation lays it out: byte code and the parser's tables are there already."""
+
+from __future__ import annotations
+
+import compileall
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from lagc.frontend.tables import packed, shipped_path
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+@cache
+def folder() -> str:
+    """A temporary folder for PYTHONPATH, made once."""
+    root = Path(tempfile.mkdtemp(prefix="lagc-installed-"))
+    package = root / "lagc"
+    shutil.copytree(CHECKOUT / "lagc", package, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("grammar", "models"):
+        shutil.copytree(CHECKOUT / name, package / name)
+    (package / "frontend" / os.path.basename(shipped_path())).write_text(packed(), encoding="utf-8")
+    compileall.compile_dir(package, quiet=1)
+    return str(root)
+
+
+def run(words: Sequence[str], cache: str) -> subprocess.CompletedProcess[str]:
+    """One process that imports this lagc, with the given cache folder."""
+    environment = dict(os.environ, LAGC_CACHE=cache, PYTHONPATH=folder())
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    done = subprocess.run(words, env=environment, cwd=folder(), capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"{' '.join(words)[:200]} failed: {done.stderr}")
+    return done
