@@ -148,6 +148,12 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
     double size, h, t_new, error = 0.0;
     int i, status, cause = LAGC_OK, rejected = 0, lands;
     if (s->h == 0.0) {
+#if LAGC_NC
+#if LAGC_STRAIGHT
+        (void)lagc_factor_dense(p, s->t, s->x, w); /* straight factors need not show dependent rows */
+        w->fallbacks--;
+#endif
+#endif
         status = lagc_rhs_(p, s->t, s->x, w->k[0], w->lam, w);
         s->rhs++;
         if (LAGC_FAILED(status))

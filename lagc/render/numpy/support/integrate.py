@@ -180,6 +180,9 @@ class Integrator:
 
     def _begin(self, t1: float, direction: float) -> int:
         """The first evaluation and the size of the first step."""
+        inspect = getattr(self.problem, "inspect", None)
+        if inspect is not None:
+            inspect(self.t, self.x)
         status = self.problem.rhs(self.t, self.x, self.k[0], self.lam)
         self.rhs += 1
         if status in FAILED:
