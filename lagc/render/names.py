@@ -77,7 +77,8 @@ class Names:
     def give(self, name: str) -> str:
         base = identifier(name)
         temporary = self.variables and re.fullmatch(r"(t|c|p|x|a|lam|d|w|r)\d+", base)
-        if temporary or base.startswith(self.prefixes):
+        endless = base in self.taken and is_reserved(f"{base}_")  # whatever number is put behind it
+        if temporary or endless or base.startswith(self.prefixes):
             base = f"the_{base}"
         found, number = base, 2
         while found in self.taken or is_reserved(found):

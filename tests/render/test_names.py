@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from lagc.render.locals import local_names
-from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
+from lagc.render.names import Names, comment, identifier, is_reserved, prefix, stem
 from tests.render.programs import field, pendulum
 from tests.render.tools import COMPILERS, call, present
 
@@ -82,3 +82,9 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
     assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"
+
+
+def test_a_name_whose_numbered_forms_are_all_reserved() -> None:
+    names = Names(["M"])
+    given = [names.give("M") for _ in range(3)]
+    assert len({"M", *given}) == 4 and not any(is_reserved(name) for name in given)
