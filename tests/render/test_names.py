@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from lagc.render.locals import local_names
-from lagc.render.names import Names, comment, identifier, is_reserved, prefix, stem
+from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
 from tests.render.programs import field, pendulum
 from tests.render.tools import COMPILERS, call, present
 
