@@ -154,6 +154,19 @@ def _number(tokens: list[str], chance: random.Random, texts: list[str]) -> None:
         tokens[chance.choice(places)] = chance.choice(NUMBERS)
 
 
+def _operator(tokens: list[str], chance: random.Random, texts: list[str]) -> None:
+    places = [k for k, token in enumerate(tokens) if token in "+-*/^" and token]
+    if places:
+        tokens[chance.choice(places)] = chance.choice("+-*/^")
+
+
+def _alike(tokens: list[str], chance: random.Random, texts: list[str]) -> None:
+    """A name of the model for another one: often well formed, seldom meant."""
+    places = [k for k, token in enumerate(tokens) if token.isidentifier() and token not in WORDS]
+    if places:
+        tokens[chance.choice(places)] = tokens[chance.choice(places)]
+
+
 def _insert(tokens: list[str], chance: random.Random, texts: list[str]) -> None:
     table = chance.choice([WORDS, NUMBERS, SIGNS, UNITS])
     tokens.insert(_place(tokens, chance), chance.choice(table))
@@ -181,5 +194,6 @@ def _cut(tokens: list[str], chance: random.Random, texts: list[str]) -> None:
 
 MUTATIONS: list[Callable[[list[str], random.Random, list[str]], None]] = [
     *(_delete, _delete, _double, _swap, _splice, _nest, _cut),
-    *(_word, _word, _word, _number, _number, _insert, _insert),
+    *(_word, _word, _number, _number, _number, _number, _insert, _insert),
+    *(_operator, _operator, _operator, _operator, _alike, _alike, _alike, _alike, _alike),
 ]
