@@ -31,6 +31,7 @@ from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]  # rows
@@ -275,3 +276,46 @@ class Model:
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str], ...] = ()  # path and SHA-256 of every imported file
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
+
+    def verify(self) -> None:
+        """The invariants of a resolved model.  Raises AssertionError."""
+        for group in (self.parameters, self.inputs, self.coordinates, self.speeds, self.frames, self.points,
+                      self.bodies, self.actions, self.constraints, self.outputs):  # fmt: skip
+            names = [noun.name for noun in group]
+            assert len(names) == len(set(names)), f"a name stands twice: {names}"
+        labels = [label for c in self.constraints for label in c.labels]
+        assert len(labels) == len(set(labels))
+        for constraint in self.constraints:
+            assert len(constraint.labels) == len(constraint.residuals) == len(constraint.units)
+            assert not any(residual.is_zero for residual in constraint.residuals)
+        for node in self.nodes():
+            assert node.graph is self.graph
+        known = {"time"} | {"parameter", "input", "coordinate", "rate", "speed"}
+        for kind in {node.value[0] for node in reachable(self.nodes()) if node.op == "symbol"}:
+            assert kind in known, f"{kind} stands outside of the outputs"
+
+    def nodes(self) -> list[Node]:
+        """Every expression that decides the motion: all but the outputs."""
+        found: list[Node] = []
+        for frame in self.frames:
+            found += [x for row in frame.axes for x in row] + list(frame.angular_velocity)
+        for body in self.bodies:
+            found += [body.mass, *body.position, *body.velocity]
+            found += [x for row in body.inertia or () for x in row]
+        for action in self.actions:
+            if isinstance(action, Potential):
+                found.append(action.energy)
+            elif isinstance(action, Force):
+                found += [*action.vector, *action.velocity]
+            elif isinstance(action, Torque):
+                found += action.vector
+            else:
+                found.append(action.function)
+        for coordinate in self.coordinates:
+            if isinstance(coordinate, Coordinate):
+                found += [coordinate.start, coordinate.rate]
+            else:
+                found += [*coordinate.start, *coordinate.rate]
+        found += [speed.expression for speed in self.speeds]
+        found += [residual for c in self.constraints for residual in c.residuals]
+        return found + [condition.residual for condition in self.initial_conditions]

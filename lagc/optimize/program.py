@@ -62,6 +62,18 @@ class Function:
         free = ("const", "load", "neg")
         return sum(1 for o in self.operations if o.op not in free)
 
+    def verify(self) -> None:
+        """Every operand comes before its use; every load and store is of an array of the signature."""
+        outputs = dict(self.outputs)
+        for position, operation in enumerate(self.operations):
+            assert len(operation.operands) == OPERANDS[operation.op]
+            assert all(0 <= operand < position for operand in operation.operands)
+            if operation.op == "load":
+                assert isinstance(operation.payload, tuple) and operation.payload[0] in self.inputs
+        for store in self.stores:
+            assert 0 <= store.index < outputs[store.array]
+            assert 0 <= store.value < len(self.operations)
+
 
 @dataclass(frozen=True, slots=True)
 class Field:
@@ -145,3 +157,10 @@ class Program:
 
     interface: Interface
     functions: dict[str, Function]
+
+    def verify(self) -> None:
+        """The invariants of straight-line code.  Raises AssertionError."""
+        assert set(self.interface.functions) == set(self.functions)
+        for name, function in self.functions.items():
+            assert function.name == name
+            function.verify()
