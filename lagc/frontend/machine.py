@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Source, Span
@@ -221,6 +222,9 @@ class Machine:
             if any(outer.closing == name.text for outer in self.blocks[:-1]):
                 self.insert_end(block)
                 return False
+            if self.recoveries < MOST_FAULTS and self._ends_further_on(block):
+                self._leave_end_out(block, name)
+                return False
             self.report(_wrong_end(self.source, block, name), self.tokens[self.position])
             self.tokens[self.position + 1] = Token(WORD, block.closing, name.start, name.end)
         self.last_closed = self.blocks.pop()
@@ -232,11 +236,34 @@ class Machine:
         if not self.blocks or terminal not in _OUTSIDE.get(self.blocks[-1].word.text, ()):
             return False
         block = self.blocks[-1]
-        for number in range(self.position, len(self.tokens) - 1):
-            if self.tokens[number].text == "end" and self.tokens[number + 1].text == block.closing:
-                return False
+        if self._ends_further_on(block):
+            return False
         self.insert_end(block)
         return True
+
+    def _ends_further_on(self, block: Block) -> bool:
+        texts = [token.text for token in self.tokens[self.position + 2 :]]
+        return any(pair == ("end", block.closing) for pair in pairwise(texts))
+
+    def _leave_end_out(self, block: Block, name: Token) -> None:
+        """This `end` belongs to nothing, or to a block whose first line could not be read."""
+        if not self.recoveries:
+            self.report(_wrong_end(self.source, block, name), self.tokens[self.position])
+        self.recoveries += 1
+        count = 3 if self.tokens[self.position + 2].text == ";" else 2
+        del self.tokens[self.position : self.position + count]
+        # The `end` has made one whole of the declarations so far; more may follow now.
+        declared = self.values.pop()
+        del self.states[-1], self.starts[-1], self.depths[-1]
+        if declared:
+            actions = self.tables.actions
+            row = actions[self.states[-1]]
+            # The state behind `item*`, whatever Lark calls that.
+            (behind,) = (row[name] for name in row if name.startswith("__") and "item" in actions[row[name]])
+            self.states.append(behind)
+            self.values.append(list(declared))
+            self.starts.append(self.position)
+            self.depths.append(self.depths[-1])
 
     def insert_end(self, block: Block) -> None:
         at = self.tokens[self.position]
