@@ -139,6 +139,21 @@ class Builder:
             name.text, self._span(name), dimensions or (), arguments or (), value, shown, span
         )
 
+    def part(self, c: Children, span: Span) -> tree.Declarator:
+        """`a.b[2].m`: names and subscripts in turn, then what follows any name."""
+        *parts, dimensions, arguments, value, description = c
+        within: tree.Expression = tree.Name(parts[0].text, self._span(parts[0]))
+        for each in parts[1:]:
+            if isinstance(each, Token):
+                here = self._span(each)
+                within = tree.Member(within, each.text, here, within.span.to(here))
+            else:
+                within = tree.Index(within, each, within.span.to(each[-1].span))
+        shown, name = self._text(description), parts[-1].text
+        return tree.Declarator(
+            name, within.span, dimensions or (), arguments or (), value, shown, span, within
+        )
+
     def function(self, c: Children, span: Span) -> tree.FunctionDeclaration:
         name, parameters, body, description = c
         return tree.FunctionDeclaration(

@@ -59,12 +59,13 @@ def _arrange(
     """`initial` tells whether the block stands in an initial section, as its loops may."""
     arranged: list[tree.Declaration] = []
     outside = True  # one fault for a run of equations outside
+    misplaced: set[str] = set()  # one for each kind
     for item in items:
         kind = _kind(item)
         if isinstance(item, tree.Initial):
             if not item.conditions:
                 initial = True
-                _check(kind, item.span, container, faults)
+                _check(kind, item.span, container, misplaced, faults)
             elif initial:
                 _gather(arranged, item)
             elif outside:
@@ -80,8 +81,10 @@ def _arrange(
                 arranged.append(item)
             if isinstance(item, tree.Quantities) and item.type is None and container != "scene":
                 faults.append(_no_type(item))
+            elif isinstance(item, tree.Quantities | tree.Instance):
+                faults += [_dotted(item, d) for d in item.declarators if d.within and container != "scene"]
         outside = True
-        _check(kind, item.span, container, faults)
+        _check(kind, item.span, container, misplaced, faults)
     return tuple(arranged), initial
 
 
@@ -112,13 +115,14 @@ _KINDS: dict[type, str] = {
 }
 
 
-def _check(kind: str, span: Span, container: str, faults: list[Fault]) -> None:
+def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: list[Fault]) -> None:
     allowed = _IN_LOOPS if container == "for" else None
     places = _PLACES.get(kind, _MECHANICS)
     if kind in allowed if allowed is not None else container in places:
         return
-    if container == "file" and faults and faults[-1].code == "LAG0120":
-        return  # one for a whole block that was closed too early
+    if kind in misplaced or (misplaced and container == "file"):
+        return  # a whole block was closed too early, or too late
+    misplaced.add(kind)
     begin = Span(span.source, span.start, min(span.end, span.start + len(kind)))
     shown = "an instance" if kind == "instance" else f"`{kind}`"
     good = [_SHOWN[place] for place in _SHOWN if place in places]
@@ -143,6 +147,16 @@ def _equation_outside(item: tree.Initial) -> Fault:
         condition.span,
         remedy="for a law of the motion write `constraint name: left = right;`, "
         "for a condition at the start put `initial` before it",
+    )
+
+
+def _dotted(item: tree.Quantities | tree.Instance, declarator: tree.Declarator) -> Fault:
+    """`parameter a.l = 2;` outside of a scene."""
+    return Fault(
+        "LAG0134",
+        "a name that is declared has no `.`: what is within an instance is declared in its model",
+        declarator.name_span,
+        remedy=f"give it where the instance is declared, `Model a({declarator.name} = ...)`, or in a scene",
     )
 
 

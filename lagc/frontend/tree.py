@@ -187,7 +187,10 @@ class TypeDeclaration:
 
 @node
 class Declarator:
-    """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`."""
+    """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`.
+
+    `within` is the whole name where it is one of an instance, `a.b[2].m`; only in scenes.
+    """
 
     name: str
     name_span: Span
@@ -196,6 +199,7 @@ class Declarator:
     value: Expression | None
     description: str | None
     span: Span
+    within: Expression | None = None
 
 
 @node

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
@@ -13,7 +12,19 @@ from lagc.expr.graph import Node
 from lagc.meaning.context import Context
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, raised, times
-from lagc.meaning.values import Array, Scalar, Value, Wrong, constant, scalar_of, vector_of, vector_value
+from lagc.meaning.values import (
+    Array,
+    Indexed,
+    Scalar,
+    Value,
+    Wrong,
+    constant,
+    scalar_of,
+    shape,
+    vector_of,
+    vector_value,
+)
+from lagc.records import dataclass
 
 Apply: TypeAlias = Callable[..., Value]
 
@@ -226,14 +237,20 @@ def _sum(context: Context, span: Span, a: Argument) -> Value:
     return Scalar(context.graph.sum(scalar_of(g.value, a.span, "an element").node for g in given), dimension)
 
 
-@TABLE.enter("size", "a")
-def _size(context: Context, span: Span, a: Argument) -> Value:
-    from lagc.meaning.values import Indexed
-
-    if isinstance(a.value, Array):
-        count = len(a.value.elements)
-    elif isinstance(a.value, Indexed):
-        count = len(a.value.entry.elements or {})
+@TABLE.enter("size", "a", "dimension", required=1)
+def _size(context: Context, span: Span, a: Argument, dimension: Argument | None) -> Value:
+    """The number of elements along a dimension, the first where none is said."""
+    if isinstance(a.value, Indexed):
+        places = list(a.value.entry.elements or {})
+        sizes = [len({place[k] for place in places}) for k in range(len(places[0]) if places else 1)]
+    elif isinstance(a.value, Array):
+        sizes = shape(a.value)
     else:
         raise Wrong("LAG0306", "`size` takes an array", a.span)
-    return constant(context.graph, float(count), NONE)
+    if dimension is None:
+        return constant(context.graph, float(sizes[0]), NONE)
+    which = number(dimension, "the dimension in `size` is")
+    if not which.is_const or which.value not in range(1, len(sizes) + 1):
+        last = len(sizes)
+        raise Wrong("LAG0207", f"the dimensions of this array are numbered 1 to {last}", dimension.span)
+    return constant(context.graph, float(sizes[int(which.value) - 1]), NONE)

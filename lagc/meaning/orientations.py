@@ -86,6 +86,10 @@ def _numbers(
 ) -> list[Node]:
     what = f"the {attribute} of `{entry.path}`"
     found = list(default)
+    whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
+    if whole is not None and whole.expression is not None and whole.environment is not None:
+        given = tree.Argument(None, None, whole.expression, whole.expression.span)
+        modifier = Modifier(given, whole.environment)
     if modifier is not None and modifier.argument.value is not None:
         expression = modifier.argument.value
         scalars = flat(
@@ -99,9 +103,9 @@ def _numbers(
             still(context, scalar.node, expression.span, what)
         found = [scalar.node for scalar in scalars]
     for k, name in enumerate(names):
-        given = context.give(context.starts, name)
-        if given is not None:
-            found[k] = given_scalar(context, given, dimension, f"the start of `{name}`").node
+        one = context.give(context.starts, name)
+        if one is not None:
+            found[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
     return found
 
 

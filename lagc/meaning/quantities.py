@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
@@ -24,11 +23,13 @@ from lagc.meaning.written import (
     attributes_of,
     elements,
     fixed,
+    given_elements,
     given_scalar,
     shaped,
     still,
     written_value,
 )
+from lagc.records import dataclass
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
@@ -112,11 +113,12 @@ def _values(context: Context, quantity: Quantity) -> list[Scalar | None]:
     modifier = written_value(entry)
     overrides = [context.give(context.parameters, quantity.name(s)) for s in quantity.subscripts]
     whole = context.give(context.parameters, entry.path) if quantity.sizes else None
-    if whole is not None and whole.expression is not None and whole.environment is not None:
-        argument = tree.Argument(None, None, whole.expression, whole.expression.span)
-        modifier = Modifier(argument, whole.environment)
-    if modifier is None or (all(o is not None for o in overrides) and overrides):
-        found: list[Scalar | None] = [None] * math.prod(quantity.sizes)
+    if whole is not None:
+        found: list[Scalar | None] = list(
+            given_elements(context, whole, quantity.sizes, quantity.type.dimension, what)
+        )
+    elif modifier is None or (all(o is not None for o in overrides) and overrides):
+        found = [None] * math.prod(quantity.sizes)
     else:
         found = list(elements(context, modifier, quantity.sizes, quantity.type.dimension, what))
     for k, given in enumerate(overrides):
@@ -257,7 +259,7 @@ def starts(
     said = modifier is not None
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
-        found, said = [given_scalar(context, whole, dimension, what)] * count, True
+        found, said = given_elements(context, whole, quantity.sizes, dimension, what), True
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, name(subscript))
         if given is not None:

@@ -21,7 +21,8 @@ from lagc.meaning.scene import (
     choose_model,
     choose_scene,
     read_command,
-    read_scene,
+    read_rest,
+    read_values,
     scenes_of,
     used,
 )
@@ -57,10 +58,11 @@ def resolve(
         context.uses = setting.uses
         instance = Instance("", declaration, None)
         environment = Environment(instance, Namespace(declaration.body, where, importer))
-        simulate = read_scene(context, setting, environment)
+        read_values(context, setting, environment)
         read_command(context, parameters, starts)
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
+        simulate = read_rest(context, setting, environment)
     except Wrong as wrong:
         context.report(wrong)
         context.refuse_faults()

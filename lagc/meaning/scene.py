@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
@@ -13,7 +13,8 @@ from lagc.meaning.evaluate import evaluate_as, integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.units import NONE, Dimension, S
-from lagc.meaning.values import Scalar, Wrong, expect, kind
+from lagc.meaning.values import Poisoned, Scalar, Wrong, expect, kind
+from lagc.records import dataclass
 
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
 
@@ -124,42 +125,79 @@ def choose_scene(
     return Setting(scene, wanted, names, frozenset(uses), tuple(notes), tuple(removed))
 
 
-def read_scene(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
-    """Note what the scene gives in the context; the result is what it says about the run."""
+def read_values(context: Context, setting: Setting, environment: Environment) -> None:
+    """Note the values of parameters that the scene gives, of those whose names are known before
+    anything is: sizes may hang on them.  `read_rest` notes the others."""
+    for d in setting.scene.body if setting.scene else ():
+        if isinstance(d, tree.Quantities) and d.kind == "parameter":
+            for declarator in d.declarators:
+                if _is_plain(declarator):
+                    _attempt(context, partial(_parameter, context, declarator, environment))
+
+
+def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
+    """Note what else the scene gives, once its names can be looked up; the result is what it says
+    about the run."""
     simulate: dict[str, float] = {}
     for d in setting.scene.body if setting.scene else ():
-        try:
-            if isinstance(d, tree.Quantities):
-                _parameters(context, d, environment)
-            elif isinstance(d, tree.Start):
-                name = target_text(context, d.target, environment)
-                context.starts[name] = Given(d.value, environment, span=d.target.span)
-            elif isinstance(d, tree.Simulate):
-                simulate.update(_simulate(context, d, environment))
-            else:
-                raise Wrong(
-                    "LAG0221",
-                    "this does not belong into a scene",
-                    d.span,
-                    "a scene holds `parameter`, `start` and `simulate`",
-                )
-        except Wrong as wrong:
-            context.report(wrong)
+        if isinstance(d, tree.Quantities) and d.kind == "parameter":
+            for declarator in d.declarators:
+                if not _is_plain(declarator):
+                    _attempt(context, partial(_parameter, context, declarator, environment))
+        elif isinstance(d, tree.Start):
+            _attempt(context, partial(_start, context, d, environment))
+        elif isinstance(d, tree.Simulate):
+            simulate.update(_simulate(context, d, environment))
     return simulate
 
 
-def _parameters(context: Context, d: tree.Quantities, environment: Environment) -> None:
-    if d.kind != "parameter":
-        raise Wrong(
-            "LAG0221",
-            "this does not belong into a scene",
-            d.span,
-            "a scene holds `parameter`, `start` and `simulate`",
-        )
-    for declarator in d.declarators:
-        if declarator.value is None:
-            raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
-        context.parameters[declarator.name] = Given(declarator.value, environment, span=declarator.name_span)
+def _attempt(context: Context, job: Callable[[], None]) -> None:
+    try:
+        job()
+    except Wrong as wrong:
+        context.report(wrong)
+    except Poisoned:
+        return
+
+
+def _is_plain(declarator: tree.Declarator) -> bool:
+    """Whether no name has to be looked up in its subscripts."""
+    found = [*declarator.dimensions]
+    e = declarator.within
+    while isinstance(e, tree.Member | tree.Index):
+        if isinstance(e, tree.Index):
+            found += e.indices
+        e = e.base
+    return all(isinstance(index, tree.Number) for index in found)
+
+
+def _parameter(context: Context, declarator: tree.Declarator, environment: Environment) -> None:
+    if declarator.value is None:
+        raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
+    plain = tree.Name(declarator.name, declarator.name_span)
+    name = target_text(context, declarator.within or plain, environment)
+    if declarator.dimensions:
+        name += subscript_text(context, declarator.dimensions, environment)
+    _give(context, context.parameters, name, Given(declarator.value, environment, span=declarator.name_span))
+
+
+def _start(context: Context, d: tree.Start, environment: Environment) -> None:
+    name = target_text(context, d.target, environment)
+    _give(context, context.starts, name, Given(d.value, environment, span=d.target.span))
+
+
+def _give(context: Context, table: dict[str, Given], name: str, given: Given) -> None:
+    """What the command gives goes before what the scene says.  Raises Wrong where that says it twice."""
+    first = table.get(name)
+    if first is not None and first.span is not None:
+        related = ((first.span, "first here"),)
+        raise Wrong("LAG0209", f"`{name}` is given twice", given.span, related=related)
+    table.setdefault(name, given)
+
+
+def subscript_text(context: Context, indices: Sequence[tree.Expression], environment: Environment) -> str:
+    """`[2,1]`.  Raises Wrong."""
+    return f"[{','.join(str(integer(context, i, environment, 'a subscript')) for i in indices)}]"
 
 
 def target_text(context: Context, e: tree.Expression, environment: Environment) -> str:
@@ -169,8 +207,7 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
     if isinstance(e, tree.Member):
         return f"{target_text(context, e.base, environment)}.{e.name}"
     if isinstance(e, tree.Index):
-        numbers = [str(integer(context, i, environment, "a subscript")) for i in e.indices]
-        return f"{target_text(context, e.base, environment)}[{','.join(numbers)}]"
+        return target_text(context, e.base, environment) + subscript_text(context, e.indices, environment)
     if (
         isinstance(e, tree.Call)
         and isinstance(e.function, tree.Name)
@@ -218,6 +255,8 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
             one(argument)
         except Wrong as wrong:
             context.report(wrong)
+        except Poisoned:
+            continue
     return found
 
 

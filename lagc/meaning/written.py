@@ -119,6 +119,16 @@ def still(context: Context, node: Node, span: Span, what: str) -> None:
         raise Wrong("LAG0311", f"{what} depends on the motion, it may depend on parameters only", span)
 
 
+def given_elements(
+    context: Context, given: Given, sizes: list[int], dimension: Dimension, what: str
+) -> list[Scalar]:
+    """A value for all elements, or an array of their values, from a scene or the command.  Raises Wrong."""
+    if given.expression is None or given.environment is None:
+        return [given_scalar(context, given, dimension, what)] * math.prod(sizes)
+    argument = tree.Argument(None, None, given.expression, given.expression.span)
+    return elements(context, Modifier(argument, given.environment), sizes, dimension, what)
+
+
 def given_scalar(context: Context, given: Given, dimension: Dimension, what: str) -> Scalar:
     """A value from a scene or from the command.  Raises Wrong."""
     if given.expression is not None and given.environment is not None:

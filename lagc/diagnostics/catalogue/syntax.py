@@ -229,4 +229,11 @@ ENTRIES: dict[str, Entry] = {
         "parameter d = 0.1;",
         "parameter Length d = 0.1;",
     ),
+    "LAG0134": _entry(
+        "A declared name with a point in it",
+        "A name that is declared is one word. What is within an instance is declared in the instance's model; "
+        "where the instance is declared, and in scenes, it can be given another value.",
+        "parameter Mass bob.m = 2 [kg];",
+        "parameter Mass bob_m = 2 [kg];",
+    ),
 }

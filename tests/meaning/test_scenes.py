@@ -1,0 +1,109 @@
+"""What a scene gives: parameters and starts, of instances, arrays and orientations too."""
+
+from __future__ import annotations
+
+import pytest
+
+from lagc.diagnostics.faults import Refused
+from tests.meaning.reading import output, read
+
+PARTS = """
+model B
+  parameter Mass m = 1; parameter Real k[2] = {1, 2};
+  coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});
+end B;
+model C
+  B c[2], d;
+end C;
+model A
+  B a, b(m = 3);
+  C e;
+  structural Integer n = 2;
+  output Mass o[4] = {a.m, b.m, e.c[2].m, e.d.m};
+  output Real k[4] = {a.k[1], a.k[2], e.c[1].k[2], e.d.k[1]};
+  scene plain;
+  scene s
+    parameter a.m = 4 [kg], e.c[n].m = 7, e.d.m = 70 [g];
+    parameter e.d.k = {5, 6};
+    parameter a.k[2] = 9;
+  end s;
+end A;
+"""
+
+
+def test_a_scene_reaches_the_parameters_of_instances() -> None:
+    model = read(PARTS, scene="s")
+    assert [output(model, f"o[{i}]") for i in range(1, 5)] == [4.0, 3.0, 7.0, 0.07]
+    assert [output(model, f"k[{i}]") for i in range(1, 5)] == [1.0, 9.0, 2.0, 5.0]
+
+
+def test_another_scene_has_the_values_of_the_model() -> None:
+    model = read(PARTS, scene="plain")
+    assert [output(model, f"o[{i}]") for i in range(1, 5)] == [1.0, 3.0, 1.0, 1.0]
+
+
+def test_the_command_goes_before_the_scene() -> None:
+    model = read(PARTS, scene="s", parameters={"a.m": 8.0, "e.d.k[1]": 3.0, "n": 1})
+    assert [output(model, f"o[{i}]") for i in range(1, 5)] == [8.0, 3.0, 1.0, 0.07]
+    assert output(model, "k[4]") == 3.0
+
+
+ARRAYS = """
+model A
+  structural Integer n = 3;
+  parameter Length L[n];
+  coordinate Length x[n](start = 7);
+  coordinate Orientation o;
+  frame F = rotate(world, o);
+  body s = Solid(mass = 1, inertia = {1, 2, 3}, frame = F, com = {0, 0, 0});
+  for i in 1:n loop
+    body b[i] = Particle(mass = 1, at = {x[i] + L[i], 0, 0});
+  end for;
+  scene whole
+    start x = {1, 2, 3}; start der(x) = {10, 20, 30} [cm/s];
+    start o = {1, 1, 0, 0}; start o.rate = {1, 0, 0} [rad/s]; parameter L = {3, 4, 5};
+  end whole;
+  scene single
+    start x = 2; start x[n] = 5; start o.x = 1; start o.rate.z = 2; parameter L = 1; parameter L[2] = 2;
+  end single;
+end A;
+"""
+
+
+def test_a_scene_starts_arrays_and_orientations() -> None:
+    model = read(ARRAYS, scene="whole")
+    *scalars, turn = model.coordinates
+    assert [c.start.value for c in scalars] == [1.0, 2.0, 3.0]
+    assert [c.rate.value for c in scalars] == [0.1, 0.2, 0.3]
+    assert [s.value for s in turn.start] == pytest.approx([0.5**0.5, 0.5**0.5, 0.0, 0.0])
+    assert [r.value for r in turn.rate] == [1.0, 0.0, 0.0]
+    assert [p.value for p in model.parameters] == [3.0, 4.0, 5.0]
+
+
+def test_a_scene_starts_single_elements() -> None:
+    model = read(ARRAYS, scene="single")
+    *scalars, turn = model.coordinates
+    assert [c.start.value for c in scalars] == [2.0, 2.0, 5.0]
+    assert [s.value for s in turn.start] == pytest.approx([0.5**0.5, 0.5**0.5, 0.0, 0.0])
+    assert [r.value for r in turn.rate] == [0.0, 0.0, 2.0]
+    assert [p.value for p in model.parameters] == [1.0, 2.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    "line, code",
+    [
+        ("parameter a.q = 1;", "LAG0215"),
+        ("parameter a.m = 1; parameter a.m = 2;", "LAG0209"),
+        ("parameter e.c[3].m = 1;", "LAG0215"),
+        ("parameter a = 1;", "LAG0215"),
+        ("start a.m = 1;", "LAG0224"),
+        ("start a.x = {1, 2};", "LAG0306"),
+        ("start a.x = 1; start a.x = 2;", "LAG0209"),
+        ("start 2*a.x = 1;", "LAG0110"),
+        ("parameter a.k = {1, 2, 3};", "LAG0306"),
+    ],
+)
+def test_what_a_scene_cannot_give(line: str, code: str) -> None:
+    with pytest.raises(Refused) as refused:
+        read(PARTS.replace("scene plain;", f"scene plain {line} end plain;"), scene="plain")
+    assert [f.code for f in refused.value.faults] == [code]
