@@ -19,6 +19,17 @@ def scenes() -> tuple[tuple[str, str], ...]:
 
 
 @cache
+def fullest() -> tuple[tuple[str, str], ...]:
+    """(model, scene) with the scene of each model that uses the most effects."""
+    found: dict[str, tuple[int, str]] = {}
+    for name, scene in scenes():
+        count = sum(effect.used for effect in compiled(name, scene, "numpy").model.effects)
+        if name not in found or count > found[name][0]:
+            found[name] = (count, scene)
+    return tuple((name, scene) for name, (_, scene) in found.items())
+
+
+@cache
 def compiled(name: str, scene: str, backend: str) -> lagc.CompiledModel:
     return lagc.load(name).compile(scene, backend=backend)
 

@@ -1,15 +1,16 @@
-"""C and NumPy compute the same bits: every model of the library, 1,000 steps of each backend."""
+"""C and NumPy compute the same bits: every model of the library with most of its effects, 1,000
+steps of each backend."""
 
 from __future__ import annotations
 
 import pytest
 
 from lagc.run.backends.compile import compiler
-from tests.physics.library import compiled, scenes
+from tests.physics.library import compiled, fullest
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
-SCENES = scenes()
+SCENES = fullest()
 STEPS = 1000
 
 
