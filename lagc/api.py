@@ -11,7 +11,6 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
 from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
@@ -20,6 +19,7 @@ from lagc import library
 from lagc.artifact import Artifact
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.records import dataclass, names
 from lagc.run.problem import System
 from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
 from lagc.run.solution import Solution
@@ -226,7 +226,7 @@ class CompiledModel:
         system.parameters = list(parameters)
         found = simulate(system, request, self.compile_s, progress)
         found.backend_reason = reason
-        return Run(**{f.name: getattr(found, f.name) for f in fields(Solution)})
+        return Run(**{name: getattr(found, name) for name in names(Solution)})
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """dx/dt at (t, x), x = (q, v) or (q, v, z) with the work integral z: for other integrators.

@@ -7,18 +7,17 @@ parameters are built in; with these known, the *artifact* itself is found.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 import marshal
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import CodeType
 from typing import Any
 
 from lagc import cache
 from lagc.optimize.program import Field, Interface
+from lagc.records import dataclass, names
 from lagc.version import __version__
 
 
@@ -64,7 +63,7 @@ def load_head(name: str) -> Head | None:
 
 
 def store_head(name: str, head: Head) -> None:
-    cache.store(name, json.dumps(dataclasses.asdict(head)).encode())
+    cache.store(name, json.dumps({"imports": head.imports, "structural": head.structural}).encode())
 
 
 def load_artifact(name: str) -> Artifact | None:
@@ -95,7 +94,7 @@ def version_key() -> str:
 
 
 def interface_to_plain(interface: Interface) -> dict[str, Any]:
-    plain: dict[str, Any] = {f.name: getattr(interface, f.name) for f in dataclasses.fields(Interface)}
+    plain: dict[str, Any] = {name: getattr(interface, name) for name in names(Interface)}
     for name in ("parameters", "inputs", "outputs"):
         plain[name] = [_row(field) for field in getattr(interface, name)]
     return plain
@@ -109,4 +108,4 @@ def interface_from_plain(plain: Mapping[str, Any]) -> Interface:
 
 
 def _row(field: Field) -> list[object]:
-    return [getattr(field, f.name) for f in dataclasses.fields(Field)]
+    return [getattr(field, name) for name in names(Field)]

@@ -8,9 +8,7 @@ so that a run of a model that is in the cache loads none of the first four.
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING
@@ -19,6 +17,7 @@ from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.optimize.program import Field
+from lagc.records import dataclass, field, replace
 from lagc.run.request import Given, Quantity
 
 if TYPE_CHECKING:
@@ -125,7 +124,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     choices = [choice]
     if choice.scene is None:
         choices = [
-            dataclasses.replace(
+            replace(
                 choice,
                 model=v.model,
                 scene=v.scene,
@@ -218,11 +217,11 @@ def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Prog
         interface, choice.parameters, unused(compilation.model, interface), demanding=False
     )
     fields = [
-        dataclasses.replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)
+        replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)
     ]
     n = len(interface.parameters)
-    bound = dataclasses.replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
-    return dataclasses.replace(found, interface=bound)
+    bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
+    return replace(found, interface=bound)
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:

@@ -7,7 +7,6 @@ is estimated by comparing runs.  `--method` with `--rtol`, `--atol` or `--step` 
 from __future__ import annotations
 
 import argparse
-import dataclasses
 import os
 from typing import TYPE_CHECKING
 
@@ -21,6 +20,7 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import print_json, say
+from lagc.records import replace
 
 if TYPE_CHECKING:
     from lagc.api import Run
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(Compilation(source, choice), options.backend)
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
-    request = dataclasses.replace(request, starts=starts)
+    request = replace(request, starts=starts)
     stop = request.completed(model.interface.simulate).stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:

@@ -149,6 +149,8 @@ class Builder:
                 within = tree.Member(within, each.text, here, within.span.to(here))
             else:
                 within = tree.Index(within, each, within.span.to(each[-1].span))
+        if len(parts) > MOST_PARTS:
+            self._too_many_parts(within.span)
         shown, name = self._text(description), parts[-1].text
         return tree.Declarator(
             name, within.span, dimensions or (), arguments or (), value, shown, span, within
@@ -357,8 +359,11 @@ class Builder:
         parts = self._parts.get(id(base), 1) + 1
         self._parts[id(node)] = parts
         if parts == MOST_PARTS + 1:
-            self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", base.span))
+            self._too_many_parts(base.span)
         return node
+
+    def _too_many_parts(self, span: Span) -> None:
+        self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", span))
 
 
 class Requires:

@@ -7,8 +7,6 @@ on one line stays there.  The tokens are never changed, so that the meaning cann
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.lexer import END, WORD, Lexed, Token, tokenise
 from lagc.frontend.machine import Machine
@@ -16,6 +14,7 @@ from lagc.frontend.parse import faults_of
 from lagc.frontend.spacing import Spacing, wrapped
 from lagc.frontend.tables import tables
 from lagc.frontend.tree import Tree
+from lagc.records import dataclass, field
 
 WIDTH = 100
 INDENT = "  "

@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend.foreign import FOREIGN, OPERATORS, looks_like_unit
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
+from lagc.records import dataclass
 
 if TYPE_CHECKING:
     from lagc.frontend.recovery import Recovery
@@ -47,6 +47,7 @@ class Where:
         self.tokens = machine.tokens
         self.keywords = machine.tables.keywords
         self.signs = machine.tables.symbols
+        self.block = machine.blocks[-1] if machine.blocks else None
         self.accepts = recovery.accepts
         self.position = machine.position
         self.begin = begin
@@ -281,6 +282,16 @@ def _semicolon_too_many(w: Where) -> Explained | None:
     return Explained(Fault("LAG0124", message, w.span(w.token), remedy="delete it"), w.replace())
 
 
+def _missing_end_word(w: Where) -> Explained | None:
+    """`room;` where `end room;` is meant."""
+    if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
+        return None
+    message = f"an `end` is missing before `{w.first.text}`"
+    opened = ((w.block.span(w.source), "opened here"),)
+    fault = Fault("LAG0112", message, w.span(w.first), opened, f"write `end {w.first.text};`")
+    return Explained(fault, Repair(w.begin, 0, (_token("end", w.first.start),)))
+
+
 def _stray_end(w: Where) -> Explained | None:
     if w.inside or w.token.text != "end":
         return None
@@ -429,6 +440,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     _decimal_comma,
     _chained,
     _semicolon_too_many,
+    _missing_end_word,
     _stray_end,
     _bare_unit,
     _brackets,

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 from lagc.frontend import tree
 from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
+from lagc.records import dataclass
 
 _OPENING = ("(", "[", "{")
 _CLOSING = (")", "]", "}")

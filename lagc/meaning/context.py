@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused, Span
@@ -14,6 +13,7 @@ from lagc.meaning.model import Frame
 from lagc.meaning.namespace import Importer
 from lagc.meaning.scope import LARGEST, Entry, Environment
 from lagc.meaning.values import Poisoned, Value, Wrong
+from lagc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

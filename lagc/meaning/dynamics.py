@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.frontend import tree
@@ -31,6 +29,7 @@ from lagc.meaning.values import (
     vector_value,
 )
 from lagc.meaning.written import no_rates
+from lagc.records import replace
 
 FORCE = dimension(kg=1, m=1, s=-2)
 

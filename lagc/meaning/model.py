@@ -26,12 +26,12 @@ a thing was declared in, or None.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
+from lagc.records import dataclass, field
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]  # rows

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.types import TYPES, QuantityType, quantity_type
 from lagc.meaning.units import UnknownUnit, unit
 from lagc.meaning.values import Wrong
+from lagc.records import replace
 
 DEEPEST = 32  # types that stand for types
 

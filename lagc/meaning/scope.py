@@ -6,12 +6,12 @@ sizes of arrays of instances.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
+from lagc.records import dataclass, field
 
 if TYPE_CHECKING:
     from lagc.meaning import model as nouns

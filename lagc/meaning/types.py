@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from lagc.meaning.units import NONE, Dimension, unit
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.diagnostics.faults import Fault, Span
@@ -10,6 +9,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.meaning.model import Body, Frame, Orientation, Vector
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, si_text
+from lagc.records import dataclass
 
 if TYPE_CHECKING:
     from lagc.meaning.scope import Entry, Instance

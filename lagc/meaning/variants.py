@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from lagc.frontend import tree
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scope import DEEPEST
 from lagc.meaning.values import Wrong
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

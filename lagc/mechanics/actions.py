@@ -8,7 +8,6 @@ on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeter
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
@@ -17,6 +16,7 @@ from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Frame, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
 from lagc.mechanics.states import States, seeds
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

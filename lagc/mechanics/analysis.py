@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import chain
 
 from lagc.expr.derivative import gradient, tangent
@@ -28,6 +27,7 @@ from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.states import States, build_states
+from lagc.records import dataclass
 
 _STATES = 3
 _LARGEST = 60  # speeds and rows for which motions are solved for

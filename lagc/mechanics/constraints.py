@@ -9,7 +9,6 @@ its rate d(phi)/dt.  Any other is a velocity row psi(t,q,v) = 0, affine in v or 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
@@ -19,6 +18,7 @@ from lagc.expr.walk import depends
 from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

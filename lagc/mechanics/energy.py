@@ -14,7 +14,6 @@ A body's velocity u = (linear in the rates) + d gives K2 - K0 = K - d.p with its
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Node
@@ -26,6 +25,7 @@ from lagc.mechanics.inertia import Moving
 from lagc.mechanics.magnitude import vanishes
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 _STATES = 3
 

@@ -10,12 +10,11 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Model
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

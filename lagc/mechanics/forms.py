@@ -6,7 +6,6 @@ A quaternion's forms are in d(e): body rates are w = 2 E(e)^T e', and |e| = 1 is
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
@@ -14,6 +13,7 @@ from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Coordinate
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States, key, quaternion_rate, rate_symbols, seeds
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,6 @@ Mechanics and Control*, 2015, sec. 3.8).  E is then taken to the speeds by virtu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
@@ -18,6 +17,7 @@ from lagc.expr.vectors import cross
 from lagc.expr.walk import depends
 from lagc.meaning.model import Coordinate, Lagrangian, Model
 from lagc.mechanics.states import States, position_symbols, quaternion_rate, seeds
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,6 @@ prefix sums along it are shared.  Kane & Levinson, *Dynamics: Theory and Applica
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
@@ -24,6 +23,7 @@ from lagc.expr.vectors import Matrix, Vector, add, cross, matvec, scale
 from lagc.expr.walk import depends
 from lagc.meaning.model import Body
 from lagc.mechanics.states import States, seeds
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

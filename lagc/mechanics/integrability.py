@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
@@ -20,6 +19,7 @@ from lagc.mechanics.forms import Form, exact_form, places, unit_forms, velocity_
 from lagc.mechanics.linear import null_space
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 _STATES = 3
 _CLOSED = 1e-9  # relative; what cancels leaves about 1e-16

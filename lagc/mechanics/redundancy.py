@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
@@ -20,6 +19,7 @@ from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.records import dataclass, field
 
 _STATES = 3
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12

@@ -10,7 +10,6 @@ no division at all), by elimination otherwise.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient
@@ -19,6 +18,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Model, Speed
 from lagc.mechanics.samples import samples
+from lagc.records import dataclass
 
 _LARGEST_CRAMER = 4
 _SMALL = 1e-9  # relative; a pivot that cancels is about 1e-16, one that does not about 1

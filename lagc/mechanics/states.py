@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 from lagc.expr.derivative import gradient
@@ -12,6 +11,7 @@ from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Coordinate, Model, Orientation
 from lagc.mechanics.equations import StartValue
 from lagc.mechanics.speeds import choose_speeds
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True)

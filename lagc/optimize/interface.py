@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
@@ -12,6 +11,7 @@ from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.program import Field, Function, Interface
+from lagc.records import names, replace
 
 _UNHASHED = ("source_name", "model_hash", "notes", "initial_places")  # of no bearing on the numbers
 
@@ -70,8 +70,7 @@ def interface(
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
     )
     digest = _digest(found, functions)
-    values = {f.name: getattr(found, f.name) for f in fields(found)}
-    return Interface(**{**values, "model_hash": digest})
+    return replace(found, model_hash=digest)
 
 
 def place(span: Span) -> str:
@@ -116,14 +115,14 @@ def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:
 def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     """SHA-256 over all that makes a result: no file names, no places."""
     digest = hashlib.sha256()
-    for f in fields(interface):
-        if f.name not in _UNHASHED:
-            value = getattr(interface, f.name)
-            if f.name in ("parameters", "inputs", "outputs"):
+    for name in names(Interface):
+        if name not in _UNHASHED:
+            value = getattr(interface, name)
+            if name in ("parameters", "inputs", "outputs"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
-            elif f.name == "simulate":
+            elif name == "simulate":
                 value = sorted(value.items())
-            digest.update(f"{f.name}={value!r}\n".encode())
+            digest.update(f"{name}={value!r}\n".encode())
     for name, function in functions.items():
         digest.update(f"{name} {function.inputs} {function.outputs}\n".encode())
         lines = [f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]

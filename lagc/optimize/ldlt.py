@@ -13,9 +13,9 @@ matrices*, SIAM J. Optim. 5 (1995), for the signs of the pivots.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from lagc.optimize.block import Block
+from lagc.records import dataclass
 
 Entry = tuple[int, int]  # row, column; row >= column
 

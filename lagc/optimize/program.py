@@ -7,7 +7,7 @@ operations on the same operands in the same order.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from lagc.records import dataclass, field
 
 # op -> number of operands.  `load` and `const` have none.  Integer powers are products by now,
 # x*x, never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only.

@@ -4,11 +4,11 @@ do not touch one another."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.records import replace
 
 _MOST_NAMED = 8  # independent parts that a note lists
 

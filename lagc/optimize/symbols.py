@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
@@ -14,6 +13,7 @@ from lagc.optimize.expand import expanded
 from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
 from lagc.optimize.program import Function
+from lagc.records import dataclass
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "atan2", "pow",

@@ -8,10 +8,10 @@ would bind differently is parenthesised, so that no operation is re-associated b
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.optimize.program import Function
+from lagc.records import dataclass
 
 # How tightly an expression binds, in C and in Python alike.
 OR, AND, COMPARISON, SUM, PRODUCT, SIGN, ATOM = range(1, 8)

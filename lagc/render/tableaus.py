@@ -8,7 +8,8 @@ Springer 1993: section II.5 and table II.5.2 (DOPRI5, of Dormand and Prince), se
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+from lagc.records import dataclass
 
 Row = Mapping[int, float]  # stage -> coefficient; stages count from 1, zeros are left out
 

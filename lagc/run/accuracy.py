@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
 from math import floor, inf, isfinite, log10
 
 from lagc import cache
 from lagc.optimize.program import Interface
+from lagc.records import dataclass, field
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 
 SAFETY = 1.5  # on every estimate
@@ -148,7 +148,7 @@ class _Search:
         del self.runs[tol]
         if done.status == INTERRUPTED and self.runs:
             kept = self._result()  # a coarser run is complete: more than the beginning of this one
-            kept.trajectory = replace(kept.trajectory, status=INTERRUPTED)
+            kept.trajectory = kept.trajectory.changed(status=INTERRUPTED)
             return kept
         if self.estimate() < MEANINGLESS:
             kept = self._result()  # two coarser runs agree: too fine a tolerance fails by rounding

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
 from math import isfinite
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.diagnostics.suggest import closest
 from lagc.optimize.program import Field, Interface
+from lagc.records import dataclass, field
 
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from time import perf_counter
 
@@ -153,7 +152,7 @@ def _missed(
     message = (f"the motion can be foretold to {accuracy:g} until t = {horizon:.6g} s only: beyond it, "
                "runs of different tolerance part (it is chaotic, or too sensitive)")  # fmt: skip
     times, states = trajectory.times[:kept], trajectory.states[:kept]
-    cut = dataclasses.replace(trajectory, times=times, states=states, t=times[-1], x=states[-1])
+    cut = trajectory.changed(times=times, states=states, t=times[-1], x=states[-1])
     return "failed", message, cut
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
+from lagc.records import dataclass, field, replace
 from lagc.run.problem import System
 from lagc.run.request import unknown
 from lagc.version import __version__
@@ -158,7 +157,7 @@ class Solution:
 
     def final(self) -> dict[str, float]:
         """Every column at the last recorded time."""
-        last = dataclasses.replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
+        last = replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
         return {name: last.column(name)[0] for name in self.columns} if self.times else {}
 
     @property

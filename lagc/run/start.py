@@ -9,9 +9,9 @@ condition ties both.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from math import isfinite, sqrt
 
+from lagc.records import dataclass
 from lagc.run.leastnorm import least_norm
 from lagc.run.problem import System
 

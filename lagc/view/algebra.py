@@ -10,13 +10,13 @@ another way.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd, isqrt
 from typing import TypeAlias
 
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
+from lagc.records import dataclass
 
 Exponent: TypeAlias = "int | Fraction"
 Monomial: TypeAlias = tuple[tuple[int, Exponent], ...]

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
+from lagc.records import dataclass
 from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, divided, scaled
 
 Factors: TypeAlias = "tuple[tuple[int | Sum, Exponent], ...]"

@@ -5,12 +5,12 @@ Each equation is the derived one up to a factor that is a number or a product of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.records import dataclass
 from lagc.view.algebra import Algebra, NamingAlgebra, Polynomial, TooLarge, scaled
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import shutil
 import subprocess
 import sys
@@ -78,7 +77,7 @@ def test_c_and_python_agree_bitwise(name, options):
     x = c.start()
     assert x == python.start()
     times = [0.05 * i for i in range(41)]
-    one, other = (dataclasses.asdict(s.integrate(options, 0.0, x, times)) for s in (c, python))
+    one, other = (vars(s.integrate(options, 0.0, x, times)) for s in (c, python))
     assert repr(one) == repr(other)
     assert len(one["times"]) == 41 or options.max_steps
 

@@ -8,7 +8,8 @@ empty where a fault is no matter of a model's text (a file that cannot be read).
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+
+from lagc.records import dataclass
 
 ROOMS = ("syntax", "meaning", "mechanics", "optimize", "run", "files")
 

@@ -7,9 +7,9 @@ constraints has no function for them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from lagc.optimize.program import Interface, Program
+from lagc.records import dataclass
 from lagc.render.c.header import members
 from lagc.render.statements import literal, loads
 

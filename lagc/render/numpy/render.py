@@ -24,8 +24,7 @@ _IMPORTS = """\
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 """
 
 

@@ -7,7 +7,6 @@ many states at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
 from types import CodeType
 from typing import Any
 
@@ -30,7 +29,6 @@ class NumpySystem:
         self.interface = interface
         self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
-        # Its dataclasses look their module up by name: this one stands in for it.
         self.module: dict[str, Any] = {"__name__": __name__}
         exec(code, self.module)
         self._p: list[float] = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
@@ -114,7 +112,7 @@ class NumpySystem:
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
-        own = self.module["Options"](**asdict(options))
+        own = self.module["Options"](**vars(options))
         done: Trajectory = self.module["_integrate"](self.inner, own, t0, list(x0), list(times), progress)
         return done
 

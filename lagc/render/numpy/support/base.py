@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Any
 
 # -- what follows is part of generated modules --
 
@@ -17,7 +17,6 @@ INTERRUPTED = 7
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
 
-@dataclass(frozen=True)
 class Options:
     """How to integrate one trajectory.
 
@@ -26,17 +25,24 @@ class Options:
     steps).  `project` False leaves the constraints to drift (for tests).
     """
 
-    method: str = "dop853"
-    rtol: float = 1e-9
-    atol: float = 1e-9
-    step: float = 0.0
-    first_step: float = 0.0
-    max_step: float = 0.0
-    max_steps: int = 0
-    project: bool = True
+    def __init__(
+        self,
+        method: str = "dop853",
+        rtol: float = 1e-9,
+        atol: float = 1e-9,
+        step: float = 0.0,
+        first_step: float = 0.0,
+        max_step: float = 0.0,
+        max_steps: int = 0,
+        project: bool = True,
+    ):
+        self.method = method
+        self.rtol, self.atol = rtol, atol
+        self.step, self.first_step, self.max_step = step, first_step, max_step
+        self.max_steps = max_steps
+        self.project = project
 
 
-@dataclass
 class Trajectory:
     """States at the asked times (as many as were reached), and what it took.
 
@@ -45,16 +51,29 @@ class Trajectory:
     `fallbacks`: linear solves that needed the pivoted QR.
     """
 
-    times: list[float]
-    states: list[list[float]]
-    t: float
-    x: list[float]
-    status: int = OK
-    culprit: int = -1
-    steps: int = 0
-    rejected: int = 0
-    rhs: int = 0
-    fallbacks: int = 0
-    redundant_rows: tuple[int, ...] = ()
-    position_drift: float = 0.0
-    velocity_drift: float = 0.0
+    def __init__(
+        self,
+        times: list[float],
+        states: list[list[float]],
+        t: float,
+        x: list[float],
+        status: int = OK,
+        culprit: int = -1,
+        steps: int = 0,
+        rejected: int = 0,
+        rhs: int = 0,
+        fallbacks: int = 0,
+        redundant_rows: tuple[int, ...] = (),
+        position_drift: float = 0.0,
+        velocity_drift: float = 0.0,
+    ):
+        self.times, self.states = times, states
+        self.t, self.x = t, x
+        self.status, self.culprit = status, culprit
+        self.steps, self.rejected, self.rhs, self.fallbacks = steps, rejected, rhs, fallbacks
+        self.redundant_rows = redundant_rows
+        self.position_drift, self.velocity_drift = position_drift, velocity_drift
+
+    def changed(self, **values: Any) -> Trajectory:
+        """This one with other values."""
+        return Trajectory(**{**vars(self), **values})

@@ -7,8 +7,8 @@ and the codes DOPRI5 and DOP853 there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from math import pow, sqrt
+from typing import NamedTuple
 
 from lagc.render.numpy.support.base import (
     FAILED,
@@ -37,15 +37,14 @@ from lagc.render.numpy.support.stages import (
 # -- what follows is part of generated modules --
 
 
-@dataclass(frozen=True)
-class Method:
-    """The functions of one method and its constants (see `Tableau`); `count` = stages, `extra` for dense."""
+class Method(NamedTuple):
+    """The functions of one method, `rates` for a step and `extra` for dense output; see `Tableau`."""
 
     stages: Callable[..., tuple[int, list[float]]]
     error: Callable[..., float]
     dense: Callable[..., tuple[int, list[list[float]]]]
     at: Callable[[float, list[list[float]]], list[float]]
-    count: int
+    rates: int
     extra: int
     order: int
     uses_new: bool  # whether the error needs the rate at the new state
@@ -72,7 +71,7 @@ class Integrator:
         self.method = METHODS[options.method]
         self.t, self.x = t, list(x)
         self.t_old, self.x_old, self.h_old = t, self.x, 0.0
-        self.k = [[0.0] * len(self.x) for _ in range(self.method.count + 1 + self.method.extra)]
+        self.k = [[0.0] * len(self.x) for _ in range(self.method.rates + 1 + self.method.extra)]
         self.lam = [0.0] * problem.nc
         self.h = 0.0  # the next step, > 0; 0 before the first
         self.error_old = 1e-4
@@ -95,7 +94,7 @@ class Integrator:
             if status in FAILED:
                 return status
         elif self.arrived:
-            k[0], k[method.count] = k[method.count], k[0]
+            k[0], k[method.rates] = k[method.rates], k[0]
             self.arrived = False
         rest = abs(t1 - t)
         cause, rejected = OK, False
@@ -120,7 +119,7 @@ class Integrator:
             if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40:
                 return self._stop(cause if cause != OK else STEP_UNDERFLOW)
             status, y = method.stages(self.problem, t, x, h, k, self.lam)
-            self.rhs += method.count - 1
+            self.rhs += method.rates - 1
             error = 0.0
             if status not in FAILED and (method.uses_new or options.step > 0.0):
                 status = self._arrive(t_new, y)
@@ -240,7 +239,7 @@ class Integrator:
             if velocity > self.velocity_drift:
                 self.velocity_drift = velocity
         self.rhs += 1
-        return self.problem.rhs(t, y, self.k[self.method.count], self.lam)
+        return self.problem.rhs(t, y, self.k[self.method.rates], self.lam)
 
     def _adapt(self, size: float, error: float, lands: bool, rejected: bool) -> None:
         """The size of the next step."""

@@ -1,0 +1,177 @@
+"""Dataclasses that cost nothing to define.
+
+`dataclass` and `field` mean what they mean in `dataclasses`, for what is used here (frozen, slots,
+defaults, repr).  Defining one there takes half a millisecond and the import ten, which for a hundred
+of them is most of a short run; here the methods are written when they are first called.  For type
+checkers, and for `dataclasses.fields`, `replace` and `asdict`, these are dataclasses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+_MISSING: Any = object()
+
+
+class _Slot:
+    """What is said of one field."""
+
+    __slots__ = ("default", "factory", "repr")
+
+    def __init__(self, default: Any, factory: Any, repr: bool):
+        self.default, self.factory, self.repr = default, factory, repr
+
+
+def _field(*, default: Any = _MISSING, default_factory: Any = _MISSING, repr: bool = True) -> Any:
+    return _Slot(default, default_factory, repr)
+
+
+def _dataclass(cls: Any = None, /, *, frozen: bool = False, slots: bool = False) -> Any:
+    if cls is None:
+        return lambda found: _made(found, frozen, slots)
+    return _made(cls, frozen, slots)
+
+
+def _made(cls: Any, frozen: bool, slots: bool) -> Any:
+    fields: dict[str, _Slot] = {}
+    for name in cls.__annotations__:
+        value = cls.__dict__.get(name, _MISSING)
+        fields[name] = value if isinstance(value, _Slot) else _Slot(value, _MISSING, True)
+        if isinstance(value, _Slot):
+            delattr(cls, name)
+            if value.default is not _MISSING:
+                setattr(cls, name, value.default)
+    if slots:
+        cls = _slotted(cls, tuple(fields))
+    own = cls.__dict__
+    setattr(cls, "__match_args__", tuple(fields))  # noqa: B010
+    cls.__dataclass_fields__ = _StandardFields(fields)
+    if frozen:
+        cls.__setattr__, cls.__delattr__ = _refuse, _refuse
+        if slots:
+            cls.__getstate__, cls.__setstate__ = _get_state, _set_state
+    texts = {"__init__": _init, "__repr__": _repr, "__eq__": _eq, "__hash__": _hash}
+    for name, write in texts.items():
+        if name == "__hash__" and not frozen:
+            cls.__hash__ = None
+        elif own.get(name) is None:
+            setattr(cls, name, _later(cls, name, write, fields, frozen))
+    return cls
+
+
+def _slotted(cls: Any, names: tuple[str, ...]) -> Any:
+    space = {k: v for k, v in cls.__dict__.items() if k not in (*names, "__dict__", "__weakref__")}
+    space["__slots__"] = names
+    made = type(cls)(cls.__name__, cls.__bases__, space)
+    made.__qualname__ = cls.__qualname__
+    return made
+
+
+Writer = Callable[[str, dict[str, _Slot], bool, dict[str, Any]], str]
+
+
+def _later(cls: Any, name: str, write: Writer, fields: dict[str, _Slot], frozen: bool) -> Any:
+    """The method `name` of `cls`, which replaces itself by the one written for `fields`."""
+
+    def method(self: Any, *values: Any, **named: Any) -> Any:
+        space: dict[str, Any] = {"_set": object.__setattr__}
+        exec(write(cls.__qualname__, fields, frozen, space), space)
+        real = space[name]
+        real.__qualname__, real.__module__ = f"{cls.__qualname__}.{name}", cls.__module__
+        setattr(cls, name, real)
+        return real(self, *values, **named)
+
+    return method
+
+
+def _init(_: str, fields: dict[str, _Slot], frozen: bool, space: dict[str, Any]) -> str:
+    heads, lines = ["self"], []
+    for name, slot in fields.items():
+        value = name
+        if slot.factory is not _MISSING:
+            space[f"_make_{name}"], space["_MISSING"] = slot.factory, _MISSING
+            heads.append(f"{name}=_MISSING")
+            value = f"_make_{name}() if {name} is _MISSING else {name}"
+        elif slot.default is not _MISSING:
+            space[f"_default_{name}"] = slot.default
+            heads.append(f"{name}=_default_{name}")
+        else:
+            heads.append(name)
+        lines.append(f"    _set(self, {name!r}, {value})" if frozen else f"    self.{name} = {value}")
+    return f"def __init__({', '.join(heads)}):\n" + "\n".join(lines or ["    pass"])
+
+
+def _repr(title: str, fields: dict[str, _Slot], _: bool, __: dict[str, Any]) -> str:
+    shown = ", ".join(f"{name}={{self.{name}!r}}" for name, slot in fields.items() if slot.repr)
+    return f"def __repr__(self):\n    return f{f'{title}({shown})'!r}"
+
+
+def _eq(_: str, fields: dict[str, _Slot], __: bool, ___: dict[str, Any]) -> str:
+    mine, yours = _tuple("self", fields), _tuple("other", fields)
+    return ("def __eq__(self, other):\n    if other.__class__ is not self.__class__:\n"
+            f"        return NotImplemented\n    return {mine} == {yours}")  # fmt: skip
+
+
+def _hash(_: str, fields: dict[str, _Slot], __: bool, ___: dict[str, Any]) -> str:
+    return f"def __hash__(self):\n    return hash({_tuple('self', fields)})"
+
+
+def _tuple(owner: str, fields: dict[str, _Slot]) -> str:
+    return "(" + "".join(f"{owner}.{name}, " for name in fields) + ")"
+
+
+def _refuse(self: Any, name: str, value: Any = None) -> None:
+    from dataclasses import FrozenInstanceError
+
+    raise FrozenInstanceError(f"cannot change field {name!r}")
+
+
+def _get_state(self: Any) -> list[Any]:
+    return [getattr(self, name) for name in self.__match_args__]
+
+
+def _set_state(self: Any, values: list[Any]) -> None:
+    for name, value in zip(self.__match_args__, values):
+        object.__setattr__(self, name, value)
+
+
+class _StandardFields:
+    """`__dataclass_fields__`, made by the standard library when it is asked for."""
+
+    def __init__(self, fields: dict[str, _Slot]):
+        self.fields = fields
+
+    def __get__(self, _: object, cls: Any) -> Any:
+        import dataclasses
+
+        space = {name: _standard(dataclasses, slot) for name, slot in self.fields.items()}
+        space["__annotations__"] = dict.fromkeys(self.fields, "object")
+        twin: Any = dataclasses.dataclass(type(cls.__name__, (), space))
+        return twin.__dataclass_fields__
+
+
+def _standard(dataclasses: Any, slot: _Slot) -> Any:
+    if slot.factory is not _MISSING:
+        return dataclasses.field(default_factory=slot.factory, repr=slot.repr)
+    default = dataclasses.MISSING if slot.default is _MISSING else slot.default
+    return dataclasses.field(default=default, repr=slot.repr)
+
+
+def _names(record: Any) -> tuple[str, ...]:
+    found: tuple[str, ...] = record.__match_args__
+    return found
+
+
+def _replace(record: Any, /, **changes: Any) -> Any:
+    values = {name: getattr(record, name) for name in record.__match_args__}
+    return record.__class__(**{**values, **changes})
+
+
+if TYPE_CHECKING:
+    from dataclasses import dataclass, field, replace
+else:
+    dataclass, field, replace = _dataclass, _field, _replace
+
+names = _names
+__all__ = ["dataclass", "field", "names", "replace"]

@@ -1,0 +1,78 @@
+"""Light dataclasses are dataclasses."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+
+import pytest
+
+from lagc.records import dataclass, field, names, replace
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    a: int
+    b: str = "x"
+    c: list[int] = field(default_factory=list, repr=False)
+
+    def twice(self) -> int:
+        return 2 * self.a
+
+
+@dataclass
+class Loose:
+    a: int
+    b: int = 3
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Standard:
+    a: int
+    b: str = "x"
+    c: list[int] = dataclasses.field(default_factory=list, repr=False)
+
+
+def test_made_compared_and_shown_as_the_standard_ones() -> None:
+    one = Fixed(1, c=[2])
+    assert (one.a, one.b, one.c, one.twice()) == (1, "x", [2], 2)
+    assert Fixed(1).c is not Fixed(1).c
+    assert one == Fixed(1, "x", [2]) != Fixed(1)
+    assert repr(one) == repr(Standard(1, c=[2])).replace("Standard", "Fixed")
+    assert one != Standard(1, c=[2])
+    assert hash(Fixed(1, "x", ())) == hash(Standard(1, "x", ()))  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="'a'"):
+        Fixed()  # type: ignore[call-arg]
+
+
+def test_frozen_and_slotted() -> None:
+    one = Fixed(1)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        one.a = 2  # type: ignore[misc]
+    assert not hasattr(one, "__dict__")
+    loose = Loose(1)
+    loose.b = 4
+    assert loose == Loose(1, 4)
+    with pytest.raises(TypeError):
+        hash(loose)
+
+
+def test_copied_and_pickled() -> None:
+    one = Fixed(1, "y", [3])
+    assert pickle.loads(pickle.dumps(one)) == copy.deepcopy(one) == copy.copy(one) == one
+
+
+def test_the_standard_functions_know_them() -> None:
+    one = Fixed(1, "y", [3])
+    assert dataclasses.is_dataclass(Fixed)
+    assert [f.name for f in dataclasses.fields(Fixed)] == list(names(Fixed)) == ["a", "b", "c"]
+    assert dataclasses.asdict(one) == {"a": 1, "b": "y", "c": [3]}
+    assert dataclasses.replace(one, a=2) == replace(one, a=2) == Fixed(2, "y", [3])
+
+
+def test_a_class_that_inherits_keeps_its_own_name() -> None:
+    class Under(Loose):
+        pass
+
+    assert Under(1) == Under(1) != Loose(1)
