@@ -107,6 +107,14 @@ def test_parts_of_a_name_are_bounded(part: str) -> None:
     assert {fault.code for fault in refused.value.faults} == {"LAG0106"}
 
 
+def test_parts_of_a_name_in_a_scene_are_bounded() -> None:
+    text = "model M scene s parameter a{} = 1; end s; end M;"
+    assert parse(Source("x", text.format(".b" * 99)))
+    with pytest.raises(Refused) as refused:
+        parse(Source("x", text.format(".b" * 20_000)))
+    assert [fault.code for fault in refused.value.faults] == ["LAG0106"]
+
+
 def test_numbers_out_of_range() -> None:
     assert faults(model("1e999")) == [("LAG0105", 2, 17)]
     assert parse(model("1e-999 + " + "9" * 300))

@@ -145,6 +145,8 @@ def test_layout_from_any_blanks() -> None:
         ("effect e\npotential V=1;end e;", "  effect e\n    potential V = 1;\n  end e;\n"),
         ("effect e potential V=1;potential W=1;end e;",
          "  effect e\n    potential V = 1;\n    potential W = 1;\n  end e;\n"),
+        ("scene s parameter a . b [ 2 ] . m=1,c=2; end s;",
+         "  scene s parameter a.b[2].m = 1, c = 2; end s;\n"),
         ("scene s;scene t uses a,b;", "  scene s;\n  scene t uses a, b;\n"),
         ("\n\n\nscene s;\n\n\n\nscene t;\n\n\n", "  scene s;\n\n  scene t;\n"),
         ("initial x=1;-y=2;scene s;", "  initial\n    x = 1;\n    -y = 2;\n  scene s;\n"),

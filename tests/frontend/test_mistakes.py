@@ -166,6 +166,31 @@ def test_inner_block_without_end() -> None:
     assert len(found.declarations) == 2
 
 
+def test_missing_word_end() -> None:
+    found, faults = parse_recovering(Source("x", "model M\n  scene lab\n    start x = 1;\n  lab;\nend M;\n"))
+    (fault,) = faults
+    assert fault.code == "LAG0112" and fault.span is not None and fault.span.line == 4
+    (model,) = found.declarations
+    assert isinstance(model, tree.ModelDeclaration) and isinstance(model.body[0], tree.Scene)
+
+
+def test_end_of_a_block_whose_first_line_is_lost() -> None:
+    text = "model M\n  scene = lab\n    start x = 1;\n  end lab;\n  potential V = 1;\nend M;\n"
+    found, faults = parse_recovering(Source("x", text))
+    assert faults[0].span is not None and faults[0].span.line == 2
+    assert "LAG0113" not in {fault.code for fault in faults}
+    (model,) = found.declarations
+    assert isinstance(model, tree.ModelDeclaration) and isinstance(model.body[-1], tree.Construct)
+
+
+def test_end_that_closes_nothing() -> None:
+    text = "model M\n  potential V = 1;\n  end lab;\n  potential W = 1;\nend M;\n"
+    found, faults = parse_recovering(Source("x", text))
+    assert [(f.code, f.span.line) for f in faults if f.span is not None] == [("LAG0113", 3)]
+    (model,) = found.declarations
+    assert isinstance(model, tree.ModelDeclaration) and len(model.body) == 2
+
+
 def test_modelicas_equation_section() -> None:
     with pytest.raises(Refused) as refused:
         parse(Source("x", "model M\nequation\n  m*der(v) = F;\n  der(x) = v;\n  a = 1;\nend M;\n"))
