@@ -1,0 +1,117 @@
+"""What the scene does not use does not exist: the C of a scene is that of the model without it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lagc import compiler
+from lagc.compiler import Choice
+from lagc.diagnostics.faults import Source, Span
+from lagc.frontend import tree
+from lagc.frontend.parse import parse
+from lagc.meaning.variants import Variant, variants
+from lagc.view.explain import explanation
+
+MODELS = Path(__file__).resolve().parents[2] / "models"
+
+SEVERAL = """
+model Box
+  parameter Mass m = 2;
+  parameter Length unused = 3;
+  coordinate Length x(start = 1), y, spare;
+  effect tilt
+    coordinate Angle a(start = 0.1);
+    parameter Inertia I = 2;
+    frame F = rotate_z(world, a);
+    body plate = Solid(mass = m, inertia = {I, I, I}, frame = F, com = {0, 0, 0});
+    potential spring = 1 [J]*a^2 + 1 [J/m]*x*a;
+  end tilt;
+  effect plane constraint flat: y = 0.1 [m]*x/1 [m]; end plane;
+  effect lift potential up = 1 [N]*y; output Power p = power(up); end lift;
+  effect air excludes plane;
+    parameter Damping c = 1;
+    dissipation D = 1/2*c*(der(x)^2 + der(y)^2);
+  end air;
+  body b = Particle(mass = m, at = {x, y, 0});
+  potential home = 1/2*3 [N/m]*dot(position(b), position(b)) unless tilt;
+  output Energy E = energy();
+  scene nothing;
+  scene one uses lift;
+  scene held uses plane, lift;
+  scene all uses air, tilt, lift;
+end Box;
+"""
+
+
+def _texts() -> Iterator[tuple[str, str, Variant]]:
+    sources = [(path.stem, path.read_text("utf-8")) for path in sorted(MODELS.rglob("*.lag"))]
+    for name, text in [*sources, ("box", SEVERAL)]:
+        file = parse(Source(name, text))
+        if any(isinstance(inner, tree.Effect) for d in _models(file) for inner in d.body):
+            yield from ((name, text, variant) for variant in variants(file) if not variant.with_effects)
+
+
+def _models(file: tree.Tree) -> list[tree.ModelDeclaration]:
+    return [d for d in file.declarations if isinstance(d, tree.ModelDeclaration)]
+
+
+CASES = list(_texts())
+
+
+def without_unused(file: tree.Tree, scene: str | None) -> str:
+    """The text without the effects that `scene` does not use, and without the other scenes, which
+    name them.  Line ends stay, since the C names the lines that things are declared in."""
+    removed: list[Span] = []
+    for model in _models(file):
+        scenes = [d for d in model.body if isinstance(d, tree.Scene)]
+        uses = {name.name for d in scenes if d.name == scene for name in d.uses}
+        removed += [d.span for d in scenes if d.name != scene]
+        removed += [d.span for d in model.body if isinstance(d, tree.Effect) and d.name not in uses]
+    gone = {
+        d.name
+        for model in _models(file)
+        for d in model.body
+        if isinstance(d, tree.Effect)
+        if d.span in removed
+    }
+    text = file.source.text
+    for span in sorted(removed, key=lambda s: s.start, reverse=True):
+        lines = "\n" * text.count("\n", span.start, span.end)
+        text = text[: span.start] + lines + text[span.end :]
+    for effect in gone:
+        text = re.sub(rf"excludes {effect};| unless {effect}(?=;)", "", text)
+    return text
+
+
+def _c(name: str, text: str, choice: Choice) -> dict[str, str]:
+    found = compiler.Compilation(Source(name, text), choice)
+    return compiler.render(compiler.optimize(found.equations, work=False), "c")
+
+
+@pytest.mark.parametrize("name, text, variant", CASES, ids=[f"{n}-{v.scene}" for n, _, v in CASES])
+def test_the_c_is_that_of_the_model_without_unused_effects(name: str, text: str, variant: Variant) -> None:
+    shorter = without_unused(parse(Source(name, text)), variant.scene)
+    choice = Choice(model=variant.model, scene=variant.scene)
+    assert _c(name, text, choice) == _c(name, shorter, choice)
+
+
+def test_something_is_removed() -> None:
+    kept = without_unused(parse(Source("box", SEVERAL)), "one")
+    assert "effect lift" in kept and "effect air" not in kept and "effect tilt" not in kept
+    assert kept.count("\n") == SEVERAL.count("\n")
+
+
+def test_what_nothing_depends_on_is_pruned_and_said() -> None:
+    found = compiler.Compilation(Source("box", SEVERAL), Choice(scene="one"))
+    program = compiler.optimize(found.equations, work=False)
+    assert program.interface.q_names == ("x", "y")
+    assert [p.name for p in program.interface.parameters] == ["m"]
+    said = explanation(found.equations, program)["pruned"]
+    assert isinstance(said, list)
+    for line in ("effect `tilt` is left out", "parameter `unused` reaches nothing"):
+        assert line in said
+    assert any("coordinate `spare`" in line for line in said)
