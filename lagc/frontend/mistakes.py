@@ -6,12 +6,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend.foreign import FOREIGN, OPERATORS, looks_like_unit
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Token
+from lagc.records import dataclass
 
 if TYPE_CHECKING:
     from lagc.frontend.recovery import Recovery
