@@ -8,6 +8,7 @@ so that a run of a model that is in the cache loads none of the first four.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from functools import cached_property
 from math import inf
@@ -176,7 +177,9 @@ class Compilation:
     def _head_name(self) -> str:
         choice = self.choice
         chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
-        return cache.key("head", version_key(), self.source.name, self.source.text, repr(self.roots), chosen)
+        folder = os.path.realpath(os.path.dirname(self.source.name)) if "import" in self.source.text else ""
+        named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
+        return cache.key("head", version_key(), *named)
 
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())

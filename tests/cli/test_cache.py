@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc import cache
+from lagc import cache, load
 
 
 @pytest.fixture()
@@ -84,3 +84,20 @@ def test_the_platform_default_is_used(monkeypatch: pytest.MonkeyPatch, tmp_path:
     monkeypatch.delenv("LAGC_CACHE", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert cache.folder() == str(tmp_path / "lagc")
+
+
+def test_each_folder_has_its_own_imports(root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One and the same text, called by the same name, means another model beside another file."""
+    text = (
+        'import "lib.lag"; model A coordinate Length x(start = x0); '
+        "body b = Particle(mass = 1, at = {x, 0, 0}); end A;"
+    )
+    found = []
+    for number in (1, 2, 1):
+        folder = tmp_path / str(number)
+        folder.mkdir(exist_ok=True)
+        (folder / "main.lag").write_text(text)
+        (folder / "lib.lag").write_text(f"constant Length x0 = {number};")
+        monkeypatch.chdir(folder)
+        found.append(float(load("main.lag").compile(backend="numpy").start()[0]))
+    assert found == [1.0, 2.0, 1.0]
