@@ -31,6 +31,7 @@ class Reference:
     parameters: dict[str, float]
     starts: dict[str, float]
     accuracy: float
+    tolerance: float | None  # of a run by hand; None: the run is asked for its accuracy
     samples: tuple[Sample, ...]
     constants: dict[str, float | list[float]]
 
@@ -45,7 +46,7 @@ def read(name: str) -> Reference:
     samples = tuple(Sample(s["t"], s["values"]) for s in data["samples"])
     return Reference(
         data["name"], data["model"], data.get("scene"), data.get("parameters", {}), data.get("starts", {}),
-        data["accuracy"], samples, data.get("constants", {}),
+        data["accuracy"], data.get("tolerance"), samples, data.get("constants", {}),
     )  # fmt: skip
 
 
