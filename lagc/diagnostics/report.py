@@ -18,7 +18,13 @@ TAB = 4
 WIDEST = 100  # columns of a source line that are shown; longer lines are windowed
 MOST = 100  # faults that are shown in full
 
-_COLORS = {"error": "\033[1;31m", "warning": "\033[1;33m", "help": "\033[1;36m", "frame": "\033[1;34m", "bold": "\033[1m"}
+_COLORS = {
+    "error": "\033[1;31m",
+    "warning": "\033[1;33m",
+    "help": "\033[1;36m",
+    "frame": "\033[1;34m",
+    "bold": "\033[1m",
+}
 _PLAIN_END = "\033[0m"
 
 
@@ -52,7 +58,13 @@ def place(span: Span) -> dict[str, object]:
     """1-based lines and columns; the end is the first character after the span."""
     line, column = span.source.place(span.start)
     end_line, end_column = span.source.place(span.end)
-    return {"file": span.source.name, "line": line, "column": column, "end_line": end_line, "end_column": end_column}
+    return {
+        "file": span.source.name,
+        "line": line,
+        "column": column,
+        "end_line": end_line,
+        "end_column": end_column,
+    }
 
 
 def _order(fault: Fault) -> tuple[bool, str, int]:
@@ -72,7 +84,8 @@ def _count(faults: Sequence[Fault]) -> str:
 
 
 def _block(fault: Fault, color: bool) -> str:
-    head = f"{_paint(f'{fault.severity}[{fault.code}]', fault.severity, color)}: {_paint(printable(fault.message), 'bold', color)}"
+    kind = _paint(f"{fault.severity}[{fault.code}]", fault.severity, color)
+    head = f"{kind}: {_paint(printable(fault.message), 'bold', color)}"
     lines = [head]
     spans = [*([fault.span] if fault.span else []), *(span for span, _ in fault.related)]
     width = max((len(str(span.line)) for span in spans), default=0) + 1

@@ -231,8 +231,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0134": _entry(
         "A declared name with a point in it",
-        "A name that is declared is one word. What is within an instance is declared in the instance's model; "
-        "where the instance is declared, and in scenes, it can be given another value.",
+        "A name that is declared is one word. What is within an instance is declared in the instance's "
+        "model; where the instance is declared, and in scenes, it can be given another value.",
         "parameter Mass bob.m = 2 [kg];",
         "parameter Mass bob_m = 2 [kg];",
     ),
