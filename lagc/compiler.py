@@ -8,8 +8,10 @@ so that a run of a model that is in the cache loads none of the first four.
 
 from __future__ import annotations
 
+import gc
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING
@@ -42,12 +44,26 @@ class Choice:
     parameters: Given = field(default_factory=dict)
 
 
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without looking for garbage: stages make a great many objects that all stay."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+@_uncollected()
 def parse(source: Source) -> Tree:
     from lagc.frontend.parse import parse as run
 
     return run(source)
 
 
+@_uncollected()
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
     """The model that is meant.  Of `choice.parameters`, it holds the values of those that are
     built in only: the others are given to each run."""
@@ -90,18 +106,21 @@ def _in_si(name: str, given: float | Quantity) -> float:
         raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=remedy)]) from None
 
 
+@_uncollected()
 def derive(model: Model) -> EquationsOfMotion:
     from lagc.mechanics.derive import derive as run
 
     return run(model)
 
 
+@_uncollected()
 def optimize(equations: EquationsOfMotion, work: bool) -> Program:
     from lagc.optimize.optimize import optimize as run
 
     return run(equations, work=work)
 
 
+@_uncollected()
 def render(program: Program, target: str) -> dict[str, str]:
     """File name -> text."""
     if target == "c":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import sys
 
@@ -53,6 +52,8 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
     if matches:
         return Fault("LAG0701", f"`{name}` is the name of several models", remedy="say " + " or ".join(matches))
     short = [m.rpartition("/")[2] for m in models]
+    import difflib
+
     close = difflib.get_close_matches(wanted, short + models, n=1)
     remedy = f"did you mean the library model `{close[0]}`?" if close else None
     return Fault("LAG0701", f"there is no file `{name}`, and no model of that name in the library", remedy=remedy)

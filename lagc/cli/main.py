@@ -61,12 +61,23 @@ def _dispatch(words: list[str]) -> int:
     command = importlib.import_module(f"lagc.cli.{name}")
     parser = Parser(
         prog=f"lagc {name}", description=command.__doc__, allow_abbrev=False,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        formatter_class=Help,
     )  # fmt: skip
     command.add_options(parser)
     code: int = command.run(parser.parse_args(words[1:]))
     sys.stdout.flush()
     return code
+
+
+class Help(argparse.RawDescriptionHelpFormatter):
+    """As wide as the terminal, without the module that argparse loads to find that out."""
+
+    def __init__(self, prog: str):
+        try:
+            columns = int(os.environ.get("COLUMNS", 0)) or os.get_terminal_size(1).columns
+        except (OSError, ValueError):
+            columns = 80
+        super().__init__(prog, width=max(columns, 40) - 2)
 
 
 class Parser(argparse.ArgumentParser):
