@@ -41,9 +41,13 @@ _IN_LOOPS = frozenset({
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
 _SHOWN = {
-    "file": "the top of a file", "package": "a package", "model": "a model", "effect": "an effect",
-    "scene": "a scene", "for": "a loop",
-}  # fmt: skip
+    "file": "at the top of a file",
+    "package": "in a package",
+    "model": "in a model",
+    "effect": "in an effect",
+    "scene": "in a scene",
+    "for": "in a loop",
+}
 
 
 def arrange(items: Iterable[Any], container: str, faults: list[Fault]) -> tuple[tree.Declaration, ...]:
@@ -129,10 +133,10 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
     if container == "for" and places == _MECHANICS:
         remedy = f"declare it outside, with subscripts: `{kind} Type name[n]`"
     else:
-        remedy = f"it belongs in {' or '.join(good)}"
+        remedy = f"it belongs {' or '.join(good)}"
     if kind in ("effect", "scene") and container == "effect":
         remedy += "; is an `end` missing before it?"
-    faults.append(Fault("LAG0120", f"{shown} cannot stand in {_SHOWN[container]}", begin, remedy=remedy))
+    faults.append(Fault("LAG0120", f"{shown} cannot stand {_SHOWN[container]}", begin, remedy=remedy))
 
 
 def _equation_outside(item: tree.Initial) -> Fault:
