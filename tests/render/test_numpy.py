@@ -167,7 +167,7 @@ def test_module_needs_nothing(name: str, tmp_path: Path) -> None:
         "m.energies(0, x); m.mass_matrix(0, x); m.accelerations(0, x)\n"
         "assert len(m.PARAMETERS) == len(m.default_params())"
     )
-    subprocess.run([sys.executable, "-I", "-W", "error", "-c", code], check=True, cwd=tmp_path)
+    subprocess.run([sys.executable, "-I", "-S", "-W", "error", "-c", code], check=True, cwd=tmp_path)
 
 
 def test_text_is_ascii_and_keeps_strings_of_users_inside_strings() -> None:
