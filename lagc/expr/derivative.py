@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends, reachable
+from lagc.expr.walk import reachable
 
 
 def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
@@ -21,9 +21,7 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
     if op == "scale":
         return (graph.const(node.value),)
     if op == "mul":
-        return tuple(
-            [graph.scale(float(e), graph.div(node, b)) for b, e in zip(args, node.value)]
-        )
+        return tuple([partial(graph, node, k) for k in range(len(args))])
     if len(args) == 1:
         return (_unary(graph, node, args[0]),)
     if op == "pow":
@@ -52,9 +50,11 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
 
 def partial(graph: Graph, node: Node, k: int) -> Node:
     """d(node)/d(argument k) alone."""
+    if node.op == "add":
+        return graph.one
     if node.op == "mul":
         exponent = node.value[k]
-        return graph.scale(float(exponent), graph.div(node, node.args[k]))
+        return graph.scale(float(exponent), graph.reduced(node, k))
     return partials(graph, node)[k]
 
 
@@ -112,11 +112,16 @@ def gradient(
 ) -> dict[Node, Node]:
     """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero."""
     adjoint: dict[Node, Node] = {}
-    live = depends(seeds, wrt)
+    live = set(wrt)
+    order: list[Node] = []
+    for node in reachable(seeds):
+        if node in live or not live.isdisjoint(node.args):
+            live.add(node)
+            order.append(node)
     for node, seed in seeds.items():
         if node in live and not seed.is_zero:
             adjoint[node] = seed
-    for node in sorted(live, key=_index, reverse=True):
+    for node in reversed(order):
         weight = adjoint.get(node)
         if weight is None or weight.is_zero:
             continue
@@ -128,7 +133,3 @@ def gradient(
                 adjoint[argument] = share if held is None else graph.add(held, share)
     found = {w: adjoint[w] for w in wrt if w in adjoint}
     return {w: node for w, node in found.items() if not node.is_zero}
-
-
-def _index(node: Node) -> int:
-    return node.index

@@ -246,6 +246,33 @@ class Graph:
             c, a = c * a.value, a.args[0]
         return self.scale(c, self._merge(a, b, -1))
 
+    def product(self, factors: Iterable[tuple[Node, int]]) -> Node:
+        """The product of bases to integer powers."""
+        c = 1.0
+        powers: dict[Node, int] = {}
+        for base, exponent in factors:
+            if base.op == "scale":
+                c *= base.value**exponent
+                base = base.args[0]
+            if base.op == "mul":
+                for b, e in zip(base.args, base.value):
+                    powers[b] = powers.get(b, 0) + e * exponent
+            elif base.op == "const":
+                c *= base.value**exponent
+            else:
+                powers[base] = powers.get(base, 0) + exponent
+        return self.scale(c, self._monomial(powers))
+
+    def reduced(self, monomial: Node, k: int) -> Node:
+        """The product `monomial` divided by its base number k."""
+        bases, exponents = monomial.args, monomial.value
+        if exponents[k] != 1:
+            return self.div(monomial, bases[k])
+        if len(bases) == 2 and exponents[1 - k] == 1:
+            other: Node = bases[1 - k]
+            return other
+        return self._intern("mul", bases[:k] + bases[k + 1 :], exponents[:k] + exponents[k + 1 :])
+
     def _merge(self, a: Node, b: Node, sign: int) -> Node:
         """The monomial a * b^sign; neither is a scale, b is no constant."""
         powers: dict[Node, int] = {}
@@ -259,25 +286,35 @@ class Graph:
         return self._monomial(powers)
 
     def _monomial(self, powers: dict[Node, int]) -> Node:
-        roots = [b for b, e in powers.items() if b.op == "sqrt" and e not in (1, -1, 0)]
-        if roots:  # sqrt(u)^2 = u wherever sqrt(u) is a number
-            rest = self.one
-            for root in roots:
-                e = powers.pop(root)
-                half = e // 2 if e > 0 else -(-e // 2)
-                rest = self.mul(rest, self.power(root.args[0], half))
-                if e - 2 * half:
-                    powers[root] = e - 2 * half
-            return self.mul(self._monomial(powers), rest)
-        items = sorted([(b, e) for b, e in powers.items() if e], key=_by_index)
-        if not items:
+        items = []
+        for b, e in powers.items():
+            if e:
+                if e != 1 and e != -1 and b.op == "sqrt":
+                    return self._without_roots(powers)
+                items.append((b.index, b, e))
+        if len(items) > 1:
+            items.sort()
+        elif not items:
             return self.one
-        if len(items) == 1 and items[0][1] == 1:
-            return items[0][0]
-        return self._intern("mul", tuple([b for b, _ in items]), tuple([e for _, e in items]))
+        elif items[0][2] == 1:
+            return items[0][1]
+        return self._intern("mul", tuple([b for _, b, _ in items]), tuple([e for _, _, e in items]))
+
+    def _without_roots(self, powers: dict[Node, int]) -> Node:
+        """sqrt(u)^2 = u wherever sqrt(u) is a number."""
+        rest = self.one
+        for root in [b for b, e in powers.items() if b.op == "sqrt" and e not in (1, -1, 0)]:
+            e = powers.pop(root)
+            half = e // 2 if e > 0 else -(-e // 2)
+            rest = self.mul(rest, self.power(root.args[0], half))
+            if e - 2 * half:
+                powers[root] = e - 2 * half
+        return self.mul(self._monomial(powers), rest)
 
     def power(self, x: Node, n: int) -> Node:
         """x^n for an integer n; 0^n with n < 0 raises ZeroDivisionError."""
+        if n == 1:
+            return x
         if n == 0:
             return self.one
         if x.op == "const":
@@ -354,10 +391,7 @@ class Graph:
         if op == "scale":
             return self.scale(node.value, args[0])
         if op == "mul":
-            product = self.one
-            for base, exponent in zip(args, node.value):
-                product = self.mul(product, self.power(base, exponent))
-            return product
+            return self.product(zip(args, node.value))
         if op == "select":
             return self.select(*args)
         if op == "not":
@@ -365,10 +399,6 @@ class Graph:
         if len(args) == 1:
             return self.unary(op, args[0])
         return self.binary(op, *args)
-
-
-def _by_index(item: tuple[Node, int]) -> int:
-    return item[0].index
 
 
 def _fold(function: Callable[..., float], *values: float) -> float | None:
