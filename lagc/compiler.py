@@ -141,28 +141,39 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         tree = parse(source)
     except Refused as refused:
         return list(refused.faults)
-    choices = [choice]
-    if choice.scene is None:
-        choices = [
-            replace(
-                choice,
-                model=v.model,
-                scene=v.scene,
-                with_effects=(*choice.with_effects, *v.with_effects),
-                without_effects=(*choice.without_effects, *v.without_effects),
-            )
-            for v in variants(tree, choice.model, roots)
-        ]
+    if choice.scene is not None:
+        return list(_faults(tree, choice, roots).values())
     faults: dict[tuple[object, ...], Fault] = {}
-    for each in choices:
-        try:
-            optimize(derive(resolve(tree, each, roots)), work=False)
-        except Refused as refused:
-            for fault in refused.faults:
-                span = fault.span
-                at = (span.source.name, span.start, span.end) if span else ()
-                faults.setdefault((fault.code, *at), fault)
+    for v in variants(tree, choice.model, roots):
+        each = replace(
+            choice,
+            model=v.model,
+            scene=v.scene,
+            with_effects=(*choice.with_effects, *v.with_effects),
+            without_effects=(*choice.without_effects, *v.without_effects),
+        )
+        found = _faults(tree, each, roots)
+        if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
+            alone = replace(each, without_effects=(*each.without_effects, *v.alone))
+            without = _faults(tree, alone, roots)
+            found = {key: fault for key, fault in found.items() if key in without}
+        for key, fault in found.items():
+            faults.setdefault(key, fault)
     return list(faults.values())
+
+
+def _faults(tree: Tree, choice: Choice, roots: tuple[str, ...]) -> dict[tuple[object, ...], Fault]:
+    """The faults of one choice, by code and place."""
+    try:
+        optimize(derive(resolve(tree, choice, roots)), work=False)
+    except Refused as refused:
+        found: dict[tuple[object, ...], Fault] = {}
+        for fault in refused.faults:
+            span = fault.span
+            at = (span.source.name, span.start, span.end) if span else ()
+            found.setdefault((fault.code, *at), fault)
+        return found
+    return {}
 
 
 class Compilation:

@@ -125,6 +125,10 @@ def _inline(
     home: Environment,
 ) -> Value:
     names = tuple(name for _, name, _ in function.parameters)
+    for k, (_, name, span) in enumerate(function.parameters):
+        if name in names[:k]:
+            first = function.parameters[names.index(name)][2]
+            raise Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
     arguments = match(e, names, len(names), f"`{function.name}`")
     types = [type_of(t, home.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all of them: none is optional

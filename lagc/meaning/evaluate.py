@@ -13,7 +13,7 @@ from lagc.frontend import tree
 from lagc.meaning.arithmetic import binary, negative, select
 from lagc.meaning.bare import is_bare, unit_remedy
 from lagc.meaning.context import Context
-from lagc.meaning.members import element, member
+from lagc.meaning.members import element, member, part
 from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment
 from lagc.meaning.types import CONSTANTS, describe
@@ -229,8 +229,20 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
 
 def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
     base = evaluate(context, e.base, environment)
+    if any(isinstance(i, tree.Range) for i in e.indices):
+        wanted = [
+            integers(context, i, environment)
+            if isinstance(i, tree.Range)
+            else integer(context, i, environment, "a subscript")
+            for i in e.indices
+        ]
+        return part(context, base, wanted, e)
     numbers = [integer(context, i, environment, "a subscript") for i in e.indices]
     return element(context, base, numbers, e)
+
+
+def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
+    raise Wrong("LAG0208", "a range stands in a loop, `for i in 1:n`, or takes elements, `x[1:n]`", e.span)
 
 
 def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
@@ -327,5 +339,5 @@ def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
 _HOW: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
     tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: _call, tree.Unary: _unary,
-    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector,
+    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
 }  # fmt: skip

@@ -113,6 +113,20 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
     return value
 
 
+def part(context: Context, base: Value, wanted: list[int | list[int]], e: tree.Index) -> Value:
+    """`base[1:n, 2]`: a list of numbers takes several elements, a number one.  Raises Wrong."""
+
+    def found(before: list[int], rest: list[int | list[int]]) -> Value:
+        if not rest:
+            return element(context, base, before, e)
+        first = rest[0]
+        if isinstance(first, int):
+            return found([*before, first], rest[1:])
+        return Array(tuple([found([*before, number], rest[1:]) for number in first]))
+
+    return found([], wanted)
+
+
 def _declared(subscripts: list[tuple[int, ...]]) -> str | None:
     if not subscripts:
         return None

@@ -12,7 +12,7 @@ from lagc.meaning.model import Orientation
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import NONE, Dimension, S, over
 from lagc.meaning.values import Value, Wrong, expect, flat
-from lagc.meaning.written import attributes_of, fixed, given_scalar, still
+from lagc.meaning.written import attributes_of, fixed, given_scalar, no_value, still
 
 PARTS = "wxyz"
 _SMALLEST = 1e-6  # norm of a start that has a direction
@@ -22,13 +22,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     """The orientation, its symbols and their time derivatives q' = 1/2 q (0, rate).  Raises Wrong."""
     if source.dimensions:
         raise Wrong("LAG0221", "there are no arrays of orientations", source.span)
-    if source.value is not None:
-        raise Wrong(
-            "LAG0209",
-            "a coordinate is unknown, it has no value",
-            source.value.span,
-            "give its value at the start: `(start = ...)`",
-        )
+    no_value(entry)
     attributes = attributes_of(context, entry, ("start", "fixed", "rate"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", f"{name}.{part}") for part in PARTS)

@@ -25,6 +25,7 @@ from lagc.meaning.written import (
     fixed,
     given_elements,
     given_scalar,
+    no_value,
     shaped,
     still,
     written_value,
@@ -129,8 +130,12 @@ def _values(context: Context, quantity: Quantity) -> list[Scalar | None]:
     return found
 
 
-def _value_span(quantity: Quantity) -> Span:
+def _value_span(context: Context, quantity: Quantity, subscript: tuple[int, ...] = ()) -> Span:
     """Where the value that counts is written; the name where there is none."""
+    for name in (quantity.name(subscript), quantity.entry.path):
+        given = context.parameters.get(name)
+        if given is not None and given.expression is not None:
+            return given.expression.span
     modifier = written_value(quantity.entry)
     value = None if modifier is None else modifier.argument.value
     return quantity.entry.span if value is None else value.span
@@ -148,14 +153,20 @@ def _bounds(context: Context, quantity: Quantity) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def _check_bounds(name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str) -> None:
+def _check_bounds(
+    quantity: Quantity, name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str
+) -> None:
     if not bounds[0] <= value <= bounds[1]:
         side, limit = (
             ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
         )
         shown = f" [{unit_text}]" if unit_text else ""
+        bound = quantity.attributes["min" if value < bounds[0] else "max"].argument.span
         raise Wrong(
-            "LAG0308", f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}", span
+            "LAG0308",
+            f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
+            span,
+            related=((bound, "said here"),),
         )
 
 
@@ -166,7 +177,7 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
         name = quantity.name(subscript)
-        span = _value_span(quantity)
+        span = _value_span(context, quantity, subscript)
         if scalar is None:
             raise Wrong(
                 "LAG0210",
@@ -179,7 +190,7 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
             number = scalar.node.value
             if not scalar.node.is_const or not isinstance(number, float) or number != math.floor(number):
                 raise Wrong("LAG0208", f"the structural parameter `{name}` is an integer", span)
-            _check_bounds(name, number, bounds, span, "")
+            _check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
         found.append(scalar)
     return shaped(found, quantity.sizes)
@@ -191,7 +202,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
         name = quantity.name(subscript)
-        span = _value_span(quantity)
+        span = _value_span(context, quantity, subscript)
         value: float | None = None
         if scalar is not None:
             still(context, scalar.node, span, f"the parameter `{name}`")
@@ -201,7 +212,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 continue
             value = scalar.node.value
             assert value is not None
-            _check_bounds(name, value, bounds, span, quantity.type.unit)
+            _check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
         entry.nouns.append(
             nouns.Parameter(
@@ -229,7 +240,7 @@ def _input(context: Context, quantity: Quantity) -> Value:
                 raise Wrong(
                     "LAG0208",
                     f"the default of the input `{entry.path}` is a fixed number",
-                    _value_span(quantity),
+                    _value_span(context, quantity),
                 )
             default = scalar.node.value
         name = quantity.name(subscript)
@@ -272,13 +283,7 @@ def starts(
 
 def _coordinate(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
-    if quantity.source.value is not None:
-        raise Wrong(
-            "LAG0209",
-            "a coordinate is unknown, it has no value",
-            quantity.source.value.span,
-            "give its value at the start: `(start = ...)`",
-        )
+    no_value(entry)
     dimension = quantity.type.dimension
     at_start, _ = starts(context, quantity, "start", dimension, quantity.name)
     rates, rate_said = starts(
@@ -326,7 +331,9 @@ def _speed(context: Context, quantity: Quantity) -> Value:
     for subscript, scalar in zip(quantity.subscripts, values):
         if context.clock.mask(scalar.node) & LATE:
             raise Wrong(
-                "LAG0219", "a speed depends on no acceleration and no reaction", _value_span(quantity)
+                "LAG0219",
+                "a speed depends on no acceleration and no reaction",
+                _value_span(context, quantity),
             )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)

@@ -116,7 +116,7 @@ def _check_given(context: Context, instance: Instance) -> None:
         (context.parameters, "parameter", "LAG0215"),
         (context.starts, "coordinate or rate", "LAG0224"),
     ):
-        kinds = ("parameter", "structural") if what == "parameter" else ("coordinate",)
+        kinds = ("parameter", "structural", "input") if what == "parameter" else ("coordinate",)
         for name, given in table.items():
             if name in context.taken:
                 continue

@@ -22,6 +22,11 @@ SIMULATE: dict[str, Dimension] = {
     "stop": S, "every": S, "step": S, "accuracy": NONE, "points": NONE, "rtol": NONE, "atol": NONE,
 }  # fmt: skip
 
+_ALTERNATIVES = (
+    ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
+    ("every", "points"),
+)  # fmt: skip
+
 
 @dataclass(frozen=True, slots=True)
 class Setting:
@@ -44,9 +49,10 @@ def choose_model(
         try:
             found, where = space.find(tuple(wanted.split(".")), nowhere, "model")
         except Wrong as wrong:
-            raise Wrong("LAG0215", wrong.fault.message, None, wrong.fault.remedy) from None
+            remedy = _which_model(wanted, file) or wrong.fault.remedy
+            raise Wrong("LAG0215", wrong.fault.message, None, remedy) from None
         if not isinstance(found, tree.ModelDeclaration):
-            raise Wrong("LAG0215", f"`{wanted}` is not a model", None)
+            raise Wrong("LAG0215", f"`{wanted}` is not a model", None, _which_model(wanted, file))
         if found.partial:
             raise Wrong("LAG0211", f"`{wanted}` is partial, it can only be extended", found.name_span)
         return found, where
@@ -60,12 +66,30 @@ def choose_model(
             f"`{models[-1].name}` is partial, and the file has no other model",
             models[-1].name_span,
         )
+    inner = models_of(file.declarations)
     raise Wrong(
         "LAG0215",
-        "the file has no model",
+        "the file has no model" if not inner else "the models of the file are all in packages",
         Span(file.source, 0, min(1, len(file.source.text))),
-        "write `model Name ... end Name;`",
+        "write `model Name ... end Name;`" if not inner else f"choose one: `--model {inner[-1]}`",
     )
+
+
+def models_of(declarations: Sequence[tree.Declaration], path: str = "") -> list[str]:
+    """The full names of the models that can be chosen."""
+    found: list[str] = []
+    for d in declarations:
+        if isinstance(d, tree.ModelDeclaration) and not d.partial:
+            found.append(path + d.name)
+        elif isinstance(d, tree.Package):
+            found += models_of(d.body, f"{path}{d.name}.")
+    return found
+
+
+def _which_model(wanted: str, file: tree.Tree) -> str | None:
+    known = models_of(file.declarations)
+    listed = f"the models are: {', '.join(known)}" if known else None
+    return did_you_mean(wanted, known) or listed
 
 
 def scenes_of(
@@ -129,7 +153,9 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
     """Note the values of parameters that the scene gives, of those whose names are known before
     anything is: sizes may hang on them.  `read_rest` notes the others."""
     for d in setting.scene.body if setting.scene else ():
-        if isinstance(d, tree.Quantities) and d.kind == "parameter":
+        if isinstance(d, tree.Quantities):
+            if d.type is not None:
+                _attempt(context, partial(_typed, d.type))
             for declarator in d.declarators:
                 if _is_plain(declarator):
                     _attempt(context, partial(_parameter, context, declarator, environment))
@@ -140,7 +166,7 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
     about the run."""
     simulate: dict[str, float] = {}
     for d in setting.scene.body if setting.scene else ():
-        if isinstance(d, tree.Quantities) and d.kind == "parameter":
+        if isinstance(d, tree.Quantities):
             for declarator in d.declarators:
                 if not _is_plain(declarator):
                     _attempt(context, partial(_parameter, context, declarator, environment))
@@ -158,6 +184,15 @@ def _attempt(context: Context, job: Callable[[], None]) -> None:
         context.report(wrong)
     except Poisoned:
         return
+
+
+def _typed(type_name: tree.TypeName) -> None:
+    raise Wrong(
+        "LAG0221",
+        "a scene gives another value to what the model declares, its type is known",
+        type_name.span,
+        "leave the type out",
+    )
 
 
 def _is_plain(declarator: tree.Declarator) -> bool:
@@ -230,24 +265,34 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
 
     def one(argument: tree.Argument) -> None:
         name = argument.name
+        if name is None:
+            raise Wrong("LAG0209", "what `simulate` is given has a name: `stop = 20`", argument.span)
         if name not in SIMULATE or argument.value is None:
             span = argument.name_span or argument.span
             raise Wrong(
                 "LAG0209",
-                f"`simulate` has no argument `{name or '?'}`",
+                f"`simulate` has no argument `{name}`",
                 span,
-                did_you_mean(name or "", SIMULATE) or f"it has {', '.join(SIMULATE)}",
+                did_you_mean(name, SIMULATE) or f"it has {', '.join(SIMULATE)}",
             )
         if name in found:
             raise Wrong("LAG0209", f"`{name}` is given twice", argument.span)
         value = evaluate_as(context, argument.value, environment, SIMULATE[name])
-        if not isinstance(value, Scalar) or not value.node.is_const:
-            raise Wrong("LAG0208", f"`{name}` is a fixed number, this is {kind(value)}", argument.value.span)
+        if not isinstance(value, Scalar):
+            raise Wrong("LAG0306", f"`{name}` is one number, this is {kind(value)}", argument.value.span)
+        if not value.node.is_const:
+            message = f"`{name}` is a fixed number, this depends on parameters or on the motion"
+            raise Wrong("LAG0208", message, argument.value.span)
         expect(value.dimension, SIMULATE[name], argument.value.span, f"`{name}`")
         number = value.node.value
         assert isinstance(number, float)
         if number <= 0:
             raise Wrong("LAG0308", f"`{name}` is positive", argument.value.span)
+        if name == "accuracy" and number >= 1:
+            raise Wrong("LAG0308", "`accuracy` is a relative error, below 1", argument.value.span)
+        for first, second in _ALTERNATIVES:
+            if (name == second and first in found) or (name == first and second in found):
+                raise Wrong("LAG0209", f"`{first}` and `{second}` exclude each other", argument.span)
         found[name] = number
 
     for argument in d.arguments:

@@ -19,6 +19,7 @@ class Variant:
     scene: str | None
     with_effects: tuple[str, ...] = ()
     without_effects: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()  # of an effect that no scene uses: the effects that need not be there
 
 
 def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
@@ -30,12 +31,13 @@ def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = (
     """
     importer = Importer(file.source, tuple(roots))
     space = Namespace(file.declarations, None, importer)
-    models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration) and not d.partial]
-    parts = set(_parts(file.declarations)) - {d.name for d in models[-1:]}
+    models = list(_models(file.declarations, space, ""))
+    main = [d.name for _, d, where in models if where is space]
+    parts = set(_parts(file.declarations)) - set(main[-1:])
     found: list[Variant] = []
-    for declaration in models:
-        if declaration.name == model or (model is None and declaration.name not in parts):
-            found += _of_model(declaration, space)
+    for name, declaration, where in models:
+        if name == model or (model is None and declaration.name not in parts):
+            found += _of_model(name, declaration, where)
     return found or [Variant(model, None)]
 
 
@@ -50,7 +52,18 @@ def _parts(declarations: Sequence[tree.Declaration]) -> Iterator[str]:
             yield from _parts(d.body)
 
 
-def _of_model(declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[Variant]:
+def _models(
+    declarations: Sequence[tree.Declaration], space: Namespace, path: str
+) -> Iterator[tuple[str, tree.ModelDeclaration, Namespace]]:
+    """The whole models of a file and of its packages, by their full names."""
+    for d in declarations:
+        if isinstance(d, tree.ModelDeclaration) and not d.partial:
+            yield path + d.name, d, space
+        elif isinstance(d, tree.Package):
+            yield from _models(d.body, space.importer.inside(d, space), f"{path}{d.name}.")
+
+
+def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[Variant]:
     scenes: dict[str, tree.Scene] = {}
     effects: dict[str, tree.Effect] = {}
     for inner in _declarations(declaration, space, 0):
@@ -58,15 +71,17 @@ def _of_model(declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[
             scenes.setdefault(inner.name, inner)
         elif isinstance(inner, tree.Effect):
             effects.setdefault(inner.name, inner)
-    yield from (Variant(declaration.name, name) for name in scenes or (None,))
+    yield from (Variant(name, scene) for scene in scenes or (None,))
     first = next(iter(scenes), None)
     used = {name.name for scene in scenes.values() for name in scene.uses}
-    for name, effect in effects.items():
-        if name not in used:
+    for effect in effects.values():
+        if effect.name not in used:
             wanted = _required(effect, effects)
             excluded = {e.name for w in wanted if w in effects for e in effects[w].excludes}
             excluded |= {n for n, e in effects.items() if any(x.name in wanted for x in e.excludes)}
-            yield Variant(declaration.name, first, tuple(wanted), tuple(sorted(excluded - set(wanted))))
+            others = [n.name for n in scenes[first].uses] if first is not None else []
+            alone = tuple(n for n in others if n not in wanted and n not in excluded)
+            yield Variant(name, first, tuple(wanted), tuple(sorted(excluded - set(wanted))), alone)
 
 
 def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:

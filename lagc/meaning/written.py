@@ -74,6 +74,18 @@ def written_value(entry: Entry) -> Modifier | None:
     return Modifier(tree.Argument(None, None, source.value, source.value.span), entry.environment)
 
 
+def no_value(entry: Entry) -> None:
+    """Raises Wrong where a coordinate is given a value."""
+    modifier = written_value(entry)
+    if modifier is not None and modifier.argument.value is not None:
+        raise Wrong(
+            "LAG0209",
+            "a coordinate is unknown, it has no value",
+            modifier.argument.value.span,
+            "give its value at the start: `(start = ...)`",
+        )
+
+
 def elements(
     context: Context, modifier: Modifier, sizes: list[int], dimension: Dimension, what: str
 ) -> list[Scalar]:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from lagc.compiler import Choice, check
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
@@ -259,3 +260,26 @@ def test_everything_a_file_can_mean() -> None:
         Variant("Main", "s", ("f", "e"), ("g",)),
         Variant("Main", "s", ("g",), ("e",)),
     ]
+
+
+def test_models_in_packages_are_meant_too() -> None:
+    text = (
+        "package P model A coordinate Length x; scene s; end A; package Q model B extends A; end B; end Q; end P;"
+        "model M P.Q.B b; effect e end e; effect f end f; scene s uses e; end M;"
+    )
+    found = variants(parse(Source("model.lag", text)))
+    assert found == [Variant("M", "s"), Variant("M", "s", ("f",), (), ("e",))]
+    assert variants(parse(Source("model.lag", text)), "P.A") == [Variant("P.A", "s")]
+    alone = variants(parse(Source("model.lag", text[: text.index("model M")])))
+    assert alone == [Variant("P.Q.B", "s")]
+
+
+def test_an_effect_that_no_scene_uses_is_not_blamed_for_others() -> None:
+    text = (
+        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});"
+        "effect e parameter Real k = 1; end e; effect f parameter Real k = 2; {} end f;"
+        "scene s uses e; output Real y = k; end A;"
+    )
+    assert check(Source("model.lag", text.replace("{}", "")), Choice()) == []
+    faults = check(Source("model.lag", text.replace("{}", "potential V = 3 [m];")), Choice())
+    assert [f.code for f in faults] == ["LAG0302"]
