@@ -15,7 +15,7 @@ _FLOOR = 1e-3  # SI units of a coordinate (or speed) below which no row is judge
 _MOST_TERMS = 1000
 
 
-def system(places: Places) -> Function:
+def system(places: Places, seldom: bool) -> Function:
     """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
     equations, zero = places.equations, places.graph.zero
     n = len(equations.v)
@@ -28,6 +28,7 @@ def system(places: Places) -> Function:
             ("G", jacobian), ("gamma", [row.gamma for row in equations.rows]),
         ),
         "mass matrix, forces and constraint rows",
+        seldom=seldom,
     )  # fmt: skip
 
 
@@ -94,7 +95,7 @@ def energies(places: Places) -> Function:
     equations = places.equations
     e = [equations.kinetic, equations.potential, equations.energy]
     names = ["kinetic energy", "potential energy", "energy of the balance"]
-    return _function(places, "energies", STATE, (("e", e),), "energies", names)
+    return _function(places, "energies", STATE, (("e", e),), "energies", names, seldom=True)
 
 
 def power(places: Places) -> Function | None:
@@ -102,7 +103,7 @@ def power(places: Places) -> Function | None:
     if equations.power.is_zero:
         return None
     inputs = (*STATE, "a", "lam")
-    return _function(places, "power", inputs, (("e", [equations.power]),), "rate of that energy")
+    return _function(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", seldom=True)
 
 
 def outputs(places: Places) -> Function | None:
@@ -110,7 +111,9 @@ def outputs(places: Places) -> Function | None:
     if not found:
         return None
     names = [o.name for o in places.equations.outputs]
-    return _function(places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model", names)
+    return _function(
+        places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model", names, seldom=True
+    )
 
 
 def start(places: Places, work: bool) -> Function:
@@ -119,7 +122,7 @@ def start(places: Places, work: bool) -> Function:
     if work:
         x.append(places.graph.zero)
     names = [*equations.q_names, *equations.v_names]
-    return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names)
+    return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
 
 
 def initial(places: Places) -> Function | None:
@@ -133,7 +136,9 @@ def initial(places: Places) -> Function | None:
     for condition in conditions:
         slopes = gradient(graph, {condition: graph.one}, unknowns)
         jacobian.extend([slopes.get(x, graph.zero) for x in unknowns])
-    return _function(places, "initial", STATE, (("c", conditions), ("J", jacobian)), "start conditions")
+    return _function(
+        places, "initial", STATE, (("c", conditions), ("J", jacobian)), "start conditions", seldom=True
+    )
 
 
 def _function(
@@ -143,8 +148,9 @@ def _function(
     outputs: tuple[tuple[str, Sequence[Node]], ...],
     description: str,
     comments: Sequence[str] = (),
+    seldom: bool = False,
 ) -> Function:
-    """`comments` belong to the first entries of the first output."""
+    """`comments` belong to the first entries of the first output; `seldom`: not called by every step."""
 
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
@@ -156,4 +162,4 @@ def _function(
         return block.function(name, inputs, lengths, description)
 
     lengths = tuple([(array, len(part)) for array, part in outputs])
-    return cheapest(places.graph, [node for _, part in outputs for node in part], make)
+    return cheapest(places.graph, [node for _, part in outputs for node in part], make, seldom)

@@ -80,7 +80,7 @@ def _functions(
     made: list[Function | None] = []
     if plan is not None:
         made.append(kkt.rhs(at, entries, plan, work))
-    made.append(functions.system(at))
+    made.append(functions.system(at, seldom=plan is not None))
     if plan is not None and constrained:
         made += [kkt.assemble(at, entries, plan), kkt.factorize(plan), kkt.solver(plan)]
     made.append(functions.displace(at))

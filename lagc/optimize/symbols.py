@@ -20,6 +20,7 @@ FUNCTIONS = (
 )  # fmt: skip
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
+_LARGEST_SELDOM = 100  # nodes, of a function that no step calls
 _LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
 _WEIGHTS = {"load": 0, "const": 0, "neg": 0, "div": 4, "sqrt": 4, **dict.fromkeys(FUNCTIONS, 20)}
 
@@ -58,10 +59,15 @@ def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering
     return lowering, lowering(nodes)
 
 
-def cheapest(graph: Graph, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function]) -> Function:
-    """`make(nodes)`, or the same of the nodes multiplied out where that is cheaper."""
+def cheapest(
+    graph: Graph, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function], seldom: bool = False
+) -> Function:
+    """`make(nodes)`, or the same of the nodes multiplied out where that is cheaper.
+
+    For a function that is called `seldom` this is tried only where it takes no time.
+    """
     plain = make(nodes)
-    if len(reachable(nodes)) > _LARGEST_TRIAL:
+    if len(reachable(nodes)) > (_LARGEST_SELDOM if seldom else _LARGEST_TRIAL):
         return plain
     out = expanded(graph, nodes)
     if all(a is b for a, b in zip(nodes, out)):
