@@ -11,6 +11,7 @@ from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import integer, integers
 from lagc.meaning.members import MOST_NAMED
+from lagc.meaning.modifications import modifiers_of, subscripts
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
@@ -372,27 +373,6 @@ def instantiate(
     return instance
 
 
-def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
-    """The arguments of an instance or of `extends`, by name.  Raises Wrong."""
-    found: Modifiers = {}
-    for argument in map(_named, arguments):
-        if argument.name is None:
-            raise Wrong("LAG0209", "the arguments of a model have names: `name = value`", argument.span)
-        if argument.name in found:
-            raise Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span)
-        found[argument.name] = [Modifier(argument, environment)]
-    return found
-
-
-def _named(argument: tree.Argument) -> tree.Argument:
-    """`a(m = 5)` reads like a call; among the arguments of a model it modifies what is within `a`."""
-    call = argument.value
-    if argument.name is None and isinstance(call, tree.Call) and isinstance(call.function, tree.Name):
-        name = call.function
-        return tree.Argument(name.name, name.span, None, argument.span, argument.each, call.arguments)
-    return argument
-
-
 def names_of(d: tree.Declaration) -> list[str]:
     """The names that a declaration brings."""
     if isinstance(d, tree.Quantities | tree.Instance):
@@ -402,17 +382,3 @@ def names_of(d: tree.Declaration) -> list[str]:
     if isinstance(d, tree.Construct | tree.Load | tree.Constraint | tree.FunctionDeclaration):
         return [d.name]
     return []
-
-
-def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:
-    """(1, 1), (1, 2) ... of an array.  Raises Wrong."""
-    from lagc.meaning.scope import LARGEST
-
-    found: list[tuple[int, ...]] = [()]
-    for size in sizes:
-        if size < 0:
-            raise Wrong("LAG0207", f"the size of an array is not negative, here it is {size}", span)
-        if len(found) * size > LARGEST:
-            raise Wrong("LAG0218", f"an array of more than {LARGEST} elements", span)
-        found = [(*before, n) for before in found for n in range(1, size + 1)]
-    return found

@@ -13,7 +13,7 @@ from lagc.meaning import model as nouns
 from lagc.meaning.clock import LATE
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate, evaluate_as, integer
-from lagc.meaning.instantiate import subscripts
+from lagc.meaning.modifications import subscripts
 from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType

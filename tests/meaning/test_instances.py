@@ -264,7 +264,8 @@ def test_everything_a_file_can_mean() -> None:
 
 def test_models_in_packages_are_meant_too() -> None:
     text = (
-        "package P model A coordinate Length x; scene s; end A; package Q model B extends A; end B; end Q; end P;"
+        "package P model A coordinate Length x; scene s; end A;"
+        "package Q model B extends A; end B; end Q; end P;"
         "model M P.Q.B b; effect e end e; effect f end f; scene s uses e; end M;"
     )
     found = variants(parse(Source("model.lag", text)))

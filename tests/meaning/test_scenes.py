@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+import lagc
 from lagc.diagnostics.faults import Refused
 from tests.meaning.reading import output, read
 
@@ -107,3 +108,24 @@ def test_what_a_scene_cannot_give(line: str, code: str) -> None:
     with pytest.raises(Refused) as refused:
         read(PARTS.replace("scene plain;", f"scene plain {line} end plain;"), scene="plain")
     assert [f.code for f in refused.value.faults] == [code]
+
+
+SLEIGH = """
+model Sleigh
+  coordinate Length x, y; coordinate Angle phi(start = 0.3);
+  speed Velocity u = der(x)*cos(phi) + der(y)*sin(phi);
+  speed Velocity w = -der(x)*sin(phi) + der(y)*cos(phi);
+  speed AngularVelocity r = der(phi);
+  frame F = rotate_z(world, phi);
+  body b = Solid(mass = 2, inertia = {1, 1, 1}, frame = F, com = {x, y, 0});
+  constraint knife: w = 0;
+  output Force N = reaction(knife);
+  scene s start u = 1; start r = 2 [rad/s]; end s;
+end Sleigh;
+"""
+
+
+def test_a_scene_starts_declared_speeds() -> None:
+    run = lagc.loads(SLEIGH).compile(backend="numpy").simulate(stop=1.0, accuracy=1e-9)
+    assert run["u"][0] == pytest.approx(1.0, rel=1e-12) and run["r"][0] == pytest.approx(2.0, rel=1e-12)
+    assert run["N"] == pytest.approx(4.0, rel=1e-9)  # m u r, which holds the blade on its circle
