@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from lagc.frontend import tree
-from lagc.meaning.units import NONE, Dimension, si_text
+from lagc.meaning.units import NONE, Dimension, over, si_text
+from lagc.meaning.values import Wrong, expect
 
 
 def is_bare(expression: tree.Expression) -> bool:
@@ -31,3 +32,36 @@ def unit_remedy(expression: tree.Expression, wanted: Dimension | None) -> str | 
     if isinstance(expression, tree.Binary):
         return f"a bare number has no unit within an expression: write `{text}*1 [{unit}]`"
     return f"a bare number has no unit within an expression: write `{text} [{unit}]`"
+
+
+def expect_of(
+    expression: tree.Expression, dimension: Dimension | None, wanted: Dimension, what: str, named: str
+) -> None:
+    """`expect`, with the number named that seems to lack its unit.  Raises Wrong."""
+    try:
+        expect(dimension, wanted, expression.span, what, named)
+    except Wrong as wrong:
+        number = _lone_factor(expression)
+        if number is None or dimension is None:
+            raise
+        unit = si_text(over(wanted, dimension))
+        remedy = f"is a unit missing? `{number.text} [{unit}]` makes it {named}"
+        fault = wrong.fault
+        raise Wrong(fault.code, fault.message, fault.span, remedy, fault.related) from None
+
+
+def _lone_factor(expression: tree.Expression) -> tree.Number | None:
+    """The one number without a unit that multiplies the rest of a product, `9.81*m*x`; not `1/2*m`."""
+    found: list[tree.Number] = []
+    stack = [expression]
+    while stack:
+        top = stack.pop()
+        if isinstance(top, tree.Number):
+            found.append(top)
+        elif isinstance(top, tree.Unary):
+            stack.append(top.operand)
+        elif isinstance(top, tree.Binary) and top.op == "*":
+            stack += [top.left, top.right]
+        elif isinstance(top, tree.Binary) and top.op == "/" and not is_bare(top):
+            stack.append(top.left)
+    return found[0] if len(found) == 1 and found[0] is not expression else None

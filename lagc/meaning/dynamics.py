@@ -6,7 +6,7 @@ from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
-from lagc.meaning.bare import unit_remedy
+from lagc.meaning.bare import expect_of, unit_remedy
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
@@ -95,7 +95,7 @@ def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node
     scalar = scalar_of(
         evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
     )
-    expect(scalar.dimension, meant, span, f"the {entry.kind} `{entry.name}`")
+    expect_of(source.value, scalar.dimension, meant, f"the {entry.kind} `{entry.name}`", describe(meant))
     _timely(context, scalar.node, span, f"a {entry.kind}")
     return scalar.node, span
 
@@ -138,9 +138,8 @@ def declare_load(context: Context, entry: Entry) -> Value:
         context, lambda e: evaluate_as(context, e, entry.environment, meant), written
     )
     vector, found = vector_of(value, source.value.span, f"a {source.kind}")
-    if found is not None and found != meant:
-        named = "Force [N]" if is_force else "Torque [N.m]"
-        raise Wrong("LAG0302", f"a {source.kind} is {named}, this is {describe(found)}", source.value.span)
+    named = "Force [N]" if is_force else "Torque [N.m]"
+    expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
     for node in vector:
         _timely(context, node, source.value.span, f"a {source.kind}")
     if is_force:

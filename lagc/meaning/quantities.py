@@ -10,6 +10,7 @@ from lagc.expr.graph import Node
 from lagc.expr.text import number as number_text
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
+from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate, evaluate_as, integer
@@ -354,7 +355,9 @@ def _output(context: Context, quantity: Quantity) -> Value:
     value = evaluate_as(context, expression, modifier.environment, quantity.type.dimension)
     scalars = flat(value, expression.span, f"`{entry.path}`")
     for scalar in scalars:
-        expect(scalar.dimension, quantity.type.dimension, expression.span, f"`{entry.path}`")
+        expect_of(
+            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.said
+        )
     sizes = shape(value)
     if quantity.sizes and sizes != quantity.sizes:
         raise Wrong(

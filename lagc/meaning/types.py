@@ -17,6 +17,14 @@ class QuantityType:
     display: str
     dimension: Dimension
 
+    @property
+    def said(self) -> str:
+        """In words: `Torque [N.m]`, `a number`."""
+        known = TYPES.get(self.name)
+        if known is None or known.dimension == NONE or known.dimension != self.dimension:
+            return describe(self.dimension)
+        return f"{self.name} [{self.unit}]"
+
 
 def quantity_type(name: str, si: str, display: str | None = None) -> QuantityType:
     return QuantityType(name, si, display or si, unit(si or "1").dimension)

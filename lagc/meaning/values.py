@@ -131,10 +131,12 @@ def scalar_of(value: Value, span: Span, what: str) -> Scalar:
     raise Wrong("LAG0307", f"{what} is a number, this is {kind(value)}", span)
 
 
-def expect(dimension: Dimension | None, wanted: Dimension, span: Span | None, what: str) -> None:
-    """Raises Wrong where `what` has another dimension than it should."""
+def expect(
+    dimension: Dimension | None, wanted: Dimension, span: Span | None, what: str, named: str | None = None
+) -> None:
+    """Raises Wrong where `what` has another dimension than it should, which messages call `named`."""
     if dimension is not None and dimension != wanted:
-        message = f"{what} is {describe(wanted)}, this is {describe(dimension)}"
+        message = f"{what} is {named or describe(wanted)}, this is {describe(dimension)}"
         remedy = (
             f"give a number in it its unit, such as `1 [{si_text(wanted)}]`" if dimension == NONE else None
         )
