@@ -25,7 +25,7 @@ def _complete(lines: str) -> str:
 
 ENTRIES: dict[str, Entry] = {
     "LAG0101": _entry(
-        "A sign that the language does not have",
+        "a sign that the language does not have",
         "Names are made of the letters A-Z and a-z, digits and `_`; they do not begin with a digit. "
         "Texts stand between straight double quotes. Letters of other alphabets, typographic quotes and "
         "dashes, and the signs for powers and degrees are written out.",
@@ -33,39 +33,39 @@ ENTRIES: dict[str, Entry] = {
         "parameter Angle phi = 30 [deg];",
     ),
     "LAG0102": _entry(
-        "A text that is not closed",
+        "a text that is not closed",
         'A text stands between double quotes, on one line. A `"` within it is written `\\"`.',
         'output Energy E = energy() "kinetic and potential;',
         'output Energy E = energy() "kinetic and potential";',
     ),
     "LAG0103": _entry(
-        "A comment that is not closed",
+        "a comment that is not closed",
         "A comment that begins with `/*` goes on up to the next `*/`; one that begins with `//` ends with "
         "its line.",
         "output Energy E = energy(); /* conserved",
         "output Energy E = energy(); /* conserved */",
     ),
     "LAG0104": _entry(
-        "A unit that is not closed",
+        "a unit that is not closed",
         "The unit of a number stands in brackets behind it, on the same line.",
         "parameter Acceleration g = 9.81 [m/s2;",
         "parameter Acceleration g = 9.81 [m/s2];",
     ),
     "LAG0105": _entry(
-        "A number that cannot be read",
+        "a number that cannot be read",
         "The decimals of a number stand behind a point. Numbers reach to about 1.8e308.",
         "parameter Length d = 0,5 [m];",
         "parameter Length d = 0.5 [m];",
     ),
     "LAG0106": _entry(
-        "Nested too deep",
+        "nested too deep",
         "Brackets, `if`s, signs and blocks may stand inside one another 100 deep; a name has at most 100 "
         "parts. Name the parts of a longer expression with `point`, `function` or `output`.",
         f"parameter Real x = {'(' * 101}1{')' * 101};",
         "parameter Real x = (1);",
     ),
     "LAG0110": _entry(
-        "Something that cannot stand here",
+        "something that cannot stand here",
         "A declaration begins with a keyword, such as `parameter`, `coordinate` or `body`, or with "
         "the name of "
         "a model; it ends with `;`.",
@@ -73,25 +73,25 @@ ENTRIES: dict[str, Entry] = {
         "parameter Length d = 1 [m];",
     ),
     "LAG0111": _entry(
-        "A missing `;`",
+        "a missing `;`",
         "Every declaration ends with `;`, and so does the `end name` of a block.",
         "parameter Length d = 0.1 [m]\noutput Energy E = energy();",
         "parameter Length d = 0.1 [m];\noutput Energy E = energy();",
     ),
     "LAG0112": _entry(
-        "A block that is not closed",
+        "a block that is not closed",
         "`model`, `package`, `effect` and scenes with a body end with `end name;`, loops with `end for;`.",
         "effect gravity\n  Gravity field;\nscene lab uses gravity;",
         "effect gravity\n  Gravity field;\nend gravity;\nscene lab uses gravity;",
     ),
     "LAG0113": _entry(
-        "An `end` that names something else",
+        "an `end` that names something else",
         "An `end` names the block that it closes, so that a forgotten one is found where it is missing.",
         "effect gravity\n  Gravity field;\nend gravitation;",
         "effect gravity\n  Gravity field;\nend gravity;",
     ),
     "LAG0114": _entry(
-        "Brackets that do not match",
+        "brackets that do not match",
         "Every `(`, `[` and `{` is closed by its own `)`, `]` and `}`, within one declaration. "
         "Blocks have no "
         "braces: they end with `end name;`.",
@@ -99,7 +99,7 @@ ENTRIES: dict[str, Entry] = {
         "point P = l*{sin(theta), 0, -cos(theta)};",
     ),
     "LAG0115": _entry(
-        "A comparison in place of an equation",
+        "a comparison in place of an equation",
         "A declaration and a constraint have a single `=`; a constraint may also be an inequality, "
         "with `>=` or "
         "`<=`. `==` compares two values, in a condition.",
@@ -107,26 +107,26 @@ ENTRIES: dict[str, Entry] = {
         "parameter Length d = 0.1 [m];",
     ),
     "LAG0116": _entry(
-        "An equation in place of a comparison",
+        "an equation in place of a comparison",
         "A condition compares with `==`.",
         "output Real side = if theta = 0 then 1 else 2;",
         "output Real side = if theta == 0 then 1 else 2;",
     ),
     "LAG0117": _entry(
-        "An operator of another language",
+        "an operator of another language",
         "The operators are `+ - * / ^`, the comparisons `< <= > >= == <>`, and `and`, `or`, `not`.",
         "output Length x = l*sin(theta)**2;",
         "output Length x = l*sin(theta)^2;",
     ),
     "LAG0118": _entry(
-        "A keyword of another language",
+        "a keyword of another language",
         "The unknowns are coordinates, and the equations of motion are derived: there is no place for them. "
         "A quantity says what it is: `parameter`, `constant`, `coordinate`, `input`, `output`.",
         "const Length d = 0.1 [m];",
         "constant Length d = 0.1 [m];",
     ),
     "LAG0119": _entry(
-        "No keyword",
+        "no keyword",
         "Keywords are written in small letters. A declaration that begins with another name is an "
         "instance of "
         "the model of that name, and has no value.",
@@ -134,7 +134,7 @@ ENTRIES: dict[str, Entry] = {
         "parameter Length d = 0.1 [m];",
     ),
     "LAG0120": _entry(
-        "A declaration in the wrong place",
+        "a declaration in the wrong place",
         "`start` and `simulate` stand in a scene, `requires` and `excludes` in an effect; effects "
         "and scenes in a "
         "model; models and packages at the top of a file or in a package. A loop holds what has subscripts: "
@@ -143,13 +143,13 @@ ENTRIES: dict[str, Entry] = {
         "scene lab\n  start theta = 30 [deg];\nend lab;",
     ),
     "LAG0121": _entry(
-        "A unit in the wrong place",
+        "a unit in the wrong place",
         "A unit stands in brackets behind a number, behind a vector in braces, or behind `Real`.",
         "parameter Length d = 0.1 m;",
         "parameter Length d = 0.1 [m];",
     ),
     "LAG0122": _entry(
-        "An equation outside the `initial` section",
+        "an equation outside the `initial` section",
         "The laws of the motion are derived. An equation that the motion keeps to is a `constraint`; "
         "one that "
         "holds at the start only stands in the section `initial`.",
@@ -157,19 +157,19 @@ ENTRIES: dict[str, Entry] = {
         "initial\n  theta = 30 [deg];",
     ),
     "LAG0123": _entry(
-        "An argument without a name before its `=`",
+        "an argument without a name before its `=`",
         "An argument is a value, or `name = value`.",
         "output Real x = max(l/m = 3, 1);",
         "output Real x = max(3, 1);",
     ),
     "LAG0124": _entry(
-        "A `;` too many",
+        "a `;` too many",
         "A `;` ends a declaration. None stands after the first line of a block, nor after `then` and `loop`.",
         "parameter Length d = 0.1 [m];;",
         "parameter Length d = 0.1 [m];",
     ),
     "LAG0125": _entry(
-        "A description in the wrong place",
+        "a description in the wrong place",
         "The description of a quantity stands behind its value, right before the `,` or the `;`; "
         "that of a block "
         "behind its name.",
@@ -177,19 +177,19 @@ ENTRIES: dict[str, Entry] = {
         'parameter Length d = 0.1 [m] "width";',
     ),
     "LAG0126": _entry(
-        "A chain of powers or comparisons",
+        "a chain of powers or comparisons",
         "`a^b^c` and `a < b < c` mean different things in different languages, and nothing here.",
         "parameter Real x = 2^3^2;",
         "parameter Real x = 2^(3^2);",
     ),
     "LAG0127": _entry(
-        "A load without its target",
+        "a load without its target",
         "A force acts `at` a point or a particle, a torque `on` a body.",
         "force pull = {1, 0, 0} [N];",
         "force pull = {1, 0, 0} [N] at bob;",
     ),
     "LAG0128": _entry(
-        "A missing word",
+        "a missing word",
         "`for i in 1:n loop ... end for;` and `if condition then value else other` are written with "
         "all their "
         "words; an `if` always has its `else`.",
@@ -197,32 +197,32 @@ ENTRIES: dict[str, Entry] = {
         "output Real side = if theta > 0 then 1 else -1;",
     ),
     "LAG0129": _entry(
-        "An incomplete constraint",
+        "an incomplete constraint",
         "A constraint has a name and two sides: `constraint name: left = right;`. The name is that of its "
         "reaction, too: `reaction(name)`.",
         "constraint theta = 0;",
         "coordinate Angle phi;\nconstraint equal: theta + phi = 0;",
     ),
     "LAG0130": _entry(
-        "A missing operator",
+        "a missing operator",
         "A product is written with `*`; names in a list stand apart by `,`.",
         "output Length x = l sin(theta);",
         "output Length x = l*sin(theta);",
     ),
     "LAG0131": _entry(
-        "A missing value",
+        "a missing value",
         "Between an operator, a `=` or a comma and what follows, a value is expected.",
         "parameter Length d = ;",
         "parameter Length d = 0.1 [m];",
     ),
     "LAG0132": _entry(
-        "A missing name",
+        "a missing name",
         "What is declared has a name, by which results, messages and other declarations speak of it.",
         "point = {0, 0, 1} [m];",
         "point P = {0, 0, 1} [m];",
     ),
     "LAG0133": _entry(
-        "A quantity without its type or its name",
+        "a quantity without its type or its name",
         "A quantity has a type, which gives its dimension, and a name: `parameter Length l`. Only in "
         "a scene, where "
         "a parameter is given another value, the type is left out.",
@@ -230,7 +230,7 @@ ENTRIES: dict[str, Entry] = {
         "parameter Length d = 0.1;",
     ),
     "LAG0134": _entry(
-        "A declared name with a point in it",
+        "a declared name with a point in it",
         "A name that is declared is one word. What is within an instance is declared in the instance's "
         "model; where the instance is declared, and in scenes, it can be given another value.",
         "parameter Mass bob.m = 2 [kg];",

@@ -1,0 +1,45 @@
+"""Every code that lagc can say is explained, and its examples do what they say."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from lagc.compiler import Choice, check
+from lagc.diagnostics.catalogue import Entry, entries
+from lagc.diagnostics.faults import Source
+
+PACKAGE = Path(__file__).resolve().parents[2] / "lagc"
+ENTRIES = entries()
+
+
+def codes_in_use() -> set[str]:
+    texts = [p.read_text() for p in PACKAGE.rglob("*.py") if "catalogue" not in p.parts]
+    return {code for text in texts for code in re.findall(r"LAG0\d{3}", text)}
+
+
+def test_every_code_has_an_entry_and_every_entry_a_use() -> None:
+    assert codes_in_use() == set(ENTRIES)
+
+
+def faults_of(text: str) -> list[str]:
+    return [f.code for f in check(Source("example.lag", text), Choice())]
+
+
+@pytest.mark.parametrize("code", [code for code, entry in ENTRIES.items() if entry.wrong])
+def test_the_wrong_example_brings_its_code_alone(code: str) -> None:
+    assert set(faults_of(ENTRIES[code].wrong)) == {code}
+
+
+@pytest.mark.parametrize("code", [code for code, entry in ENTRIES.items() if entry.right])
+def test_the_right_example_is_accepted(code: str) -> None:
+    assert faults_of(ENTRIES[code].right) == []
+
+
+def test_an_entry_explains_itself() -> None:
+    for code, entry in ENTRIES.items():
+        assert isinstance(entry, Entry)
+        assert entry.title and entry.explanation.endswith("."), code
+        assert entry.title[0].islower(), code
