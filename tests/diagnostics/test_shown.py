@@ -120,7 +120,8 @@ error[LAG0301]: the two sides of `+` differ in dimension: Length [m] and Time [s
 
 
 def test_tabs_wide_letters_and_line_ends() -> None:
-    text = "model A\r\n\tcoordinate Length x; /* \N{CJK UNIFIED IDEOGRAPH-65E5}e\N{COMBINING ACUTE ACCENT} */\tpotential V = 2*y;\r\nend A;\r\n"
+    letters = "\N{CJK UNIFIED IDEOGRAPH-65E5}e\N{COMBINING ACUTE ACCENT}"
+    text = f"model A\r\n\tcoordinate Length x; /* {letters} */\tpotential V = 2*y;\r\nend A;\r\n"
     lines = shown(text).splitlines()
     assert lines[1] == "  --> m.lag:2:49"
     under = lines[4].split("|", 1)[1][1:]

@@ -12,7 +12,7 @@ from lagc.diagnostics.faults import Source
 HEAD = "model M parameter Mass m = 1; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"
 CASES = [
     case
-    for name in ("names", "quantities", "motion")
+    for name in ("names", "quantities", "motion", "language")
     for case in importlib.import_module(f"tests.rejected.{name}").CASES
 ]
 
