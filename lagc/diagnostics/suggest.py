@@ -19,6 +19,24 @@ _FOREIGN = {
     "Pi": "write `pi`", "PI": "write `pi`", "t": "the time is `time`",
 }  # fmt: skip
 
+_FOREIGN_TYPES = {
+    **dict.fromkeys(("Boolean", "bool", "Bool", "boolean"),
+        "a choice is an `effect`; as a number write `if condition then 1 else 0`"),
+    **dict.fromkeys(("String", "string", "str"), "only quantities are declared; a description is a text"),
+    **dict.fromkeys(("float", "double", "Float", "Double", "real", "Number", "number", "Scalar"),
+        "write `Real`, or the kind of quantity that it is, such as `Length`"),
+    **dict.fromkeys(("int", "Int", "integer"), "write `Integer`"),
+    **dict.fromkeys(("Speed", "LinearVelocity"), "write `Velocity`"),
+    **dict.fromkeys(("Position", "Distance", "Displacement", "Radius", "Height"), "write `Length`"),
+    **dict.fromkeys(("Weight", "Tension"), "write `Force`"),
+    **dict.fromkeys(("MomentOfInertia", "InertiaMoment"), "write `Inertia`"),
+    **dict.fromkeys(("Moment", "Couple"), "write `Torque`"),
+    **dict.fromkeys(("Work", "Heat"), "write `Energy`"),
+    **dict.fromkeys(("Vector", "vector", "Vector3"), "a vector is an array: `parameter Length r[3];`"),
+    "TranslationalSpringConstant": "write `Stiffness`", "Spring": "write `Stiffness`",
+    "Rotation": "write `Angle`, or `Orientation` for all three", "Quaternion": "write `Orientation`",
+}  # fmt: skip
+
 LONGEST = 64  # characters of a name that is compared
 MOST = 2000  # known names that are compared
 
@@ -54,6 +72,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str | None:
 def foreign(name: str) -> str | None:
     """How to write here what other languages call `name`, or None."""
     return _FOREIGN.get(name)
+
+
+def foreign_type(name: str) -> str | None:
+    """What to write for a type that other languages have, or None."""
+    return _FOREIGN_TYPES.get(name)
 
 
 def _plain(name: str) -> str:

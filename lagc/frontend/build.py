@@ -408,6 +408,10 @@ def _no_kind(made: tree.TypeName) -> Fault:
     if foreign is not None:
         message = f"`{word}` declares nothing by itself"
         return Fault("LAG0118", message, made.span, remedy=foreign.remedy)
+    if word in ("Particle", "Solid"):
+        message = f"the data of a `{word}` stand in parentheses after its name"
+        remedy = f"write `body b = {word}(...);`, or `{word} b(...);`"
+        return Fault("LAG0119", message, made.span, remedy=remedy)
     keywords = tables().keywords
     near = word.lower() if word.lower() in keywords else closest(word, keywords)
     message = f"`{word}` is no keyword, and an instance of a model has no value"

@@ -75,7 +75,7 @@ def _call_of(entry: Entry) -> tree.Call:
 def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
     """What is given, by the parameters' names; faults of all of it are found."""
     parameters, required = _PARAMETERS[name]
-    written = dict(zip(parameters, match(call, parameters, required, f"`{name}`")))
+    written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
 
     def one(parameter: str) -> tuple[str, Argument]:
         expression = written[parameter]
@@ -146,7 +146,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     source = entry.source
     assert isinstance(source, tree.Declarator)
     call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
-    strength, way = match(call, ("g", "direction"), 0, "`Gravity`")
+    strength, way = match(context, call, ("g", "direction"), 0, "`Gravity`")
     if entry.modifiers:
         raise Wrong(
             "LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span

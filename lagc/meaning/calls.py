@@ -21,6 +21,14 @@ MOST_CALLS = 50_000  # of the user's functions in one model
 LONGEST = 64  # arguments of one call
 
 
+def written(name: str) -> str | None:
+    """How a function that is there is called at least, `velocity(of)`; None where there is none."""
+    builtin = BUILTINS.get(name)
+    if builtin is None:
+        return None
+    return f"{name}({', '.join(builtin.parameters[: builtin.required])})"
+
+
 def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     """The value of a call.  Raises Wrong."""
     if len(e.arguments) > LONGEST:
@@ -32,7 +40,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     builtin = BUILTINS.get(name)
     if builtin is None:
         raise _unknown(name, e, environment)
-    arguments = match(e, builtin.parameters, builtin.required, f"`{name}`")
+    arguments = match(context, e, builtin.parameters, builtin.required, f"`{name}`")
     filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
     given = [None if a is None else Argument(next(filled), a.span) for a in arguments]
     return _applied(context, builtin, e, given)
@@ -45,44 +53,69 @@ def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argum
         raise Wrong("LAG0309", "this has no finite value", e.span) from None
 
 
-def match(e: tree.Call, parameters: tuple[str, ...], required: int, who: str) -> list[tree.Expression | None]:
+def match(
+    context: Context, e: tree.Call, parameters: tuple[str, ...], required: int, who: str
+) -> list[tree.Expression | None]:
     """The arguments of a call in the order of the parameters; None for one left out.
 
-    A last parameter called `*` takes all that is left.  Raises Wrong.
+    A last parameter called `*` takes all that is left.  Raises Poisoned, with all that is wrong
+    reported.
     """
     found: dict[str, tree.Expression] = {}
     many: list[tree.Expression | None] = []
+    wrong: list[Wrong] = []
     for position, argument in enumerate(e.arguments):
-        if argument.value is None or argument.arguments:
-            raise Wrong("LAG0209", "this argument has no value", argument.span)
-        if argument.name is None:
-            if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
-                many.append(argument.value)
-                continue
-            if position >= len(parameters):
-                raise Wrong("LAG0209", f"{who} takes {_count(parameters)}, here are more", argument.span)
-            name = parameters[position]
+        try:
+            name = _parameter(argument, position, parameters, who)
+            if name in found:
+                raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
+        except Wrong as one:
+            wrong.append(one)
+            continue
+        assert argument.value is not None
+        if name == "*":
+            many.append(argument.value)
         else:
-            name = argument.name
-            if name not in parameters or name == "*":
-                raise Wrong(
-                    "LAG0209",
-                    f"{who} has no argument `{name}`",
-                    argument.name_span or argument.span,
-                    did_you_mean(name, parameters),
-                )
-        if name in found:
-            raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
-        found[name] = argument.value
+            found[name] = argument.value
     missing = [p for p in parameters[:required] if p not in found and p != "*"]
-    if missing or (required > len(found) + len(many)):
+    if not wrong and (missing or required > len(found) + len(many)):
         lacking = missing[0] if missing else "another"
-        raise Wrong("LAG0210", f"{who} needs the argument `{lacking}`", e.span)
+        listed = ", ".join("..." if p == "*" else p for p in parameters)
+        remedy = f"{who} takes ({listed})" if len(parameters) > 1 else None
+        wrong.append(Wrong("LAG0210", f"{who} needs the argument `{lacking}`", e.span, remedy))
+    for fault in wrong:
+        context.report(fault)
+    if wrong:
+        raise Poisoned
     ordered = [found.get(p) for p in parameters if p != "*"]
     return [*ordered, *many]
 
 
+def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ...], who: str) -> str:
+    """The parameter that an argument is for.  Raises Wrong."""
+    if argument.value is None or argument.arguments:
+        raise Wrong("LAG0209", "this argument has no value", argument.span)
+    if argument.name is None:
+        if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
+            return "*"
+        if position >= len(parameters):
+            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}, here are more", argument.span)
+        return parameters[position]
+    if argument.name not in parameters or argument.name == "*":
+        known = [p for p in parameters if p != "*"]
+        listed = f"it takes {', '.join(f'`{p}`' for p in known)}" if known else None
+        raise Wrong(
+            "LAG0209",
+            f"{who} has no argument `{argument.name}`",
+            argument.name_span or argument.span,
+            did_you_mean(argument.name, known) or listed,
+        )
+    return argument.name
+
+
 def _count(parameters: tuple[str, ...]) -> str:
+    if not parameters:
+        return "no argument"
     return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
 
 
@@ -129,7 +162,7 @@ def _inline(
         if name in names[:k]:
             first = function.parameters[names.index(name)][2]
             raise Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
-    arguments = match(e, names, len(names), f"`{function.name}`")
+    arguments = match(context, e, names, len(names), f"`{function.name}`")
     types = [type_of(t, home.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all of them: none is optional
 

@@ -166,6 +166,11 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
             e.span,
             remedy="use it within the same effect, or let the scene use that effect",
         )
+    from lagc.meaning.calls import written
+
+    function = written(e.name)
+    if function is not None:
+        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
     known = [
         *environment.bindings,
         *instance.entries,

@@ -12,6 +12,15 @@ from lagc.meaning.units import KG, NONE, M, S, over
 from lagc.meaning.values import Array, Indexed, Part, Scalar, Value, Wrong, kind, vector_value
 
 MOST_NAMED = 8  # names that a remedy lists
+_MOTION = (
+    "velocity",
+    "acceleration",
+    "angular_velocity",
+    "kinetic",
+    "momentum",
+    "angular_momentum",
+    "position",
+)
 _AXES = ("x", "y", "z")
 
 
@@ -25,7 +34,9 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
             "LAG0206",
             f"{kind(value)} has no `{e.name}`",
             e.name_span,
-            did_you_mean(e.name, known) or (f"it has {', '.join(known)}" if known else None),
+            _called(value, e.name)
+            or did_you_mean(e.name, known)
+            or (f"it has {', '.join(known)}" if known else None),
         )
     if isinstance(value, Frame):
         axis = _AXES.index(e.name)
@@ -38,6 +49,13 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
         return _of_body(value, e.name)
     assert isinstance(value, Array)
     return value.elements[_AXES.index(e.name)]
+
+
+def _called(value: Value, name: str) -> str | None:
+    """Some parts are written as functions: `velocity(b)`."""
+    if name in _MOTION and isinstance(value, Body | Array | Frame):
+        return f"write `{name}(...)`"
+    return None
 
 
 def _members(value: Value) -> tuple[str, ...]:

@@ -81,6 +81,13 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
 
         return declare_orientation(context, entry, source)
     meant = type_of(declaration.type, entry.environment.space)
+    if entry.kind == "structural" and meant.name != "Integer" and declaration.type is not None:
+        raise Wrong(
+            "LAG0221",
+            "a structural parameter is an `Integer`: it counts",
+            declaration.type.span,
+            "write `structural Integer`, or `parameter` where it is a quantity",
+        )
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     quantity = Quantity(entry, source, meant, sizes, attributes, _display(context, meant, attributes))

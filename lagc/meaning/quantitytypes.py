@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.suggest import did_you_mean
+from lagc.diagnostics.suggest import did_you_mean, foreign_type
 from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.types import TYPES, QuantityType, quantity_type
@@ -26,9 +26,8 @@ def type_of(name: tree.TypeName | None, space: Namespace, depth: int = 0) -> Qua
         if name.path[0] in TYPES:
             return TYPES[name.path[0]]
         known = [*TYPES, *space.known()]
-        raise Wrong(
-            "LAG0203", f"there is no type `{name.path[0]}`", name.span, did_you_mean(name.path[0], known)
-        )
+        remedy = foreign_type(name.path[0]) or did_you_mean(name.path[0], known)
+        raise Wrong("LAG0203", f"there is no type `{name.path[0]}`", name.span, remedy)
     found, where = space.find(name.path, name.span, "type")
     if not isinstance(found, tree.TypeDeclaration):
         raise Wrong("LAG0203", f"`{'.'.join(name.path)}` is not a type of quantity", name.span)

@@ -72,6 +72,9 @@ _KINDS: dict[type, str] = {
 }  # fmt: skip
 
 
+_AS_NUMBER = "write `if condition then 1 else 0`"
+
+
 def kind(value: Value) -> str:
     """In words, for messages."""
     if isinstance(value, Thing):
@@ -128,7 +131,8 @@ def common_dimension(scalars: tuple[Scalar, ...], span: Span) -> Dimension | Non
 def scalar_of(value: Value, span: Span, what: str) -> Scalar:
     if isinstance(value, Scalar):
         return value
-    raise Wrong("LAG0307", f"{what} is a number, this is {kind(value)}", span)
+    remedy = _AS_NUMBER if isinstance(value, Truth) else None
+    raise Wrong("LAG0307", f"{what} is a number, this is {kind(value)}", span, remedy)
 
 
 def expect(
@@ -149,7 +153,8 @@ def flat(value: Value, span: Span, what: str) -> list[Scalar]:
         return [value]
     if isinstance(value, Array):
         return [s for element in value.elements for s in flat(element, span, what)]
-    raise Wrong("LAG0307", f"{what} is a number or an array of numbers, this is {kind(value)}", span)
+    remedy = _AS_NUMBER if isinstance(value, Truth) else None
+    raise Wrong("LAG0307", f"{what} is a number or an array of numbers, this is {kind(value)}", span, remedy)
 
 
 def shape(value: Value) -> list[int]:

@@ -211,3 +211,27 @@ def test_the_name_that_was_meant(name: str, known: list[str], found: str | None)
 def test_words_of_other_languages() -> None:
     assert foreign("ln") == "write `log`, the natural logarithm"
     assert foreign("theta") is None
+
+
+@pytest.mark.parametrize(
+    "line, remedies",
+    [
+        ("potential V = 9.81*m*x;", ["is a unit missing? `9.81 [m/s2]` makes it Energy [J]"]),
+        ("constraint c: x = -1;", ["a bare number has no unit within an expression: write `-1 [m]`"]),
+        ("point P = {0, x, 1/2};", ["a bare number has no unit within an expression: write `1/2*1 [m]`"]),
+        ("torque M = {0, 0, 1} on b;", [None]),
+        ("body c = Particle(mas = m, place = {x, 0, 0});", ["did you mean `mass`?", "it takes `mass`, `at`"]),
+        ("output Energy E = kinetic;", ["write `kinetic()`"]),
+        ("output Velocity v = velocity;", ["write `velocity(of)`"]),
+        ("output Real y = atan2(x);", ["`atan2` takes (y, x)"]),
+        ("coordinate Speed y;", ["write `Velocity`"]),
+        ("scene s start m = 2; end s;", ["`m` is a parameter: write `parameter m = ...;`"]),
+        ("scene s parameter x = 2; end s;", ["`x` is a coordinate: write `start x = ...;`"]),
+        ("coordinate Length y[2]; output Length z = y[0];", ["elements are counted from 1"]),
+        ("output Length y = sum({x, x}) > 1 [m];", ["write `if condition then 1 else 0`"]),
+    ],
+)  # fmt: skip
+def test_remedies(line: str, remedies: list[str | None]) -> None:
+    head = "model M parameter Mass m = 1; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"
+    faults = check(Source("m.lag", f"{head}{line}\nend M;"), Choice())
+    assert [f.remedy for f in faults] == remedies

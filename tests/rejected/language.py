@@ -68,4 +68,10 @@ CASES = [
      "model C B b; output Length y = b.«c».x; end C;"),
     ("a chain of instances", "LAG0205",
      "model A coordinate Length x; B b; end A; model «B» A a; end B;"),
+    ("a function without its parentheses", "LAG0201", "output Energy E = «energy»;"),
+    ("a function as a part", "LAG0206", "output Velocity v = b.«velocity».x;"),
+    ("a type of another language", "LAG0203", "coordinate «Speed» y;"),
+    ("a structural quantity", "LAG0221", "structural «Real» n = 2;"),
+    ("a condition as an output", "LAG0307", "output Real y = «x > 0»;"),
+    ("a particle with a value", "LAG0119", "«Particle» c = Particle(mass = m, at = {x, 0, 0});"),
 ]  # fmt: skip
