@@ -50,8 +50,6 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
 
 def partial(graph: Graph, node: Node, k: int) -> Node:
     """d(node)/d(argument k) alone."""
-    if node.op == "add":
-        return graph.one
     if node.op == "mul":
         exponent = node.value[k]
         return graph.scale(float(exponent), graph.reduced(node, k))
@@ -89,11 +87,20 @@ def _unary(graph: Graph, node: Node, x: Node) -> Node:
     return graph.zero  # floor, sign, not
 
 
-def tangent(graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node]) -> list[Node]:
-    """d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed stand still."""
+def tangent(
+    graph: Graph,
+    outputs: Sequence[Node],
+    seeds: Mapping[Node, Node],
+    within: Sequence[Node] | None = None,
+) -> list[Node]:
+    """d(outputs) along the direction d(leaf) = seeds[leaf]; leaves without a seed stand still.
+
+    `within`: the nodes below `outputs` that leaves can change, arguments before users, where these
+    are known already.
+    """
     rates: dict[Node, Node] = {leaf: rate for leaf, rate in seeds.items() if not rate.is_zero}
     zero = graph.zero
-    for node in reachable(outputs):
+    for node in reachable(outputs) if within is None else within:
         if node in rates or not node.args:
             continue
         moving = [k for k, a in enumerate(node.args) if a in rates]
@@ -101,20 +108,28 @@ def tangent(graph: Graph, outputs: Sequence[Node], seeds: Mapping[Node, Node]) -
             continue
         total = zero
         for k in moving:
-            total = graph.add(total, graph.mul(partial(graph, node, k), rates[node.args[k]]))
+            rate = rates[node.args[k]]
+            share = rate if node.op == "add" else graph.mul(partial(graph, node, k), rate)
+            total = graph.add(total, share)
         if total is not zero:
             rates[node] = total
     return [rates.get(node, zero) for node in outputs]
 
 
 def gradient(
-    graph: Graph, seeds: Mapping[Node, Node], wrt: Sequence[Node]
+    graph: Graph,
+    seeds: Mapping[Node, Node],
+    wrt: Sequence[Node],
+    within: Sequence[Node] | None = None,
 ) -> dict[Node, Node]:
-    """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero."""
+    """sum over outputs of seeds[output] * d(output)/d(w), for the w where it is not zero.
+
+    `within` as in `tangent`.
+    """
     adjoint: dict[Node, Node] = {}
     live = set(wrt)
     order: list[Node] = []
-    for node in reachable(seeds):
+    for node in reachable(seeds) if within is None else within:
         if node in live or not live.isdisjoint(node.args):
             live.add(node)
             order.append(node)
@@ -128,7 +143,7 @@ def gradient(
         args = node.args
         for k, argument in enumerate(args):
             if argument in live:
-                share = graph.mul(weight, partial(graph, node, k))
+                share = weight if node.op == "add" else graph.mul(weight, partial(graph, node, k))
                 held = adjoint.get(argument)
                 adjoint[argument] = share if held is None else graph.add(held, share)
     found = {w: adjoint[w] for w in wrt if w in adjoint}

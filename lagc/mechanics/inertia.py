@@ -20,7 +20,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, add, cross, matvec, scale
-from lagc.expr.walk import depends
+from lagc.expr.walk import depends, reachable
 from lagc.meaning.model import Body
 from lagc.mechanics.states import States, seeds
 from lagc.records import dataclass
@@ -77,16 +77,18 @@ def mass_matrix(states: States, parts: Sequence[Moving]) -> dict[tuple[int, int]
     """M_ij with i >= j, zeros left out."""
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
+    moving = depends(flat, states.v)
+    within = [node for node in reachable(flat) if node in moving]
     index = {v: i for i, v in enumerate(states.v)}
     matrix: dict[tuple[int, int], Node] = {}
     for i, speed in enumerate(states.v):
-        partial = tangent(graph, flat, {speed: graph.one})
+        partial = tangent(graph, flat, {speed: graph.one}, within)
         pairs: list[tuple[Node, Node]] = []
         for k, part in enumerate(parts):
             x, y, z = partial[3 * k : 3 * k + 3]
             if not (x.is_zero and y.is_zero and z.is_zero):
                 pairs.extend(zip(part.velocity, part.momentum((x, y, z))))
-        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1])
+        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1], within)
         matrix.update(((i, index[v]), node) for v, node in row.items())
     return matrix
 
