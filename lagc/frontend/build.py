@@ -12,8 +12,8 @@ from typing import Any, TypeVar
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend import tree
 from lagc.frontend.lexer import Token
-from lagc.frontend.node import replaced
 from lagc.frontend.places import FILE, arrange
+from lagc.records import replace
 
 _PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
 _PLAIN = frozenset({"Real", "Integer", "Boolean"})
@@ -297,7 +297,7 @@ class Builder:
 
     def parenthesised(self, c: Children, span: Span) -> tree.Expression:
         # The parentheses belong to the span, so that a caret under the whole shows them.
-        node = replaced(c[0], span=span)
+        node = replace(c[0], span=span)
         if id(c[0]) in self._parts:
             self._parts[id(node)] = self._parts[id(c[0])]
         return node  # type: ignore[no-any-return]
@@ -340,7 +340,7 @@ class Builder:
         """A description after `unless` is that of the last name."""
         if description is None:
             return declarators
-        return (*declarators[:-1], replaced(declarators[-1], description=self._text(description)))
+        return (*declarators[:-1], replace(declarators[-1], description=self._text(description)))
 
     def _type_of(self, expression: tree.Expression) -> tree.TypeName:
         path: list[str] = []
@@ -443,7 +443,7 @@ def _options_apart(
     for node in reversed(outer):
         span = Span(source, node.span.start, function.span.end)
         if isinstance(node, tree.Binary):
-            kept = replaced(node, right=kept, span=span)
+            kept = replace(node, right=kept, span=span)
         else:
-            kept = replaced(node, operand=kept, span=span)
+            kept = replace(node, operand=kept, span=span)
     return kept, last.arguments

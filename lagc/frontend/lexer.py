@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.frontend.node import node
+from lagc.records import dataclass
 
 WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "symbol", "end"
 
@@ -33,7 +33,7 @@ class Token:
         return f"{self.kind} {self.text!r} at {self.start}"
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Lexed:
     """The tokens of a text (the last is of kind END), its comments, and what is no token."""
 

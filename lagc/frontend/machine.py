@@ -8,8 +8,8 @@ from typing import Any
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend.build import Builder
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
-from lagc.frontend.node import node
 from lagc.frontend.tables import Tables
+from lagc.records import dataclass
 
 DEEPEST = 100  # brackets, `if`s, signs and blocks inside one another
 MOST_FAULTS = 50
@@ -28,7 +28,7 @@ _NESTING = frozenset({"LPAR", "LBRACE", "LSQB", "IF", "NOT", *_BLOCKS})
 _AFTER_NAMES = frozenset(("<=", ">=", "==", "<>", *"=.[+-*/^,)]}:<>("))
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Block:
     """An open block: the word that opened it, its name's token, the height of the stack below."""
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend import tree
-from lagc.frontend.node import replaced
+from lagc.records import replace
 
 FILE = "a file"
 _MECHANICS = frozenset({"model", "effect"})
@@ -78,7 +78,7 @@ def _arrange(
             continue
         if isinstance(item, tree.ForLoop):
             body, _ = _arrange(item.body, "for", initial, faults)
-            arranged.append(replaced(item, body=body))
+            arranged.append(replace(item, body=body))
         else:
             initial = False
             if kind not in ("requires", "excludes"):

@@ -16,7 +16,7 @@ from functools import cache
 from typing import Any
 
 from lagc import cache as store
-from lagc.frontend.node import node
+from lagc.records import dataclass
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
 
@@ -24,7 +24,7 @@ _LAYOUT = "tables 1"  # of the data below; another one where it changes
 Recipe = tuple[int, ...]
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Tables:
     """actions[state][symbol]: a terminal leads to the next state, or to ~rule (negative) to
     reduce; a nonterminal leads to the next state.

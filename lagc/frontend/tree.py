@@ -2,7 +2,7 @@
 
 Every node carries the `span` it was read from.  Sequences are tuples.  `None` means
 "not written".  Nodes are compared by their fields, spans included, and never changed
-(`lagc.frontend.node.replaced` makes changed copies).
+(`lagc.records.replace` makes changed copies).
 """
 
 from __future__ import annotations
@@ -10,31 +10,31 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Source, Span
-from lagc.frontend.node import node
+from lagc.records import dataclass
 
 # -- expressions ------------------------------------------------------------------
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Number:
     value: float
     text: str  # as written, for the formatter
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Boolean:
     value: bool
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class String:
     value: str
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Unit:
     """The text between brackets, `kg.m2`; its meaning is looked up later."""
 
@@ -42,7 +42,7 @@ class Unit:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Quantity:
     """A number or vector literal with its unit: `0.5 [m]`, `{1, 0, 0} [rad/s]`."""
 
@@ -51,13 +51,13 @@ class Quantity:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Name:
     name: str
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Member:
     """`base.name`: a part of an instance, a unit vector of a frame, ..."""
 
@@ -67,7 +67,7 @@ class Member:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Index:
     """`base[i, j]`."""
 
@@ -76,7 +76,7 @@ class Index:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Argument:
     """A call's or modification's argument: `name = value`, or a bare value (`name` None).
 
@@ -93,21 +93,21 @@ class Argument:
     arguments: tuple[Argument, ...] = ()
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Call:
     function: Expression  # a Name or a Member
     arguments: tuple[Argument, ...]
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Unary:
     op: str  # "-", "+", "not"
     operand: Expression
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Binary:
     """op is one of + - * / ^ < <= > >= == <> and or."""
 
@@ -118,7 +118,7 @@ class Binary:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Conditional:
     """`if c then x elseif d then y else z`: branches are (condition, value) pairs."""
 
@@ -127,7 +127,7 @@ class Conditional:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Vector:
     """`{a, b, c}`; nested for a matrix."""
 
@@ -135,7 +135,7 @@ class Vector:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Range:
     """`1:n` or `1:2:n`."""
 
@@ -164,7 +164,7 @@ Expression: TypeAlias = (
 # -- declarations -----------------------------------------------------------------
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class TypeName:
     """`Length`, `lib.Length`, or `Real[kg/m]`."""
 
@@ -173,7 +173,7 @@ class TypeName:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class TypeDeclaration:
     """`type Name = Real[unit] "..." ;`; `arguments` where `(displayUnit = ...)` is written."""
 
@@ -185,7 +185,7 @@ class TypeDeclaration:
     arguments: tuple[Argument, ...] = ()
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Declarator:
     """One name of a list: `th[n](each start = 0.1 [rad]) = value "description"`.
 
@@ -202,7 +202,7 @@ class Declarator:
     within: Expression | None = None
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Quantities:
     """`parameter Mass m = 1 [kg], n;`.  kind: constant parameter structural input
     coordinate speed output."""
@@ -214,7 +214,7 @@ class Quantities:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class FunctionDeclaration:
     name: str
     name_span: Span
@@ -224,7 +224,7 @@ class FunctionDeclaration:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Construct:
     """`frame A = expr`, `point P[0] = expr`, `body b = Particle(...)`, `joint j = ...`,
     `friction f = ...`, `potential V = ...`, `kinetic`, `lagrangian`, `dissipation`.
@@ -242,7 +242,7 @@ class Construct:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Load:
     """`force F = vec at point` / `torque M = vec on body [from other]`.  kind: force, torque."""
 
@@ -258,7 +258,7 @@ class Load:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Constraint:
     """`constraint c: lhs = rhs (restitution = 0.8) unless e;`.  relation: = >= <=."""
 
@@ -275,7 +275,7 @@ class Constraint:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Condition:
     """One line of the `initial` section: `lhs = rhs;`."""
 
@@ -285,7 +285,7 @@ class Condition:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Initial:
     """`initial` ... up to the next section or declaration."""
 
@@ -294,7 +294,7 @@ class Initial:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class ForLoop:
     variable: str
     variable_span: Span
@@ -303,7 +303,7 @@ class ForLoop:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class When:
     """`when cond then ... end when;`: read, and answered with "not yet"."""
 
@@ -311,7 +311,7 @@ class When:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Effect:
     """`effect name "..." [requires a, b;] [excludes c;] declarations end name;`
     or the short `effect gravity Gravity field(...); end gravity;`."""
@@ -325,7 +325,7 @@ class Effect:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Start:
     """`start theta = 30 [deg];` or `start der(theta) = 1;` in a scene."""
 
@@ -334,7 +334,7 @@ class Start:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Simulate:
     """`simulate(stop = 20 [s], accuracy = 1e-8);`"""
 
@@ -342,7 +342,7 @@ class Simulate:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Scene:
     name: str
     name_span: Span
@@ -352,7 +352,7 @@ class Scene:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Extends:
     path: tuple[str, ...]
     path_span: Span
@@ -360,7 +360,7 @@ class Extends:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Import:
     """`import a.b.C;` (alias C), `import X = a.b.C;`, `import a.b.*;`, `import "file.lag";`."""
 
@@ -371,7 +371,7 @@ class Import:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Instance:
     """`Chain a(n = 3), b(n = 4);` and, inside an effect, `Gravity field(g = ...);`."""
 
@@ -381,13 +381,13 @@ class Instance:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Annotation:
     arguments: tuple[Argument, ...]
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class ModelDeclaration:
     """`[partial] model Name "..." ... end Name;`"""
 
@@ -399,7 +399,7 @@ class ModelDeclaration:
     span: Span
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Package:
     name: str
     name_span: Span
@@ -431,7 +431,7 @@ Declaration: TypeAlias = (
 )
 
 
-@node
+@dataclass(frozen=True, slots=True)
 class Tree:
     """A whole file."""
 

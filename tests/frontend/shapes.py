@@ -5,18 +5,18 @@ from __future__ import annotations
 from typing import Any
 
 from lagc.diagnostics.faults import Source, Span
-from lagc.frontend.node import Node
 from lagc.frontend.parse import parse
+from lagc.records import names
 
 
 def shape(node: Any) -> Any:
     """Nested tuples of everything but spans and sources."""
     if isinstance(node, Span | Source):
         return None
-    if isinstance(node, Node):
-        return (type(node).__name__, *(shape(getattr(node, name)) for name in node.__slots__))
     if isinstance(node, tuple):
         return tuple(shape(part) for part in node)
+    if hasattr(node, "__match_args__"):
+        return (type(node).__name__, *(shape(getattr(node, name)) for name in names(node)))
     return node
 
 
