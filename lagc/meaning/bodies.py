@@ -152,6 +152,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             "LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span
         )
     g = _strength(context, entry, strength)
+    entry.parts["g"] = Scalar(g, GRAVITY)
     graph = context.graph
     direction: nouns.Vector = (graph.zero, graph.zero, graph.const(-1.0))
     if way is not None:

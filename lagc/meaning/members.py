@@ -9,7 +9,7 @@ from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.units import KG, NONE, M, S, over
-from lagc.meaning.values import Array, Indexed, Part, Scalar, Value, Wrong, kind, vector_value
+from lagc.meaning.values import Array, Indexed, Part, Scalar, Thing, Value, Wrong, kind, vector_value
 
 MOST_NAMED = 8  # names that a remedy lists
 _MOTION = (
@@ -28,6 +28,8 @@ def member(context: Context, value: Value, e: tree.Member) -> Value:
     """`value.name`.  Raises Wrong."""
     if isinstance(value, Part):
         return _of_instance(context, value, e)
+    if isinstance(value, Thing) and e.name in value.entry.parts:
+        return value.entry.parts[e.name]
     known = _members(value)
     if e.name not in known:
         raise Wrong(
@@ -67,7 +69,7 @@ def _members(value: Value) -> tuple[str, ...]:
         return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
     if isinstance(value, Array) and len(value.elements) == 3:
         return _AXES
-    return ()
+    return tuple(value.entry.parts) if isinstance(value, Thing) else ()
 
 
 def _of_body(body: Body, name: str) -> Value:

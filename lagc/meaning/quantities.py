@@ -142,8 +142,8 @@ def _value_span(context: Context, quantity: Quantity, subscript: tuple[int, ...]
     """Where the value that counts is written; the name where there is none."""
     for name in (quantity.name(subscript), quantity.entry.path):
         given = context.parameters.get(name)
-        if given is not None and given.expression is not None:
-            return given.expression.span
+        if given is not None:
+            return quantity.entry.span if given.expression is None else given.expression.span
     modifier = written_value(quantity.entry)
     value = None if modifier is None else modifier.argument.value
     return quantity.entry.span if value is None else value.span

@@ -61,9 +61,8 @@ class Entry:
     """One name of an instance."""
 
     __slots__ = (
-        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "path",
-        "size",
-        "source", "state", "subscript", "value",
+        "declaration", "effect", "elements", "environment", "kind", "modifiers", "name", "nouns", "parts",
+        "path", "size", "source", "state", "subscript", "value",
     )  # fmt: skip
 
     def __init__(
@@ -84,6 +83,7 @@ class Entry:
         self.state = "new"  # running, done, poisoned
         self.value: Value | None = None
         self.nouns: list[nouns.Noun] = []
+        self.parts: dict[str, Value] = {}  # of a thing that has some: the strength `g` of gravity
 
     @property
     def span(self) -> Span:

@@ -192,8 +192,11 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
 
 def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
     names = list(known)
+    parts = [n for n in names if n.startswith((f"{name}[", f"{name}."))]
     close = closest(name, names)
     remedy = f"did you mean `{close}`?" if close else None
+    if parts:
+        remedy = f"`{name}` has parts: give " + ", ".join(f"`{n}`" for n in parts[:4])
     if remedy is None and 0 < len(names) <= 12:
         remedy = "there are " + ", ".join(f"`{n}`" for n in names)
     return Fault(code, f"there is no {what} `{name}`", remedy=remedy)

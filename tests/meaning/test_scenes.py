@@ -129,3 +129,17 @@ def test_a_scene_starts_declared_speeds() -> None:
     run = lagc.loads(SLEIGH).compile(backend="numpy").simulate(stop=1.0, accuracy=1e-9)
     assert run["u"][0] == pytest.approx(1.0, rel=1e-12) and run["r"][0] == pytest.approx(2.0, rel=1e-12)
     assert run["N"] == pytest.approx(4.0, rel=1e-9)  # m u r, which holds the blade on its circle
+
+
+def test_the_strength_of_gravity_is_a_parameter_that_others_may_use() -> None:
+    text = (
+        "model A parameter Mass m = 2; coordinate Length x; body b = Particle(mass = m, at = {0, 0, x});"
+        "effect gravity Gravity field; output Force weight = m*field.g; end gravity;"
+        "effect slope parameter Angle a = 30 [deg]; Gravity field(g = 2 [m/s2]*sin(a));"
+        "output Acceleration down = field.g; end slope;"
+        "scene earth uses gravity; scene moon uses gravity parameter field.g = 1.62; end moon;"
+        "scene plane uses slope; end A;"
+    )
+    assert output(read(text, scene="earth"), "weight") == 2 * 9.81
+    assert output(read(text, scene="moon"), "weight") == 2 * 1.62
+    assert output(read(text, scene="plane"), "down") == pytest.approx(1.0, rel=1e-15)
