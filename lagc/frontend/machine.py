@@ -75,6 +75,13 @@ class Machine:
         self.reduced = False  # since then
         self.recoveries = 0
         self._reported: set[int] = set()  # where declarations with a fault begin
+        # Name -> how many tokens before the end of the text its last `end name` stands: changes are
+        # made before that only.
+        self._last_ends = {
+            name.text: len(self.tokens) - number
+            for number, (end, name) in enumerate(pairwise(self.tokens))
+            if end.text == "end"
+        }
         self.builder = Builder(source)
         self.callbacks: list[Any] = [
             None if name is None else getattr(self.builder, name) for _, _, name, _ in tables.rules
@@ -242,8 +249,8 @@ class Machine:
         return True
 
     def _ends_further_on(self, block: Block) -> bool:
-        texts = [token.text for token in self.tokens[self.position + 2 :]]
-        return any(pair == ("end", block.closing) for pair in pairwise(texts))
+        last = self._last_ends.get(block.closing)
+        return last is not None and len(self.tokens) - last >= self.position + 2
 
     def _leave_end_out(self, block: Block, name: Token) -> None:
         """This `end` belongs to nothing, or to a block whose first line could not be read."""

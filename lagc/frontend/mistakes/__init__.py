@@ -1,0 +1,1 @@
+"""Syntax mistakes in the user's terms, one function each."""

@@ -1,0 +1,228 @@
+"""Mistakes with operators, brackets, separators and units."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.faults import Fault, Span
+from lagc.frontend.foreign import OPERATORS, looks_like_unit
+from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD
+from lagc.frontend.mistakes.where import HEADERS, Explained, Repair, Where, token_of
+
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
+_OPENING = {closing: opening for opening, closing in _CLOSING.items()}
+_OPERATORS = frozenset(("<=", ">=", "==", "<>", *"=+-*/^<>,:({["))
+
+
+def foreign_operator(w: Where) -> Explained | None:
+    if w.token.kind != SYMBOL or w.token.text not in OPERATORS:
+        return None
+    ours = OPERATORS[w.token.text]
+    message = f"`{w.token.text}` is no operator of the language"
+    if ours is None:
+        return Explained(Fault("LAG0117", message, w.span(w.token)))
+    fault = Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`")
+    return Explained(fault, w.replace(ours))
+
+
+def comparison_for_equation(w: Where) -> Explained | None:
+    text = w.token.text
+    if w.token.kind != SYMBOL:
+        return None
+    if text == "==" and w.accepts("EQUALS"):
+        message = "`==` compares; here stands a single `=`"
+        return Explained(Fault("LAG0115", message, w.span(w.token), remedy="write `=`"), w.replace("="))
+    if text in ("<", ">", "<>") and w.first.text == "constraint" and w.accepts("EQUALS"):
+        message = f"a constraint is an equation, or an inequality with `>=` or `<=`, and not `{text}`"
+        remedy = None if text == "<>" else f"write `{text}=`"
+        repair = None if text == "<>" else w.replace(text + "=")
+        return Explained(Fault("LAG0115", message, w.span(w.token), remedy=remedy), repair)
+    return None
+
+
+def equation_for_comparison(w: Where) -> Explained | None:
+    if w.token.text != "=" or not w.accepts(w.sign("==")):
+        return None
+    words = {token.text for token in w.tokens[w.begin : w.position] if token.kind == WORD}
+    if not words & {"if", "elseif", "when"}:
+        return None
+    message = "a condition compares with `==`"
+    return Explained(Fault("LAG0116", message, w.span(w.token), remedy="write `==`"), w.replace("=="))
+
+
+def chained(w: Where) -> Explained | None:
+    if w.token.text == "^":
+        message = "powers of powers need parentheses: `a^b^c` may mean two things"
+        return Explained(Fault("LAG0126", message, w.span(w.token), remedy="write `a^(b^c)` or `(a^b)^c`"))
+    if w.token.text in ("<", "<=", ">", ">=", "==", "<>") and not w.accepts("EQUALS"):
+        depth = 0
+        for token in reversed(w.tokens[w.begin : w.position]):
+            depth += (token.text in _OPENING) - (token.text in _CLOSING)
+            if depth < 0 or token.text in ("and", "or", "if", "elseif", "then", "else", ",", "="):
+                break
+            if depth == 0 and token.text in ("<", "<=", ">", ">=", "==", "<>"):
+                message = "comparisons do not chain"
+                fault = Fault(
+                    "LAG0126", message, w.span(w.token),
+                    related=((w.span(token), "the first comparison"),),
+                    remedy="join two comparisons with `and`",
+                )  # fmt: skip
+                return Explained(fault)
+    return None
+
+
+def decimal_comma(w: Where) -> Explained | None:
+    if w.token.kind != NUMBER or w.before.text != "," or w.position < 2:
+        return None
+    whole = w.tokens[w.position - 2]
+    if whole.kind != NUMBER or whole.end != w.before.start or w.before.end != w.token.start:
+        return None
+    number = token_of("0", whole.start)
+    number.kind, number.text, number.end = NUMBER, f"{whole.text}.{w.token.text}", w.token.end
+    fault = Fault(
+        "LAG0105",
+        "decimals stand behind a point",
+        w.span(whole, w.token),
+        remedy=f"write `{number.text}`",
+    )
+    return Explained(fault, Repair(w.position - 2, 3, (number,)))
+
+
+def bare_unit(w: Where) -> Explained | None:
+    if w.token.kind != WORD or w.before.kind != NUMBER or w.new_line() or not looks_like_unit(w.token.text):
+        return None
+    # A unit may be a product: `9.81 m/s2`.
+    last = w.position
+    tokens = w.tokens
+    while (
+        tokens[last + 1].text in ("/", ".", "*")
+        and tokens[last + 2].kind == WORD
+        and looks_like_unit(tokens[last + 2].text)
+        and tokens[last + 2].end - tokens[last].end == 1 + len(tokens[last + 2].text)
+    ):
+        last += 2
+    unit = "".join("." if t.text == "*" else t.text for t in tokens[w.position : last + 1])
+    fault = Fault(
+        "LAG0121",
+        "a unit stands in brackets",
+        w.span(w.token, tokens[last]),
+        remedy=f"write `{w.before.text} [{unit}]`",
+    )
+    repair = Repair(w.position, last + 1 - w.position, (token_of(f"[{unit}]", w.token.start),))
+    return Explained(fault, repair)
+
+
+def unit_behind_expression(w: Where) -> Explained | None:
+    if w.token.kind != UNIT and not (w.token.text == "[" and w.before.text in (")", "]")):
+        return None
+    message = "a unit stands behind a number or a vector in braces, or behind `Real`"
+    return Explained(Fault("LAG0121", message, w.span(w.token)))
+
+
+def brackets(w: Where) -> Explained | None:
+    text = w.token.text if w.token.kind == SYMBOL else ""
+    if text in _OPENING:
+        if not w.brackets:
+            if w.first.text in ("model", "package", "effect", "scene") or not w.inside:
+                message, remedy = "blocks are closed by `end name;`", None
+            else:
+                message, remedy = f"nothing is open for this `{text}`", "delete it"
+            return Explained(Fault("LAG0114", message, w.span(w.token), remedy=remedy), w.replace())
+        opening = w.brackets[-1]
+        if _CLOSING[opening.text] != text and w.accepts(w.sign(_CLOSING[opening.text])):
+            right = _CLOSING[opening.text]
+            message = f"this `{text}` cannot close that `{opening.text}`"
+            outer = any(_CLOSING[bracket.text] == text for bracket in w.brackets[:-1])
+            fault = Fault(
+                "LAG0114", message, w.span(w.token), related=((w.span(opening), "opened here"),),
+                remedy=f"write `{right}{text}`" if outer else f"write `{right}`",
+            )  # fmt: skip
+            return Explained(fault, w.insert(right) if outer else w.replace(right))
+        return None
+    ends = w.token.kind == END or text == ";" or (w.token.kind == WORD and w.new_line())
+    if w.brackets:
+        opening = w.brackets[-1]
+        right = _CLOSING[opening.text]
+        # `m(min = 0 = 1 [kg]`: what stands there could stand behind the bracket.
+        follows = text in w.signs and w.accepts(w.sign(right), w.sign(text))
+        if not w.accepts(w.sign(right)) or not (ends or follows):
+            return None
+        message = f"this `{opening.text}` is not closed"
+        fault = Fault(
+            "LAG0114", message, w.span(opening),
+            related=((w.span(w.token), f"a `{right}` is missing before this"),),
+            remedy=f"close it with `{right}`",
+        )  # fmt: skip
+        return Explained(fault, w.insert(right))
+    return None
+
+
+def semicolon_too_many(w: Where) -> Explained | None:
+    if w.token.text != ";" or w.token.kind != SYMBOL:
+        return None
+    header = w.tokens[max(w.position - 2, 0)].text in HEADERS
+    if w.before.text in ("then", "loop", "else") or header:
+        message = f"no `;` stands after `{w.before.text}`"
+    elif not w.inside:
+        message = "this `;` ends nothing"
+    else:
+        return None
+    return Explained(Fault("LAG0124", message, w.span(w.token), remedy="delete it"), w.replace())
+
+
+def missing_semicolon(w: Where) -> Explained | None:
+    if not w.inside or not w.accepts("SEMICOLON"):
+        return None
+    if not w.new_line() and not (w.token.kind == WORD and w.token.text in w.keywords):
+        return None
+    if w.token.kind == SYMBOL:
+        return None
+    at = Span(w.source, w.before.end, w.before.end)
+    fault = Fault("LAG0111", "a `;` is missing", at, remedy="end the declaration with `;`")
+    return Explained(fault, w.insert(";"))
+
+
+def comma_in_list(w: Where) -> Explained | None:
+    """`uses a b;` reads as if the body of the scene began with `b`."""
+    at = w.begin - 1
+    if not w.inside or w.first.kind != WORD or at < 1 or w.tokens[at].kind != WORD:
+        return None
+    while at > 0 and (w.tokens[at].kind == WORD or w.tokens[at].text == ","):
+        if w.tokens[at].text == "uses":
+            message = f"a `,` is missing between `{w.tokens[w.begin - 1].text}` and `{w.first.text}`"
+            span = w.span(w.tokens[w.begin - 1], w.first)
+            fault = Fault("LAG0130", message, span, remedy="names in a list stand apart by `,`")
+            comma = token_of(",", w.first.start)
+            return Explained(fault, Repair(w.begin - 1, 1, (w.tokens[w.begin - 1], comma)))
+        at -= 1
+    return None
+
+
+def missing_sign(w: Where) -> Explained | None:
+    """`body b Particle(...)`, `coordinate Angle a b`."""
+    if w.new_line() or w.before.kind != WORD or (w.token.kind == SYMBOL and w.token.text != "{"):
+        return None
+    if not w.accepts("EQUALS") or w.accepts("TIMES") or not w.inside:
+        return None
+    span = w.span(w.before, w.token)
+    if w.accepts("COMMA"):
+        message = f"a sign is missing between `{w.before.text}` and `{w.token.text}`"
+        return Explained(Fault("LAG0130", message, span, remedy="a `,` or a `=` stands there"))
+    message = f"a `=` is missing between `{w.before.text}` and `{w.token.text}`"
+    return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
+
+
+def missing_operator(w: Where) -> Explained | None:
+    operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
+    if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
+        return None
+    if w.token.kind == WORD and w.token.text in w.keywords:
+        return None
+    message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
+    remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
+    return Explained(Fault("LAG0130", message, w.span(w.before, w.token), remedy=remedy), w.insert("*"))
+
+
+def missing_value(w: Where) -> Explained | None:
+    if not w.accepts("NUMBER") or w.before.text not in _OPERATORS or w.before.kind != SYMBOL:
+        return None
+    message = f"a value is missing between `{w.before.text}` and {w.shown}"
+    return Explained(Fault("LAG0131", message, w.span(w.before, w.token)))

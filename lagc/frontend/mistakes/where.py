@@ -1,0 +1,84 @@
+"""Where a mistake is: what stands around it, what could stand there, and how to repair it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from lagc.diagnostics.faults import Fault, Span
+from lagc.frontend.lexer import END, SYMBOL, UNIT, WORD, Token
+from lagc.records import dataclass
+
+if TYPE_CHECKING:
+    from lagc.frontend.recovery import Recovery
+
+HEADERS = frozenset(("model", "package", "effect", "scene", "for", "when"))  # words that open a block
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """Replace `count` tokens from number `at` on by others; then the text reads on."""
+
+    at: int
+    count: int
+    others: tuple[Token, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Explained:
+    fault: Fault
+    repair: Repair | None = None
+
+
+class Where:
+    """The place of a mistake: a token that cannot stand there, in the declaration that begins with
+    token number `begin`."""
+
+    def __init__(self, recovery: Recovery, begin: int, brackets: Sequence[Token]):
+        machine = recovery.machine
+        self.source = machine.source
+        self.tokens = machine.tokens
+        self.keywords = machine.tables.keywords
+        self.signs = machine.tables.symbols
+        self.block = machine.blocks[-1] if machine.blocks else None
+        self.accepts = recovery.accepts
+        self.position = machine.position
+        self.begin = begin
+        self.brackets = brackets  # that are open
+        self.token = self.tokens[self.position]
+        self.before = self.tokens[max(self.position - 1, 0)]
+        self.first = self.tokens[begin]
+        self.inside = begin < self.position  # a declaration has begun
+
+    @property
+    def shown(self) -> str:
+        """The token, for messages."""
+        return "the end of the file" if self.token.kind == END else f"`{self.token.text}`"
+
+    def span(self, first: Token, last: Token | None = None) -> Span:
+        return Span(self.source, first.start, (last or first).end)
+
+    def sign(self, text: str) -> str:
+        """The terminal of a sign."""
+        return self.signs[text]
+
+    def new_line(self) -> bool:
+        """Does the token stand on a later line than the one before it?"""
+        return "\n" in self.source.text[self.before.end : self.token.start] or self.token.kind == END
+
+    def replace(self, *texts: str) -> Repair:
+        return Repair(self.position, 1, self._tokens(texts))
+
+    def insert(self, *texts: str) -> Repair:
+        return Repair(self.position, 0, self._tokens(texts))
+
+    def replace_first(self, *texts: str) -> Repair:
+        return Repair(self.begin, 1, tuple(token_of(text, self.first.start) for text in texts))
+
+    def _tokens(self, texts: Sequence[str]) -> tuple[Token, ...]:
+        return tuple(token_of(text, self.token.start) for text in texts)
+
+
+def token_of(text: str, at: int) -> Token:
+    kind = WORD if text[0].isalpha() else UNIT if text[0] == "[" and len(text) > 1 else SYMBOL
+    return Token(kind, text, at, at)

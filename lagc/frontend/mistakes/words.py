@@ -1,0 +1,123 @@
+"""Mistakes with keywords, names and the parts of declarations."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.faults import Fault
+from lagc.frontend.foreign import FOREIGN
+from lagc.frontend.lexer import NUMBER, STRING, WORD
+from lagc.frontend.mistakes.where import HEADERS, Explained, Repair, Where, token_of
+
+
+def first_word(w: Where) -> Explained | None:
+    """A declaration that begins with a word that is no keyword: another language's, capital, misspelt."""
+    word = w.first.text
+    if w.first.kind != WORD or word in w.keywords:
+        return None
+    if w.inside and w.tokens[w.begin + 1].text in (".", "[", "="):
+        return None
+    foreign = FOREIGN.get(word.lower())
+    if foreign is not None:
+        message = f"`{word}` is no word of the language"
+        fault = Fault("LAG0118", message, w.span(w.first), remedy=foreign.remedy)
+        repair = None if foreign.ours is None else w.replace_first(*foreign.ours)
+        return Explained(fault, repair)
+    if w.tokens[w.begin + 1].kind != WORD:
+        return None
+    if word.lower() in w.keywords:
+        message = f"keywords are written in small letters: `{word.lower()}`"
+        fault = Fault("LAG0119", message, w.span(w.first), remedy=f"write `{word.lower()}`")
+        return Explained(fault, w.replace_first(word.lower()))
+    from lagc.diagnostics.suggest import closest
+
+    near = closest(word, w.keywords)
+    if near is None or not w.inside:
+        return None
+    message = f"`{word}` is no keyword"
+    fault = Fault("LAG0119", message, w.span(w.first), remedy=f"did you mean `{near}`?")
+    return Explained(fault, w.replace_first(near))
+
+
+def missing_end_word(w: Where) -> Explained | None:
+    """`room;` where `end room;` is meant."""
+    if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
+        return None
+    message = f"an `end` is missing before `{w.first.text}`"
+    opened = ((w.block.span(w.source), "opened here"),)
+    fault = Fault("LAG0112", message, w.span(w.first), opened, f"write `end {w.first.text};`")
+    return Explained(fault, Repair(w.begin, 0, (token_of("end", w.first.start),)))
+
+
+def stray_end(w: Where) -> Explained | None:
+    if w.inside or w.token.text != "end":
+        return None
+    return Explained(Fault("LAG0113", "nothing is open that this `end` could close", w.span(w.token)))
+
+
+def brace_for_block(w: Where) -> Explained | None:
+    if w.token.text == "{" and w.first.text == "for" and w.accepts("LOOP"):
+        return Explained(_loop_fault(w), w.replace("loop"))
+    if w.first.text != "{" or w.begin < 2 or w.tokens[w.begin - 2].text not in HEADERS:
+        return None
+    message = "blocks stand between their first line and `end name;`, without braces"
+    fault = Fault("LAG0114", message, w.span(w.first), remedy="delete it")
+    return Explained(fault, Repair(w.begin, 1, ()))
+
+
+def _loop_fault(w: Where) -> Fault:
+    message = "a `loop` is missing: `for i in 1:n loop ... end for;`"
+    return Fault("LAG0128", message, w.span(w.token))
+
+
+def missing_word(w: Where) -> Explained | None:
+    if w.first.text == "for" and w.accepts("LOOP"):
+        return Explained(_loop_fault(w), w.insert("loop"))
+    if w.first.text == "for" and w.accepts("IN"):
+        message = "an `in` is missing: `for i in 1:n loop ... end for;`"
+        repair = w.replace("in") if w.token.text == "=" else w.insert("in")
+        return Explained(Fault("LAG0128", message, w.span(w.token)), repair)
+    for word in ("then", "else"):
+        if w.accepts(word.upper()):
+            message = f"an `{word}` is missing" if word == "else" else "a `then` is missing"
+            whole = "`if condition then value else other`"
+            fault = Fault("LAG0128", f"{message}: {whole}", w.span(w.token))
+            return Explained(fault, w.insert(word) if word == "then" else None)
+    return None
+
+
+def load_target(w: Where) -> Explained | None:
+    kind = w.first.text
+    right = {"force": "AT", "torque": "ON"}.get(kind)
+    if right is None or not w.accepts(right) or (w.before.kind == NUMBER and w.before.end == w.token.start):
+        return None
+    needed = right.lower()
+    shown = "a force acts `at` a point" if kind == "force" else "a torque acts `on` a body"
+    example = "force F = vector at point;" if kind == "force" else "torque M = vector on body;"
+    other = w.token.text in ("at", "on")
+    remedy = f"write `{needed}`" if other else None
+    fault = Fault("LAG0127", f"{shown}: `{example}`", w.span(w.token), remedy=remedy)
+    return Explained(fault, w.replace(needed) if other else None)
+
+
+def constraint_parts(w: Where) -> Explained | None:
+    if w.first.text != "constraint":
+        return None
+    form = "`constraint name: left = right;`"
+    if w.accepts("COLON") and w.position - w.begin == 2:
+        return Explained(Fault("LAG0129", f"a constraint has a name: {form}", w.span(w.token)))
+    if w.accepts("EQUALS") and w.token.text == ";":
+        return Explained(Fault("LAG0129", f"a constraint has two sides: {form}", w.span(w.token)))
+    return None
+
+
+def description_last(w: Where) -> Explained | None:
+    if w.before.kind != STRING or w.token.text not in ("=", "(", "[", "at", "on", "unless", ":", "uses"):
+        return None
+    message = "the description stands last, right before the `;` or the `,`"
+    return Explained(Fault("LAG0125", message, w.span(w.before)))
+
+
+def missing_name(w: Where) -> Explained | None:
+    if not w.inside or not w.accepts("NAME") or w.accepts("NUMBER") or w.accepts("SEMICOLON"):
+        return None
+    what = f"after `{w.before.text}`"
+    return Explained(Fault("LAG0132", f"a name is missing {what}; {w.shown} is none", w.span(w.token)))
