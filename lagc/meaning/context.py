@@ -134,9 +134,9 @@ class Context:
 
     def refuse_faults(self) -> None:
         """Raise Refused where any fault has been found."""
-        faults = list(self.faults)
         for wrong in self.importer.faults:
-            faults.append(wrong.fault)
+            self.report(wrong)
+        faults = list(self.faults)
         for refused in self.importer.refused:
             faults.extend(refused.faults)
         if any(f.severity == "error" for f in faults):

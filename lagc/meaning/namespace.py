@@ -5,12 +5,12 @@ An import never leaves its roots: the folder of the importing file, and the fold
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import os
 from collections.abc import Iterable, Iterator
 
 from lagc.diagnostics.faults import Refused, Source, Span
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning.values import Wrong
 
@@ -83,6 +83,7 @@ class Namespace:
     def find(self, path: tuple[str, ...], span: Span, what: str) -> tuple[Declared, Namespace]:
         """The declaration called `a.b.c`.  Raises Wrong."""
         found = self.lookup(path[0])
+        near: Iterable[str] = self.known()
         for name in path[1:]:
             if found is None:
                 break
@@ -90,16 +91,12 @@ class Namespace:
             if not isinstance(declaration, tree.Package):
                 raise Wrong("LAG0206", f"`{path[0]}` is no package, it has no `{name}`", span)
             inner = self.importer.inside(declaration, space)
+            near = inner.names
             member = inner.names.get(name)
             found = None if member is None else (member, inner)
         if found is None:
-            close = difflib.get_close_matches(path[-1], sorted(set(self.known())), n=1)
-            raise Wrong(
-                "LAG0203",
-                f"there is no {what} `{'.'.join(path)}`",
-                span,
-                remedy=f"did you mean `{close[0]}`?" if close else None,
-            )
+            remedy = did_you_mean(path[-1], sorted(set(near)))
+            raise Wrong("LAG0203", f"there is no {what} `{'.'.join(path)}`", span, remedy)
         return found
 
 
@@ -140,6 +137,21 @@ class Importer:
             self._done[key] = None  # an import that asks for itself brings nothing
             self._done[key] = self._bring(declaration, name)
         return self._done[key]
+
+    def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
+        """Note the faults of the imports among `declarations`, also of those whose names nobody uses."""
+        for declaration in declarations:
+            try:
+                if isinstance(declaration, tree.ModelDeclaration | tree.Package):
+                    self.look_at(declaration.body, space)
+                elif not isinstance(declaration, tree.Import):
+                    continue
+                elif declaration.file is not None:
+                    self._file(declaration)
+                else:
+                    self._path(declaration, declaration.path)
+            except Wrong as wrong:
+                self.report(wrong)
 
     def _bring(self, declaration: tree.Import, name: str) -> tuple[Declared, Namespace] | None:
         if declaration.file is not None:

@@ -53,6 +53,7 @@ def resolve(
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)
+    importer.look_at(file.declarations, space)
     context = Context(importer, frozenset(), declare)
     try:
         declaration, where = choose_model(file, space, model)

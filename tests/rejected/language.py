@@ -74,4 +74,10 @@ CASES = [
     ("a structural quantity", "LAG0221", "structural «Real» n = 2;"),
     ("a condition as an output", "LAG0307", "output Real y = «x > 0»;"),
     ("a particle with a value", "LAG0119", "«Particle» c = Particle(mass = m, at = {x, 0, 0});"),
+    ("an import that nobody uses, of nothing", "LAG0216",
+     "«import nowhere;» model A coordinate Length x; body c = Particle(mass = 1, at = {x, 0, 0}); end A;"),
+    ("an import within a model, of nothing", "LAG0216",
+     "model A «import \"nowhere.lag\";» coordinate Length x; end A;"),
+    ("a name that a package has not", "LAG0203",
+     "package P constant Real k = 1; end P; model A coordinate Length x; potential V = «P.j»*1 [J]; end A;"),
 ]  # fmt: skip
