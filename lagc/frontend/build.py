@@ -6,30 +6,31 @@ where an optional one is not written) and the span of the whole.
 
 from __future__ import annotations
 
-import math
-from typing import Any, TypeVar
+from typing import Any
 
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend import tree
+from lagc.frontend.expressions import MOST_PARTS, Children, Expressions
 from lagc.frontend.lexer import Token
 from lagc.frontend.places import FILE, arrange
 from lagc.records import replace
 
-_PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
 _PLAIN = frozenset({"Real", "Integer", "Boolean"})
-MOST_PARTS = 100  # parts of one name, `a.b[1].c`
-
-Children = list[Any]
-T = TypeVar("T")
 
 
-class Builder:
+def _only(self: object, c: Children, span: Span) -> Any:
+    return c[0]
+
+
+def _word(self: object, c: Children, span: Span) -> Any:
+    return c[0].text
+
+
+class Builder(Expressions):
     """Makes the tree of `source`; `faults` are those that the grammar itself does not see."""
 
-    def __init__(self, source: Source):
-        self.source = source
-        self.faults: list[Fault] = []
-        self._parts: dict[int, int] = {}  # id of a name with parts -> how many
+    uses = unless = statement = relation = _only
+    quantity_kind = construct_kind = _word
 
     # -- files and what holds other declarations ---------------------------------------
 
@@ -68,18 +69,12 @@ class Builder:
         body = arrange(items, "a scene", self.faults)
         return tree.Scene(name.text, self._span(name), self._text(description), uses or (), body, span)
 
-    def uses(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return c[0]  # type: ignore[no-any-return]
-
     def for_loop(self, c: Children, span: Span) -> tree.ForLoop:
         variable, values, items = c
         return tree.ForLoop(variable.text, self._span(variable), values, items, span)
 
     def when(self, c: Children, span: Span) -> tree.When:
         return tree.When(c[0], span)
-
-    def statement(self, c: Children, span: Span) -> tree.Expression:
-        return c[0]  # type: ignore[no-any-return]
 
     # -- one line each --------------------------------------------------------------------
 
@@ -118,9 +113,6 @@ class Builder:
     def quantities(self, c: Children, span: Span) -> tree.Quantities:
         kind, type_name, declarators, unless, description = c
         return tree.Quantities(kind, type_name, self._described(declarators, description), unless or (), span)
-
-    def quantity_kind(self, c: Children, span: Span) -> str:
-        return c[0].text  # type: ignore[no-any-return]
 
     def instance(self, c: Children, span: Span) -> tree.Instance:
         model, declarators, unless, description = c
@@ -172,9 +164,6 @@ class Builder:
         kind, name, index, value, (unless, shown) = c
         return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, shown, span)
 
-    def construct_kind(self, c: Children, span: Span) -> str:
-        return c[0].text  # type: ignore[no-any-return]
-
     def force(self, c: Children, span: Span) -> tree.Load:
         return self._load("force", c, span)
 
@@ -195,9 +184,6 @@ class Builder:
             name.text, self._span(name), index or (), left, relation.text, self._span(relation), right,
             arguments, unless, description, span,
         )  # fmt: skip
-
-    def relation(self, c: Children, span: Span) -> Token:
-        return c[0]  # type: ignore[no-any-return]
 
     def initial(self, c: Children, span: Span) -> tree.Initial:
         return tree.Initial((), (), span)
@@ -220,9 +206,6 @@ class Builder:
     def tail_reversed(self, c: Children, span: Span) -> tuple[tuple[tree.Name, ...], str | None]:
         return c[1], self._text(c[0])
 
-    def unless(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return c[0]  # type: ignore[no-any-return]
-
     def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
         return tuple(tree.Name(token.text, self._span(token)) for token in c)
 
@@ -233,106 +216,7 @@ class Builder:
         path, unit = c
         return tree.TypeName(_names(path), None if unit is None else self._unit(unit), span)
 
-    def arguments(self, c: Children, span: Span) -> tuple[tree.Argument, ...]:
-        return tuple(argument for argument in c if argument is not None)
-
-    def argument(self, c: Children, span: Span) -> tree.Argument:
-        each, left, value = c
-        if value is None and each is None:
-            return tree.Argument(None, None, left, span)
-        if isinstance(left, tree.Name):
-            return tree.Argument(left.name, left.span, value, span, each is not None)
-        if isinstance(left, tree.Call) and isinstance(left.function, tree.Name):
-            name = left.function
-            return tree.Argument(name.name, name.span, value, span, each is not None, left.arguments)
-        self.faults.append(
-            Fault(
-                "LAG0123",
-                "what stands before the `=` of an argument is a name",
-                left.span,
-                remedy="write `name = value`, or `==` to compare",
-            )
-        )
-        return tree.Argument(None, None, value or left, span)
-
-    def subscripts(self, c: Children, span: Span) -> tuple[tree.Expression, ...]:
-        return tuple(c)
-
-    # -- expressions -------------------------------------------------------------------------
-
-    def range(self, c: Children, span: Span) -> tree.Range:
-        first, second, third = c
-        if third is None:
-            return tree.Range(first, None, second, span)
-        return tree.Range(first, second, third, span)
-
-    def conditional(self, c: Children, span: Span) -> tree.Conditional:
-        branches = tuple((c[i], c[i + 1]) for i in range(0, len(c) - 1, 2))
-        return tree.Conditional(branches, c[-1], span)
-
-    def binary(self, c: Children, span: Span) -> tree.Binary:
-        left, op, right = c
-        return tree.Binary(op.text, left, right, self._span(op), span)
-
-    def unary(self, c: Children, span: Span) -> tree.Unary:
-        return tree.Unary(c[0].text, c[1], span)
-
-    def name(self, c: Children, span: Span) -> tree.Name:
-        return tree.Name(c[0].text, span)
-
-    def member(self, c: Children, span: Span) -> tree.Member:
-        return self._part(tree.Member(c[0], c[1].text, self._span(c[1]), span), c[0])
-
-    def index(self, c: Children, span: Span) -> tree.Index:
-        base, indices = c
-        if not isinstance(base, _PARTS) and isinstance(indices[0], tree.Name | tree.Binary):
-            bracket = Span(self.source, indices[0].span.start - 1, span.end)
-            if self.source.text[bracket.start - 1].isspace():
-                message = "a unit stands behind a number or a vector in braces, or behind `Real`"
-                self.faults.append(Fault("LAG0121", message, bracket, remedy="write the unit within"))
-        return self._part(tree.Index(c[0], c[1], span), c[0])
-
-    def call(self, c: Children, span: Span) -> tree.Call:
-        return self._part(tree.Call(c[0], c[1], span), c[0])
-
-    def parenthesised(self, c: Children, span: Span) -> tree.Expression:
-        # The parentheses belong to the span, so that a caret under the whole shows them.
-        node = replace(c[0], span=span)
-        if id(c[0]) in self._parts:
-            self._parts[id(node)] = self._parts[id(c[0])]
-        return node  # type: ignore[no-any-return]
-
-    def quantity(self, c: Children, span: Span) -> tree.Expression:
-        value, unit = c
-        return value if unit is None else tree.Quantity(value, self._unit(unit), span)
-
-    def vector(self, c: Children, span: Span) -> tree.Vector:
-        return tree.Vector(tuple(element for element in c if element is not None), span)
-
-    def number(self, c: Children, span: Span) -> tree.Number:
-        text = c[0].text
-        value = float(text)
-        if math.isinf(value):
-            message = "this number is too large: the largest is about 1.8e308"
-            self.faults.append(Fault("LAG0105", message, span))
-        return tree.Number(value, text, span)
-
-    def string(self, c: Children, span: Span) -> tree.String:
-        return tree.String(self._text(c[0]) or "", span)
-
-    def boolean(self, c: Children, span: Span) -> tree.Boolean:
-        return tree.Boolean(c[0].text == "true", span)
-
     # -- helpers -----------------------------------------------------------------------------
-
-    def _span(self, token: Token) -> Span:
-        return Span(self.source, token.start, token.end)
-
-    def _unit(self, token: Token) -> tree.Unit:
-        return tree.Unit(token.text[1:-1].strip(), self._span(token))
-
-    def _text(self, token: Token | None) -> str | None:
-        return None if token is None else unquoted(token.text)
 
     def _described(
         self, declarators: tuple[tree.Declarator, ...], description: Token | None
@@ -355,16 +239,6 @@ class Builder:
         path.append(part.name)
         return tree.TypeName(tuple(reversed(path)), None, expression.span)
 
-    def _part(self, node: T, base: tree.Expression) -> T:
-        parts = self._parts.get(id(base), 1) + 1
-        self._parts[id(node)] = parts
-        if parts == MOST_PARTS + 1:
-            self._too_many_parts(base.span)
-        return node
-
-    def _too_many_parts(self, span: Span) -> None:
-        self.faults.append(Fault("LAG0106", f"this name has more than {MOST_PARTS} parts", span))
-
 
 class Requires:
     """`requires a, b;` on its way into its effect."""
@@ -376,25 +250,6 @@ class Requires:
 
 class Excludes(Requires):
     """`excludes a, b;`."""
-
-
-def unquoted(text: str) -> str:
-    """The text between the quotes, escapes read."""
-    inner = text[1:-1]
-    if "\\" not in inner:
-        return inner
-    signs = {"n": "\n", "t": "\t", "r": "\r"}
-    parts: list[str] = []
-    escaped = False
-    for character in inner:
-        if escaped:
-            parts.append(signs.get(character, character))
-            escaped = False
-        elif character == "\\":
-            escaped = True
-        else:
-            parts.append(character)
-    return "".join(parts)
 
 
 def _no_kind(made: tree.TypeName) -> Fault:

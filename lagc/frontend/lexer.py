@@ -61,22 +61,9 @@ _UNKNOWN = frozenset("?@#$~`'\\")  # no sign of any use here; the parser explain
 
 # What is typed, or pasted, for an ASCII character that the language has.
 _MEANT = {
-    "−": "-",
-    "–": "-",
-    "—": "-",
-    "·": "*",
-    "×": "*",
-    "⋅": "*",
-    "∙": "*",
-    "÷": "/",
-    "∕": "/",
-    "≤": "<=",
-    "≥": ">=",
-    "≠": "<>",
-    "；": ";",
-    "，": ",",
-    "：": ":",
-}
+    "−": "-", "–": "-", "—": "-", "·": "*", "×": "*", "⋅": "*", "∙": "*", "÷": "/",
+    "∕": "/", "≤": "<=", "≥": ">=", "≠": "<>", "；": ";", "，": ",", "：": ":",
+}  # fmt: skip
 _BLANKS = frozenset(
     "\u00a0\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u202f\u3000\v\x85\u2028\u2029"
 )
@@ -96,46 +83,11 @@ _HINTS = {
     "∞": "leave the bound away",
     "\ufeff": "delete it",
 }
-_GREEK = {
-    "α": "alpha",
-    "β": "beta",
-    "γ": "gamma",
-    "δ": "delta",
-    "ε": "epsilon",
-    "ζ": "zeta",
-    "η": "eta",
-    "θ": "theta",
-    "ϑ": "theta",
-    "ι": "iota",
-    "κ": "kappa",
-    "λ": "lambda",
-    "μ": "mu",
-    "µ": "mu",
-    "ν": "nu",
-    "ξ": "xi",
-    "ο": "omicron",
-    "π": "pi",
-    "ρ": "rho",
-    "σ": "sigma",
-    "ς": "sigma",
-    "τ": "tau",
-    "υ": "upsilon",
-    "φ": "phi",
-    "ϕ": "phi",
-    "χ": "chi",
-    "ψ": "psi",
-    "ω": "omega",
-    "Γ": "Gamma",
-    "Δ": "Delta",
-    "Θ": "Theta",
-    "Λ": "Lambda",
-    "Ξ": "Xi",
-    "Π": "Pi",
-    "Σ": "Sigma",
-    "Φ": "Phi",
-    "Ψ": "Psi",
-    "Ω": "Omega",
-}
+_GREEK_NAMES = """
+    alpha beta gamma delta epsilon zeta eta theta theta iota kappa lambda mu mu nu xi omicron pi rho
+    sigma sigma tau upsilon phi phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega
+"""
+_GREEK = dict(zip("αβγδεζηθϑικλμµνξοπρσςτυφϕχψωΓΔΘΛΞΠΣΦΨΩ", _GREEK_NAMES.split()))
 
 
 def tokenise(source: Source) -> Lexed:
