@@ -210,6 +210,11 @@ def missing_sign(w: Where) -> Explained | None:
     return Explained(Fault("LAG0130", message, span, remedy="write `=`"), w.insert("="))
 
 
+_FUNCTIONS = frozenset(
+    {"sin", "cos", "tan", "exp", "log", "sqrt", "abs", "norm", "der", "velocity", "position"}
+)
+
+
 def missing_operator(w: Where) -> Explained | None:
     operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
     if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
@@ -218,6 +223,8 @@ def missing_operator(w: Where) -> Explained | None:
         return None
     message = f"an operator is missing between `{w.before.text}` and `{w.token.text}`"
     remedy = f"to multiply write `{w.before.text}*{w.token.text}`"
+    if w.before.text in _FUNCTIONS and w.token.kind == WORD:
+        remedy = f"write `{w.before.text}({w.token.text})`"
     return Explained(Fault("LAG0130", message, w.span(w.before, w.token), remedy=remedy), w.insert("*"))
 
 
