@@ -1,11 +1,11 @@
-"""Reference evaluation of nodes on floats (or on anything that `functions` knows)."""
+"""Reference evaluation of nodes on floats."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from lagc.expr.graph import UNARY, Node
+from lagc.expr.graph import BINARY, UNARY, Node
 from lagc.expr.walk import reachable
 
 
@@ -40,23 +40,10 @@ def _value(node: Node, known: Mapping[Node, float]) -> float:
             return product
         if op == "select":
             return x[1] if x[0] else x[2]
-        if op in _BINARY:
-            return float(_BINARY[op](x[0], x[1]))
+        if op in BINARY:
+            return float(BINARY[op](x[0], x[1]))
         if op == "not":
             return float(not x[0])
         return float(UNARY[op](x[0]))
     except (ValueError, ZeroDivisionError, OverflowError):
         return math.nan
-
-
-_BINARY: dict[str, Callable[[float, float], float]] = {
-    "atan2": math.atan2,
-    "pow": math.pow,
-    "min": min,
-    "max": max,
-    "lt": lambda x, y: x < y,
-    "le": lambda x, y: x <= y,
-    "eq": lambda x, y: x == y,
-    "and": lambda x, y: x and y,
-    "or": lambda x, y: x or y,
-}

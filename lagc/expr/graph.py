@@ -37,9 +37,17 @@ UNARY: dict[str, Callable[[float], float]] = {
     "floor": math.floor,
     "sign": lambda x: (x > 0) - (x < 0),
 }
-BINARY = ("atan2", "min", "max", "pow")
-COMPARE = ("lt", "le", "eq")
-LOGIC = ("and", "or", "not")
+BINARY: dict[str, Callable[[float, float], float]] = {
+    "atan2": math.atan2,
+    "pow": math.pow,
+    "min": min,
+    "max": max,
+    "lt": lambda x, y: x < y,
+    "le": lambda x, y: x <= y,
+    "eq": lambda x, y: x == y,
+    "and": lambda x, y: bool(x and y),
+    "or": lambda x, y: bool(x or y),
+}
 
 Number: TypeAlias = "float | int"
 
@@ -54,7 +62,8 @@ class Node:
     scale     (x,)            float coefficient
     mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
     sin ...   (x,)            None          every name of UNARY
-    atan2 ... (x, y)          None          every name of BINARY, COMPARE; and, or; not (x,)
+    atan2 ... (x, y)          None          every name of BINARY
+    not       (x,)            None
     select    (c, x, y)       None          x where c holds, else y
     """
 
@@ -269,8 +278,7 @@ class Graph:
         if exponents[k] != 1:
             return self.div(monomial, bases[k])
         if len(bases) == 2 and exponents[1 - k] == 1:
-            other: Node = bases[1 - k]
-            return other
+            return bases[1 - k]
         return self._intern("mul", bases[:k] + bases[k + 1 :], exponents[:k] + exponents[k + 1 :])
 
     def _merge(self, a: Node, b: Node, sign: int) -> Node:
@@ -333,7 +341,7 @@ class Graph:
             if n == 0.5:
                 return self.unary("sqrt", x)
             if x.op == "const":
-                folded = _fold(math.pow, x.value, n)
+                folded = _fold(BINARY["pow"], x.value, n)
                 if folded is not None:
                     return self.const(folded)
         return self._intern("pow", (x, y), None)
@@ -366,7 +374,7 @@ class Graph:
         if op == "pow":
             return self.pow(x, y)
         if x.op == "const" and y.op == "const":
-            folded = _fold(_BINARY_FOLD[op], x.value, y.value)
+            folded = _fold(BINARY[op], x.value, y.value)
             if folded is not None:
                 return self.const(folded)
         return self._intern(op, (x, y), None)
@@ -407,15 +415,3 @@ def _fold(function: Callable[..., float], *values: float) -> float | None:
     except (ValueError, OverflowError, ZeroDivisionError):
         return None
     return result if math.isfinite(result) else None
-
-
-_BINARY_FOLD: dict[str, Callable[[float, float], float]] = {
-    "atan2": math.atan2,
-    "min": min,
-    "max": max,
-    "lt": lambda x, y: x < y,
-    "le": lambda x, y: x <= y,
-    "eq": lambda x, y: x == y,
-    "and": lambda x, y: bool(x and y),
-    "or": lambda x, y: bool(x or y),
-}
