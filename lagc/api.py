@@ -16,7 +16,6 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc import library
-from lagc.artifact import Artifact
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.records import dataclass, names
@@ -81,9 +80,7 @@ class ModelFile:
         return check(self.source, Choice())
 
     def _repr_latex_(self) -> str:
-        from lagc.view.equations import write
-
-        return write(self.compile().equations, "latex")
+        return self.compile()._repr_latex_()
 
 
 class Run(Solution):
@@ -113,7 +110,7 @@ class CompiledModel:
         self.asked_backend = backend
         began = perf_counter()
         self._systems: dict[str, System] = {}
-        self.artifact = self._first_artifact()
+        self.artifact = compilation.artifact(self._preferred)
         self.compile_s = perf_counter() - began
 
     @property
@@ -269,9 +266,6 @@ class CompiledModel:
         given = {**self.compilation.choice.parameters, **quantities(parameters or {})}
         return bound_parameters(self.interface, given, self.artifact.unused)
 
-    def _first_artifact(self) -> Artifact:
-        return self.compilation.artifact(self._preferred)
-
     @cached_property
     def _preferred(self) -> str:
         """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
@@ -283,9 +277,9 @@ class CompiledModel:
         return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
 
     def _repr_latex_(self) -> str:
-        from lagc.view.equations import write
+        from lagc.view.latex import equations_latex
 
-        return write(self.equations, "latex")
+        return equations_latex(self.equations)
 
 
 class TakesLong(Exception):

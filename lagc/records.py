@@ -45,8 +45,11 @@ def _made(cls: Any, frozen: bool, slots: bool) -> Any:
     if slots:
         cls = _slotted(cls, tuple(fields))
     own = cls.__dict__
-    setattr(cls, "__match_args__", tuple(fields))  # noqa: B010
-    cls.__dataclass_fields__ = _StandardFields(fields)
+    for name, described in (
+        ("__match_args__", tuple(fields)),
+        ("__dataclass_fields__", _StandardFields(fields)),
+    ):
+        setattr(cls, name, described)
     if frozen:
         cls.__setattr__, cls.__delattr__ = _refuse, _refuse
         if slots:

@@ -20,7 +20,7 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
     `names` gives the sympy object of a symbol; without it a real symbol of the symbol's own name.
     Floats that are integers or simple fractions (0.5, 0.25) become exact numbers.
     """
-    import sympy  # type: ignore[import-untyped]
+    import sympy
 
     def plain(symbol: Node) -> Any:
         return sympy.Symbol(symbol.value[1], real=True)

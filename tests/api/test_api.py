@@ -126,8 +126,9 @@ def test_a_file_that_cannot_be_written_says_why(pendulum: lagc.CompiledModel, tm
 
 
 def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> None:
-    assert "theta" in pendulum._repr_latex_()
-    assert "theta" in lagc.load("simple_pendulum")._repr_latex_()
+    shown = pendulum._repr_latex_()
+    assert "theta" in shown and shown.startswith("$$") and shown.endswith("$$")
+    assert lagc.load("simple_pendulum")._repr_latex_() == shown
     pytest.importorskip("matplotlib")
     assert "<" in pendulum.simulate(stop=1)._repr_html_()
 
