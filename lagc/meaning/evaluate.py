@@ -285,21 +285,29 @@ def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value
 
 
 def _conditional(context: Context, e: tree.Conditional, environment: Environment) -> Value:
-    chosen: list[tuple[Node, Value, Span]] = []
-    for condition, branch in e.branches:
+    def truth_of(condition: tree.Expression) -> Node:
         truth = evaluate(context, condition, environment)
         if not isinstance(truth, Truth):
             raise Wrong("LAG0307", f"`if` takes a condition, this is {kind(truth)}", condition.span)
-        if truth.node.is_const and not truth.node.value:
-            continue
-        chosen.append((truth.node, evaluate(context, branch, environment), branch.span))
-        if truth.node.is_const:
+        return truth.node
+
+    try:
+        truths = each(context, truth_of, [condition for condition, _ in e.branches])
+    except Poisoned:
+        all_values(context, [*(branch for _, branch in e.branches), e.otherwise], environment)
+        raise
+    chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not looked at
+    for truth, (_, branch) in zip(truths, e.branches):
+        if not truth.is_const or truth.value:
+            chosen.append((truth, branch))
+        if truth.is_const and truth.value:
             break
     else:
-        chosen.append((context.graph.one, evaluate(context, e.otherwise, environment), e.otherwise.span))
-    _, value, span = chosen[-1]
-    for node, branch_value, branch_span in reversed(chosen[:-1]):
-        value = select(context, node, (branch_value, branch_span), (value, span))
+        chosen.append((context.graph.one, e.otherwise))
+    values = all_values(context, [branch for _, branch in chosen], environment)
+    value, span = values[-1], chosen[-1][1].span
+    for (truth, branch), branch_value in zip(reversed(chosen[:-1]), reversed(values[:-1])):
+        value = select(context, truth, (branch_value, branch.span), (value, span))
     return value
 
 

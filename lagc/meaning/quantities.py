@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
-from lagc.expr.text import number as number_text
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
@@ -15,11 +13,12 @@ from lagc.meaning.clock import LATE
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate, evaluate_as, integer
 from lagc.meaning.modifications import subscripts
+from lagc.meaning.quantity import Quantity, bounds_of, check_bounds, look_at_all, value_span, values_of
 from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
 from lagc.meaning.units import Dimension, S, UnknownUnit, over, unit
-from lagc.meaning.values import Scalar, Text, Value, Wrong, expect, flat, kind, shape
+from lagc.meaning.values import Poisoned, Scalar, Text, Value, Wrong, expect, flat, kind, shape
 from lagc.meaning.written import (
     attributes_of,
     elements,
@@ -31,7 +30,6 @@ from lagc.meaning.written import (
     still,
     written_value,
 )
-from lagc.records import dataclass
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
@@ -41,31 +39,6 @@ _ATTRIBUTES = {
 }  # fmt: skip
 
 _SAID = {"structural": "structural parameter"}
-
-
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """A declaration of `Quantities` with what was written about it."""
-
-    entry: Entry
-    source: tree.Declarator
-    type: QuantityType
-    sizes: list[int]
-    attributes: dict[str, Modifier]
-    display: str
-
-    def name(self, subscript: tuple[int, ...]) -> str:
-        if not subscript:
-            return self.entry.path
-        return f"{self.entry.path}[{','.join(str(n) for n in subscript)}]"
-
-    @property
-    def description(self) -> str:
-        return self.source.description or ""
-
-    @property
-    def subscripts(self) -> list[tuple[int, ...]]:
-        return subscripts(self.sizes, self.source.span)
 
 
 def declare_quantity(context: Context, entry: Entry) -> Value:
@@ -91,7 +64,14 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
     quantity = Quantity(entry, source, meant, sizes, attributes, _display(context, meant, attributes))
-    return _DECLARE[entry.kind](context, quantity)
+    try:
+        return _DECLARE[entry.kind](context, quantity)
+    except Wrong as wrong:
+        context.report(wrong)
+    except Poisoned:
+        pass
+    look_at_all(context, quantity)
+    raise Poisoned
 
 
 def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:
@@ -116,76 +96,14 @@ def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifi
 # -- the kinds -----------------------------------------------------------------------------------
 
 
-def _values(context: Context, quantity: Quantity) -> list[Scalar | None]:
-    """The value of each element; None where none is given."""
-    entry, what = quantity.entry, f"`{quantity.entry.path}`"
-    modifier = written_value(entry)
-    overrides = [context.give(context.parameters, quantity.name(s)) for s in quantity.subscripts]
-    whole = context.give(context.parameters, entry.path) if quantity.sizes else None
-    if whole is not None:
-        found: list[Scalar | None] = list(
-            given_elements(context, whole, quantity.sizes, quantity.type.dimension, what)
-        )
-    elif modifier is None or (all(o is not None for o in overrides) and overrides):
-        found = [None] * math.prod(quantity.sizes)
-    else:
-        found = list(elements(context, modifier, quantity.sizes, quantity.type.dimension, what))
-    for k, given in enumerate(overrides):
-        if given is not None:
-            found[k] = given_scalar(
-                context, given, quantity.type.dimension, f"`{quantity.name(quantity.subscripts[k])}`"
-            )
-    return found
-
-
-def _value_span(context: Context, quantity: Quantity, subscript: tuple[int, ...] = ()) -> Span:
-    """Where the value that counts is written; the name where there is none."""
-    for name in (quantity.name(subscript), quantity.entry.path):
-        given = context.parameters.get(name)
-        if given is not None:
-            return quantity.entry.span if given.expression is None else given.expression.span
-    modifier = written_value(quantity.entry)
-    value = None if modifier is None else modifier.argument.value
-    return quantity.entry.span if value is None else value.span
-
-
-def _bounds(context: Context, quantity: Quantity) -> tuple[float, float]:
-    found = [-math.inf, math.inf]
-    for k, name in enumerate(("min", "max")):
-        modifier = quantity.attributes.get(name)
-        if modifier is not None:
-            scalar = elements(context, modifier, [], quantity.type.dimension, f"`{name}`")[0]
-            if not scalar.node.is_const:
-                raise Wrong("LAG0208", f"`{name}` is a fixed number", modifier.argument.span)
-            found[k] = scalar.node.value
-    return found[0], found[1]
-
-
-def _check_bounds(
-    quantity: Quantity, name: str, value: float, bounds: tuple[float, float], span: Span, unit_text: str
-) -> None:
-    if not bounds[0] <= value <= bounds[1]:
-        side, limit = (
-            ("below its minimum", bounds[0]) if value < bounds[0] else ("above its maximum", bounds[1])
-        )
-        shown = f" [{unit_text}]" if unit_text else ""
-        bound = quantity.attributes["min" if value < bounds[0] else "max"].argument.span
-        raise Wrong(
-            "LAG0308",
-            f"`{name}` = {number_text(value)}{shown} is {side} {number_text(limit)}{shown}",
-            span,
-            related=((bound, "said here"),),
-        )
-
-
 def _fixed(context: Context, quantity: Quantity) -> Value:
     """Constants and structural integers: numbers from the start."""
     entry = quantity.entry
-    bounds = _bounds(context, quantity)
+    bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
-    for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
-        span = _value_span(context, quantity, subscript)
+        span = value_span(context, quantity, subscript)
         if scalar is None:
             raise Wrong(
                 "LAG0210",
@@ -198,7 +116,7 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
             number = scalar.node.value
             if not scalar.node.is_const or not isinstance(number, float) or number != math.floor(number):
                 raise Wrong("LAG0208", f"the structural parameter `{name}` is an integer", span)
-            _check_bounds(quantity, name, number, bounds, span, "")
+            check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
         found.append(scalar)
     return shaped(found, quantity.sizes)
@@ -206,11 +124,11 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
 
 def _parameter(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
-    bounds = _bounds(context, quantity)
+    bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
-    for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         name = quantity.name(subscript)
-        span = _value_span(context, quantity, subscript)
+        span = value_span(context, quantity, subscript)
         value: float | None = None
         if scalar is not None:
             still(context, scalar.node, span, f"the parameter `{name}`")
@@ -220,7 +138,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
                 continue
             value = scalar.node.value
             assert value is not None
-            _check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
+            check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
         symbol = context.graph.symbol("parameter", name)
         entry.nouns.append(
             nouns.Parameter(
@@ -241,14 +159,14 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
 def _input(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
     found: list[Scalar] = []
-    for subscript, scalar in zip(quantity.subscripts, _values(context, quantity)):
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         default = 0.0
         if scalar is not None:
             if not scalar.node.is_const:
                 raise Wrong(
                     "LAG0208",
                     f"the default of the input `{entry.path}` is a fixed number",
-                    _value_span(context, quantity),
+                    value_span(context, quantity),
                 )
             default = scalar.node.value
         name = quantity.name(subscript)
@@ -341,7 +259,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             raise Wrong(
                 "LAG0219",
                 "a speed depends on no acceleration and no reaction",
-                _value_span(context, quantity),
+                value_span(context, quantity),
             )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)

@@ -235,3 +235,22 @@ def test_remedies(line: str, remedies: list[str | None]) -> None:
     head = "model M parameter Mass m = 1; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"
     faults = check(Source("m.lag", f"{head}{line}\nend M;"), Choice())
     assert [f.remedy for f in faults] == remedies
+
+
+@pytest.mark.parametrize(
+    "line, unknown",
+    [
+        ("output Real y = if aa > bb then cc elseif dd then ee else ff;", "aa bb cc dd ee ff"),
+        ("coordinate Length y(start = aa, rate = bb, fixed = cc);", "aa bb cc"),
+        ("parameter Length l(min = aa, max = bb) = cc;", "aa bb cc"),
+        ("body s = Solid(mass = aa, inertia = bb, frame = cc, com = dd);", "aa bb cc dd"),
+        ("constraint c: aa = bb; force F = cc at dd; torque T = ee on ff from gg;", "aa bb cc dd ee ff gg"),
+        ("initial aa = bb; cc = dd;", "aa bb cc dd"),
+        ("scene s uses aa, bb parameter cc = 1; start dd = 2; end s;", "aa bb cc dd"),
+        ("output Real y = aa^bb + {cc, dd}.x*sin(ee) - atan2(ff, -gg);", "aa bb cc dd ee ff gg"),
+    ],
+)
+def test_nothing_unknown_is_passed_over(line: str, unknown: str) -> None:
+    text = f"model M coordinate Length x; body b = Particle(mass = 1, at = {{x, 0, 0}});\n{line}\nend M;"
+    spans = [f.span for f in check(Source("m.lag", text), Choice()) if f.span]
+    assert sorted(text[s.start : s.end] for s in spans) == unknown.split()
