@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import dataclasses
 import pickle
+import subprocess
+import sys
 
 import pytest
 
@@ -76,3 +78,9 @@ def test_a_class_that_inherits_keeps_its_own_name() -> None:
         pass
 
     assert Under(1) == Under(1) != Loose(1)
+
+
+@pytest.mark.parametrize("slow", ["dataclasses", "inspect"])
+def test_a_run_does_without_the_slow_ones(slow: str) -> None:
+    program = f"import sys, lagc.cli.main, lagc.cli.sim, lagc.api; sys.exit({slow!r} in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
