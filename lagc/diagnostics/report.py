@@ -1,11 +1,11 @@
 """Faults as people and programs read them.
 
-    error[LAG0201]: `thet` is not known here
-      --> pendulum.lag:7:38
-       |
-     7 |   body bob = Particle(mass = m, at = l*{sin(thet), 0, 0});
-       |                                             ^^^^
-       = help: did you mean `theta`?
+error[LAG0201]: `thet` is not known here
+  --> pendulum.lag:7:38
+   |
+ 7 |   body bob = Particle(mass = m, at = l*{sin(thet), 0, 0});
+   |                                             ^^^^
+   = help: did you mean `theta`?
 """
 
 from __future__ import annotations
@@ -91,11 +91,21 @@ def _block(fault: Fault, color: bool) -> str:
     width = max((len(str(span.line)) for span in spans), default=0) + 1
     if fault.span:
         lines += _snippet(fault.span, "-->", "^", "", width, fault.severity, color)
+    before = fault.span
     for span, label in fault.related:
-        lines += _snippet(span, ":::", "-", label, width, "frame", color)
+        snippet = _snippet(span, ":::", "-", label, width, "frame", color)
+        lines += snippet[3:] if before is not None and _on_one_line(span, before) else snippet
+        before = span
     if fault.remedy:
         lines.append(f"{' ' * (width + 1)}{_paint('= help:', 'help', color)} {printable(fault.remedy)}")
     return "\n".join(lines)
+
+
+def _on_one_line(span: Span, other: Span) -> bool:
+    """Whether both are shown in the same line of text, which is then shown once."""
+    if span.source is not other.source or span.line != other.line:
+        return False
+    return len(span.source.line(span.line)) <= WIDEST
 
 
 def _snippet(span: Span, arrow: str, mark: str, label: str, width: int, tint: str, color: bool) -> list[str]:

@@ -58,9 +58,6 @@ error[LAG0301]: the elements differ in dimension: Length [m] and a number
    |
  6 |   body ball = Particle(mass = 1, at = {theta*l, 2, 0});
    |                                                 ^
-  ::: m.lag:6:40
-   |
- 6 |   body ball = Particle(mass = 1, at = {theta*l, 2, 0});
    |                                        ------- Length [m]
    = help: a bare number has no unit within an expression: write `2 [m]`
 
@@ -100,13 +97,7 @@ error[LAG0301]: the two sides of `+` differ in dimension: Length [m] and Time [s
    |
  2 |   function f(Length u) = u + 1 [s];
    |                            ^
-  ::: m.lag:2:26
-   |
- 2 |   function f(Length u) = u + 1 [s];
    |                          - Length [m]
-  ::: m.lag:2:30
-   |
- 2 |   function f(Length u) = u + 1 [s];
    |                              ----- Time [s]
   ::: m.lag:3:26
    |
