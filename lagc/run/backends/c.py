@@ -11,6 +11,7 @@ from typing import Any
 
 from lagc.optimize.program import Interface
 from lagc.render.names import prefix
+from lagc.run.backends.base import CompiledSystem
 from lagc.run.backends.compile import CannotCompile, build_library
 from lagc.run.problem import INTERRUPTED, OK, Options, Trajectory, Vector
 
@@ -28,15 +29,13 @@ class _Options(ctypes.Structure):
     )  # fmt: skip
 
 
-class CSystem:
+class CSystem(CompiledSystem):
     """One library with parameters of its own, and a workspace: for one thread at a time."""
 
     backend = "c"
 
     def __init__(self, interface: Interface, sources: Mapping[str, str]):
-        self.interface = interface
-        self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
-        self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        super().__init__(interface)
         self.prefix = prefix(interface.model)
         self.library = _open(sources)
         self._functions: dict[str, Any] = {}
@@ -50,10 +49,6 @@ class CSystem:
         self._xdot = (c_double * self.nx)()
         self._lam = (c_double * max(self.nc, 1))()
         self.parameters = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
-
-    @property
-    def nx(self) -> int:
-        return self.nq + self.nv + self.nz
 
     @property
     def parameters(self) -> list[float]:
@@ -82,18 +77,6 @@ class CSystem:
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         self._rhs(t, x)
         return self._xdot[self.nq : self.nq + self.nv], self._lam[: self.nc]
-
-    def position(self, t: float, x: Vector) -> list[float]:
-        return self._ask("position", self.nh, t, x)
-
-    def velocity(self, t: float, x: Vector) -> list[float]:
-        return self._ask("velocity", self.nc, t, x)
-
-    def scales(self, t: float, x: Vector) -> list[float]:
-        return self._ask("scales", self.nc, t, x)
-
-    def energies(self, t: float, x: Vector) -> list[float]:
-        return self._ask("energies", 3, t, x)
 
     def outputs(self, t: float, x: Vector) -> list[float]:
         n = len(self.interface.outputs)

@@ -11,6 +11,7 @@ from types import CodeType
 from typing import Any
 
 from lagc.optimize.program import Interface
+from lagc.run.backends.base import CompiledSystem
 from lagc.run.problem import Options, Trajectory, Vector
 
 
@@ -20,23 +21,17 @@ def compiled(sources: Mapping[str, str]) -> CodeType:
     return compile(text, name, "exec", dont_inherit=True)
 
 
-class NumpySystem:
+class NumpySystem(CompiledSystem):
     """`module` is the namespace that the generated text makes."""
 
     backend = "numpy"
 
     def __init__(self, interface: Interface, code: CodeType):
-        self.interface = interface
-        self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
-        self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        super().__init__(interface)
         self.module: dict[str, Any] = {"__name__": __name__}
         exec(code, self.module)
         self._p: list[float] = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
         self.inner: Any = self._equations()
-
-    @property
-    def nx(self) -> int:
-        return self.nq + self.nv + self.nz
 
     @property
     def parameters(self) -> list[float]:
@@ -60,15 +55,6 @@ class NumpySystem:
         status: int = self.inner.rhs(t, x, xdot, lam)
         return status
 
-    def position(self, t: float, x: Vector) -> list[float]:
-        return self._ask("position", self.nh, t, x)
-
-    def velocity(self, t: float, x: Vector) -> list[float]:
-        return self._ask("velocity", self.nc, t, x)
-
-    def scales(self, t: float, x: Vector) -> list[float]:
-        return self._ask("scales", self.nc, t, x)
-
     def assemble(self, t: float, x: Vector) -> int:
         status: int = self.inner.assemble(t, x)
         return status
@@ -80,12 +66,6 @@ class NumpySystem:
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         found: list[float] = self.inner.displace(t, x, d)
         return found
-
-    def energies(self, t: float, x: Vector) -> list[float]:
-        return self._ask("energies", 3, t, x)
-
-    def outputs(self, t: float, x: Vector) -> list[float]:
-        return self._ask("outputs", len(self.interface.outputs), t, x)
 
     def start(self) -> list[float]:
         x = [0.0] * self.nx
