@@ -96,7 +96,10 @@ class Orientation:
 
 @dataclass(frozen=True, slots=True)
 class Speed:
-    """A declared generalized speed: `expression` is linear in the rates."""
+    """A declared generalized speed: `expression` is linear in the rates.
+
+    `start` is an expression in parameters; None: what the starts of the rates make it.
+    """
 
     name: str
     symbol: Node
@@ -104,6 +107,7 @@ class Speed:
     unit: str
     span: Span
     description: str = ""
+    start: Node | None = None
 
 
 @dataclass(frozen=True, slots=True)

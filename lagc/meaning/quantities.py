@@ -34,7 +34,7 @@ from lagc.meaning.written import (
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
     "input": ("min", "max", "displayUnit"), "coordinate": ("start", "fixed", "rate", "displayUnit"),
-    "speed": ("displayUnit",),
+    "speed": ("start", "displayUnit"),
     "output": ("displayUnit",),
 }  # fmt: skip
 
@@ -253,6 +253,8 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             "write `= ` a combination of `der(...)`",
         )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
+    at_start, _ = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
+    said = "start" in quantity.attributes or entry.path in context.starts  # for all elements
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values):
         if context.clock.mask(scalar.node) & LATE:
@@ -264,9 +266,11 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))
-        entry.nouns.append(
-            nouns.Speed(name, symbol, scalar.node, quantity.type.unit, entry.span, quantity.description)
+        start = at_start[len(found)] if said or name in context.starts else None
+        speed = nouns.Speed(
+            name, symbol, scalar.node, quantity.type.unit, entry.span, quantity.description, start
         )
+        entry.nouns.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
 

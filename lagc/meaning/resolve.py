@@ -27,9 +27,7 @@ from lagc.meaning.scene import (
     used,
 )
 from lagc.meaning.scope import Environment, Instance
-from lagc.meaning.units import unit
 from lagc.meaning.values import Poisoned, Wrong
-from lagc.meaning.written import given_scalar, still
 
 RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
 T = TypeVar("T")
@@ -72,7 +70,7 @@ def resolve(
         raise AssertionError("a fault refuses") from None
     check_effects(context, setting)
     found = _evaluate(context, instance)
-    conditions = _conditions(context) + _speeds_at_start(context, found)
+    conditions = _conditions(context)
     _check_given(context, instance)
     if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
         context.report(
@@ -111,28 +109,6 @@ def _conditions(context: Context) -> list[nouns.InitialCondition]:
         except Poisoned:
             continue
     return found
-
-
-def _speeds_at_start(context: Context, found: list[nouns.Noun]) -> list[nouns.InitialCondition]:
-    """A start that a scene gives to a declared speed is a condition on the rates."""
-    conditions: list[nouns.InitialCondition] = []
-    for speed in _of(found, nouns.Speed):
-        given = context.give(context.starts, speed.name)
-        if given is None:
-            continue
-        try:
-            wanted = given_scalar(
-                context, given, unit(speed.unit or "1").dimension, f"the start of `{speed.name}`"
-            )
-            span = speed.span if given.span is None else given.span
-            still(context, wanted.node, span, f"the start of `{speed.name}`")
-        except Wrong as wrong:
-            context.report(wrong)
-        except Poisoned:
-            continue
-        else:
-            conditions.append(nouns.InitialCondition(speed.symbol - wanted.node, span))
-    return conditions
 
 
 def _check_given(context: Context, instance: Instance) -> None:

@@ -191,7 +191,7 @@ def _position_starts(model: Model) -> list[StartValue]:
 
 
 def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
-    """A rate's own start; a declared speed's from those of the rates it is made of (t = 0)."""
+    """A rate's own start; a declared speed's, or what those of its rates make it (t = 0)."""
     at_start: dict[Node, Node] = {model.time: model.graph.zero}
     fixed: dict[Node, bool] = {}
     for c in model.coordinates:
@@ -202,5 +202,6 @@ def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
         fixed.update((rate, c.rate_fixed) for rate in rate_symbols(c))
     for speed in model.speeds:
         fixed[speed.symbol] = all(fixed[x] for x in symbols([speed.expression]) if x in fixed)
-        at_start[speed.symbol] = substitute(model.graph, [speed.expression], at_start)[0]
+        from_rates = substitute(model.graph, [speed.expression], at_start)[0]
+        at_start[speed.symbol] = from_rates if speed.start is None else speed.start
     return [StartValue(at_start[symbol], fixed[symbol]) for symbol in v]

@@ -143,3 +143,17 @@ def test_the_strength_of_gravity_is_a_parameter_that_others_may_use() -> None:
     assert output(read(text, scene="earth"), "weight") == 2 * 9.81
     assert output(read(text, scene="moon"), "weight") == 2 * 1.62
     assert output(read(text, scene="plane"), "down") == pytest.approx(1.0, rel=1e-15)
+
+
+def test_the_command_starts_declared_speeds_otherwise() -> None:
+    system = lagc.loads(SLEIGH).compile(backend="numpy")
+    run = system.simulate(stop=1.0, accuracy=1e-9, starts={"u": 3.0})
+    assert run["u"][0] == pytest.approx(3.0, rel=1e-12)
+    assert run["N"] == pytest.approx(12.0, rel=1e-9)
+
+
+def test_a_speed_may_say_its_start_itself() -> None:
+    text = SLEIGH.replace("speed Velocity u =", "speed Velocity u(start = 7 [m/s]) =")
+    speeds = {s.name: s.start for s in read(text.replace("start u = 1;", "")).speeds}
+    assert speeds["u"] is not None and speeds["u"].value == 7.0
+    assert speeds["w"] is None and speeds["r"] is not None
