@@ -13,11 +13,11 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.walk import depends, substitute
-from lagc.meaning.model import Coordinate, Lagrangian
+from lagc.meaning.model import Coordinate
 from lagc.mechanics.actions import act
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.forms import rate_coefficients
-from lagc.mechanics.freeterms import free_terms
+from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import moving_parts
 from lagc.mechanics.integrability import integrable_rows
 from lagc.mechanics.linear import solve
@@ -133,9 +133,7 @@ def _kinetic_parts(equations: EquationsOfMotion) -> tuple[Node, Node, Node] | No
     at_rest = substitute(graph, [equations.kinetic, *slopes.values()], still)
     one = graph.sum(x * slope for x, slope in zip(slopes, at_rest[1:]))
     entries = equations.mass_matrix.items()
-    two = graph.sum(
-        graph.scale(0.5 if i == j else 1.0, m * v[i] * v[j]) for (i, j), m in entries
-    )
+    two = graph.sum(graph.scale(0.5 if i == j else 1.0, m * v[i] * v[j]) for (i, j), m in entries)
     return two, one, at_rest[0]
 
 
@@ -145,13 +143,7 @@ def _cyclic(states: States) -> tuple[str, ...]:
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
     tries = list(samples(states.model, _STATES))
-    return tuple(
-        [
-            c.name
-            for c in scalars
-            if c.symbol not in slopes or vanishes(slopes[c.symbol], tries)
-        ]
-    )
+    return tuple([c.name for c in scalars if c.symbol not in slopes or vanishes(slopes[c.symbol], tries)])
 
 
 def _lagrangian(states: States) -> Node:
@@ -163,23 +155,16 @@ def _lagrangian(states: States) -> Node:
             w = body.frame.angular_velocity
             turns = [graph.sum(row[k] * w[k] for k in range(3)) for row in body.inertia]
             kinetic.append(0.5 * graph.sum(x * y for x, y in zip(w, turns)))
-    free = [x.function for x in _free(states)]
+    free = [x.function for x in with_rates(states)]
     stored = [-x.stored for x in act(states)]
     return states.in_rates([graph.sum(chain(kinetic, free, stored))])[0]
-
-
-def _free(states: States) -> list[Lagrangian]:
-    """The free terms that `act` does not count as potentials."""
-    terms = [x for x in states.model.actions if isinstance(x, Lagrangian)]
-    moving = depends(states.in_rates([x.function for x in terms]), list(states.rates))
-    return [x for x in terms if x.is_kinetic or states.in_rates([x.function])[0] in moving]
 
 
 def _conserved(
     equations: EquationsOfMotion, states: States, spare: set[int], cyclic: Sequence[str]
 ) -> list[Conserved]:
     parts = moving_parts(states)
-    free = free_terms(states, _free(states))
+    free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
     rows = [row for k, row in enumerate(equations.rows) if k not in spare]
     met = [onto(states, rows, s) for s in samples(equations.model, _STATES)]
@@ -204,9 +189,7 @@ def _with_multipliers(equations: EquationsOfMotion, state: Mapping[Node, float])
     return {**state, **{x: chance.draw() for x in equations.lam}}
 
 
-def _pushed(
-    equations: EquationsOfMotion, states: States, tries: Sequence[Mapping[Node, float]]
-) -> set[Node]:
+def _pushed(equations: EquationsOfMotion, states: States, tries: Sequence[Mapping[Node, float]]) -> set[Node]:
     """The rates along which a force acts that no potential gives, or a multiplier."""
     forces = [c.forces for c in equations.contributions if not c.conservative]
     pushed: set[Node] = set()

@@ -6,17 +6,16 @@ from collections.abc import Hashable, Mapping
 from typing import TypeVar
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends
-from lagc.meaning.model import Lagrangian, Model
+from lagc.meaning.model import Model
 from lagc.mechanics.actions import act
 from lagc.mechanics.constraints import classify
 from lagc.mechanics.energy import energies
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.freeterms import free_terms
+from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.redundancy import drop_redundant
-from lagc.mechanics.states import States, build_states
+from lagc.mechanics.states import build_states
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -29,7 +28,7 @@ def derive(model: Model) -> EquationsOfMotion:
     graph = model.graph
     states = build_states(model)
     parts = moving_parts(states)
-    free = free_terms(states, _with_rates(states))
+    free = free_terms(states, with_rates(states))
     acting = act(states)
     classified, dropped = drop_redundant(states, classify(states))
     lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
@@ -73,14 +72,6 @@ def derive(model: Model) -> EquationsOfMotion:
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),
     )
-
-
-def _with_rates(states: States) -> list[Lagrangian]:
-    """The free terms that are no mere potentials."""
-    terms = [x for x in states.model.actions if isinstance(x, Lagrangian)]
-    functions = states.in_rates([x.function for x in terms])
-    moving = depends(functions, list(states.rates))
-    return [x for x, f in zip(terms, functions) if x.is_kinetic or f in moving]
 
 
 def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:

@@ -33,6 +33,14 @@ class FreeTerms:
     explicit: Node  # dL/dt with coordinates and rates held
 
 
+def with_rates(states: States) -> list[Lagrangian]:
+    """The free terms of the model that hold rates: the others are mere potentials."""
+    terms = [x for x in states.model.actions if isinstance(x, Lagrangian)]
+    functions = states.in_rates([x.function for x in terms])
+    moving = depends(functions, list(states.rates))
+    return [x for x, f in zip(terms, functions) if x.is_kinetic or f in moving]
+
+
 def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
     """Raises Refused: LAG0406 a free term that depends on an input."""
     graph, rates = states.graph, list(states.rates)

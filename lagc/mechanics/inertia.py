@@ -64,8 +64,7 @@ def moving_parts(states: States) -> list[Moving]:
     moved = _triples(states.in_speeds([*flat, *by_time]))
     still = _triples(states.at_rest(flat))
     return [
-        Moving(body, v, r, e, mass)
-        for (body, mass), v, r, e in zip(masses, moved, still, moved[len(raw) :])
+        Moving(body, v, r, e, mass) for (body, mass), v, r, e in zip(masses, moved, still, moved[len(raw) :])
     ]
 
 

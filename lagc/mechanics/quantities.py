@@ -139,9 +139,7 @@ def momenta(
     found = gradient(graph, seeds(graph, zip(raw, marks)), rates)
     filled = {**dict(zip(marks, weights)), **({} if states.plain else states.rates)}
     nodes = substitute(graph, [found.get(rate, graph.zero) for rate in rates], filled)
-    return {
-        rate: node + free.momenta.get(rate, graph.zero) for rate, node in zip(rates, nodes)
-    }
+    return {rate: node + free.momenta.get(rate, graph.zero) for rate, node in zip(rates, nodes)}
 
 
 def _velocity(part: Moving) -> Vector:

@@ -31,9 +31,7 @@ class Chance:
         return (self.state >> 11) / (1 << 52) - 1.0
 
 
-def samples(
-    model: Model, count: int, vary: bool = True, spread: float = 0.3
-) -> Iterator[dict[Node, float]]:
+def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) -> Iterator[dict[Node, float]]:
     """`count` states (fewer where starts are outside a domain): symbol -> value.
 
     With `vary` False the parameters keep their defaults; with `spread` 0 the positions are those of

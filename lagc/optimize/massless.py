@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Node
-from lagc.meaning.model import Coordinate
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.states import rate_symbols
 from lagc.optimize.ldlt import Entry, eliminate
 
 
@@ -40,8 +40,7 @@ def _fault(equations: EquationsOfMotion, j: int) -> Fault:
     name = equations.v_names[j]
     span: Span | None = None
     for c in equations.model.coordinates:
-        rates = (c.rate_symbol,) if isinstance(c, Coordinate) else c.rate_symbols
-        if equations.v[j] in rates:
+        if equations.v[j] in rate_symbols(c):
             name, span = c.name, c.span
     for speed in equations.model.speeds:
         if speed.symbol is equations.v[j]:
