@@ -50,13 +50,16 @@ def locate(name: str) -> str:
 
 def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) -> Fault:
     if matches:
-        return Fault("LAG0701", f"`{name}` is the name of several models", remedy="say " + " or ".join(matches))
-    short = [m.rpartition("/")[2] for m in models]
+        message = f"`{name}` is the name of several models"
+        return Fault("LAG0701", message, remedy="say " + " or ".join(matches))
     import difflib
 
+    short = [m.rpartition("/")[2] for m in models]
     close = difflib.get_close_matches(wanted, short + models, n=1)
-    remedy = f"did you mean the library model `{close[0]}`?" if close else None
-    return Fault("LAG0701", f"there is no file `{name}`, and no model of that name in the library", remedy=remedy)
+    message = f"there is no file `{name}`, and no model of that name in the library"
+    return Fault(
+        "LAG0701", message, remedy=f"did you mean the library model `{close[0]}`?" if close else None
+    )
 
 
 def read(name: str) -> Source:

@@ -6,32 +6,33 @@ import re
 import unicodedata
 from collections.abc import Collection, Iterable
 
+# Of C, C++ and Python.
 _KEYWORDS = """
-        auto break case char const continue default do double else enum extern float for goto if inline
-    int long     register restrict return short signed sizeof static struct switch typedef union
-    unsigned void volatile while     alignas alignof and and_eq asm bitand bitor bool catch char8_t
-    char16_t char32_t class co_await co_return     co_yield compl concept const_cast consteval constexpr
-    constinit decltype delete dynamic_cast explicit export     false friend mutable namespace new
-    noexcept not not_eq nullptr operator or or_eq private protected public     reinterpret_cast requires
-    static_assert static_cast template this thread_local throw true try typeid typename     typeof
-    typeof_unqual using virtual wchar_t xor xor_eq     False None True as assert async await def del
-    elif except finally from global import in is lambda nonlocal     pass raise with yield match type
+    auto break case char const continue default do double else enum extern float for goto if inline int
+    long register restrict return short signed sizeof static struct switch typedef union unsigned void
+    volatile while alignas alignof and and_eq asm bitand bitor bool catch char8_t char16_t char32_t class
+    co_await co_return co_yield compl concept const_cast consteval constexpr constinit decltype delete
+    dynamic_cast explicit export false friend mutable namespace new noexcept not not_eq nullptr operator
+    or or_eq private protected public reinterpret_cast requires static_assert static_cast template this
+    thread_local throw true try typeid typename typeof typeof_unqual using virtual wchar_t xor xor_eq
+    False None True as assert async await def del elif except finally from global import in is lambda
+    nonlocal pass raise with yield match type
 """
+# Functions and macros of the headers of C and POSIX, names of the generated support, words of compilers.
 _LIBRARY = """
-        acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs
-    fdim floor fma     fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2
-    logb lrint lround modf nan     nearbyint nextafter nexttoward pow remainder remquo rint round
-    scalbln scalbn signbit sin sinh sqrt tan tanh     tgamma trunc fpclassify isfinite isinf isnan
-    isnormal isgreater isless isunordered j0 j1 jn y0 y1 yn gamma     gamma_r signgam drem significand
-    finite scalb pow10 abs labs div exit abort index rindex time clock signal     memcpy memset memmove
-    strlen printf main min max select sign both either inverse math self     float_t double_t size_t
-    ptrdiff_t     NULL EOF NAN INFINITY HUGE HUGE_VAL HUGE_VALF HUGE_VALL MATH_ERRNO math_errhandling
-    MAXFLOAT DOMAIN OVERFLOW     UNDERFLOW SING PLOSS TLOSS X_TLOSS I TRUE FALSE BUFSIZ CHAR_BIT ERANGE
-    EDOM errno stdin stdout stderr     complex imaginary noreturn offsetof va_list linux unix i386 near
-    far huge small interface INTERFACE IN OUT     OPTIONAL ERROR CONST VOID DELETE OVERFLOW_ M_E M_LOG2E
-    M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI     M_2_SQRTPI M_SQRT2 M_SQRT1_2 FP_NAN
-    FP_INFINITE FP_ZERO FP_SUBNORMAL FP_NORMAL FP_FAST_FMA FP_ILOGB0     FP_ILOGBNAN DBL_MAX DBL_MIN
-    DBL_EPSILON FLT_MAX FLT_MIN FLT_EPSILON INT_MAX INT_MIN
+    acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim
+    floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint
+    lround modf nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn signbit
+    sin sinh sqrt tan tanh tgamma trunc fpclassify isfinite isinf isnan isnormal isgreater isless
+    isunordered j0 j1 jn y0 y1 yn gamma gamma_r signgam drem significand finite scalb pow10 abs labs div
+    exit abort index rindex time clock signal memcpy memset memmove strlen printf main min max select sign
+    both either inverse math self float_t double_t size_t ptrdiff_t NULL EOF NAN INFINITY HUGE HUGE_VAL
+    HUGE_VALF HUGE_VALL MATH_ERRNO math_errhandling MAXFLOAT DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS
+    X_TLOSS I TRUE FALSE BUFSIZ CHAR_BIT ERANGE EDOM errno stdin stdout stderr complex imaginary noreturn
+    offsetof va_list linux unix i386 near far huge small interface INTERFACE IN OUT OPTIONAL ERROR CONST
+    VOID DELETE OVERFLOW_ M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI
+    M_SQRT2 M_SQRT1_2 FP_NAN FP_INFINITE FP_ZERO FP_SUBNORMAL FP_NORMAL FP_FAST_FMA FP_ILOGB0 FP_ILOGBNAN
+    DBL_MAX DBL_MIN DBL_EPSILON FLT_MAX FLT_MIN FLT_EPSILON INT_MAX INT_MIN
 """
 RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_LIBRARY.split())
 # Macros that the headers of some C library define without being asked to.

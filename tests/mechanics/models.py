@@ -77,9 +77,7 @@ def rolling_ball() -> Model:
     b.gravity(b.parameter("g", 9.81))
     b.constraint("touch", z - radius)
     contact = b.vector((x, y, z - radius))
-    w = tuple(
-        b.graph.sum(frame.axes[i][k] * frame.angular_velocity[k] for k in range(3)) for i in range(3)
-    )
+    w = tuple(b.graph.sum(frame.axes[i][k] * frame.angular_velocity[k] for k in range(3)) for i in range(3))
     lever = b.vector((0.0, 0.0, -radius))
     slip = add(ball.velocity, cross(w, lever))  # type: ignore[arg-type]
     b.constraint("roll", *sub(slip, cross(b.vector((0.0, 0.0, omega)), contact)))
@@ -182,4 +180,3 @@ ALL: dict[str, Callable[[], Model]] = {
     "constant speed": constant_speed,
     "relativistic": relativistic,
 }
-

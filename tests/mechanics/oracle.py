@@ -142,9 +142,7 @@ class Oracle:
                     turning = [a - b for a, b in zip(turning, back)]
                 force += sum(a * b for a, b in zip(moment, turning))
             if s.damping:
-                force -= slope(
-                    lambda e, unit=unit: damping(s, q, [a + e * b for a, b in zip(v, unit)], t, F)
-                )
+                force -= slope(lambda e, unit=unit: damping(s, q, [a + e * b for a, b in zip(v, unit)], t, F))
             found.append(force)
         return found
 
