@@ -249,9 +249,7 @@ def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Prog
     values = bound_parameters(
         interface, choice.parameters, unused(compilation.model, interface), demanding=False
     )
-    fields = [
-        replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)
-    ]
+    fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
     bound = replace(interface, parameters=tuple(fields[:n]), inputs=tuple(fields[n:]))
     return replace(found, interface=bound)
