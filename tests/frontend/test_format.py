@@ -260,7 +260,8 @@ def lines(draw: st.DrawFn, depth: int = 2) -> list[str]:
     inside = draw(st.lists(lines(depth - 1), max_size=3))
     body = [word for line in inside for word in line]
     if kind == 7:
-        loop = [w for line in inside if line[0] in ("point", "force", "constraint", "for") for w in line]
+        good = [line for line in inside if line[0] in ("point", "force", "constraint", "for")]
+        loop = [w for line in good if not {"parameter", "effect"}.intersection(line) for w in line]
         return joined("for", "i", "in", "1", ":", "n", "-", "1", "loop", loop, "end", "for", ";")
     if kind == 8:
         flat = [word for line in inside if line[0] != "effect" for word in line]
