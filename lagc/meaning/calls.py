@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import partial
+
 from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.frontend import tree
 from lagc.meaning import functions, motion, rotations
@@ -10,9 +13,9 @@ from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.meaning.functions import RESERVED, Argument, Builtin
 from lagc.meaning.quantitytypes import type_of
-from lagc.meaning.scope import Environment
+from lagc.meaning.scope import Entry, Environment
 from lagc.meaning.types import QuantityType
-from lagc.meaning.values import Poisoned, Value, Wrong, expect, flat
+from lagc.meaning.values import Poisoned, Scalar, Value, Wrong, expect, flat
 
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
 
@@ -183,6 +186,7 @@ def _inline(
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known
+    context.called.add(id(function))
     _enter(context, e, function)
     try:
         inner = Environment(home.instance, home.space, dict(zip(names, values)))
@@ -193,6 +197,23 @@ def _inline(
         raise Poisoned from None
     finally:
         context.callers.pop()
+
+
+def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
+    """Report the unknown names in the functions of a model that nobody calls.
+
+    What their arguments are, numbers or vectors, only calls would tell: nothing else is reported.
+    """
+    for entry in entries:
+        function = entry.source
+        if not isinstance(function, tree.FunctionDeclaration) or id(function) in context.called:
+            continue
+        context.called.add(id(function))
+        bindings: dict[str, Value] = {
+            name: Scalar(context.graph.symbol("parameter", name), None) for _, name, _ in function.parameters
+        }
+        inner = Environment(entry.environment.instance, entry.environment.space, bindings)
+        context.look(partial(evaluate, context, function.body, inner), ("LAG0201",))
 
 
 def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:

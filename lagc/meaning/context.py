@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused, Span
@@ -62,6 +62,7 @@ class Context:
         self.depth = 0  # declarations that wait for one another
         self.callers: list[Span] = []  # of functions within functions
         self.all_calls = 0
+        self.called: set[int] = set()  # functions, by identity
         self.results: dict[tuple[int, int, tuple[Value, ...]], Value] = {}  # of functions
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
@@ -77,6 +78,17 @@ class Context:
             calls = [(span, "called here") for span in self.callers[: -MOST_CALLERS - 1 : -1]]
             fault = replace(fault, related=(*fault.related, *calls))
         self.faults.append(fault)
+
+    def look(self, job: Callable[[], object], codes: Container[str]) -> None:
+        """Do something for the sake of its faults, of which those of `codes` are kept."""
+        before, self.faults = self.faults, []
+        try:
+            job()
+        except Wrong as wrong:
+            self.report(wrong)
+        except Poisoned:
+            pass
+        self.faults = before + [fault for fault in self.faults if fault.code in codes]
 
     def grow(self, span: Span) -> None:
         """One more declaration.  Raises Wrong where there are too many."""

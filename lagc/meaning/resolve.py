@@ -9,6 +9,7 @@ from typing import TypeVar
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
+from lagc.meaning.calls import look_at_uncalled
 from lagc.meaning.context import Context
 from lagc.meaning.declare import declare
 from lagc.meaning.dynamics import condition
@@ -71,6 +72,7 @@ def resolve(
     check_effects(context, setting)
     found = _evaluate(context, instance)
     conditions = _conditions(context)
+    look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
         context.report(

@@ -237,6 +237,7 @@ def test_remedies(line: str, remedies: list[str | None]) -> None:
         ("body s = Solid(mass = aa, inertia = bb, frame = cc, com = dd);", "aa bb cc dd"),
         ("constraint c: aa = bb; force F = cc at dd; torque T = ee on ff from gg;", "aa bb cc dd ee ff gg"),
         ("initial aa = bb; cc = dd;", "aa bb cc dd"),
+        ("function f(Length u) = aa + bb(norm(u)); // that nobody calls", "aa bb"),
         ("scene s uses aa, bb parameter cc = 1; start dd = 2; end s;", "aa bb cc dd"),
         ("output Real y = aa^bb + {cc, dd}.x*sin(ee) - atan2(ff, -gg);", "aa bb cc dd ee ff gg"),
     ],
