@@ -11,7 +11,8 @@ import pytest
 from lagc.render.tableaus import DOP853, DOPRI5, Row, Tableau
 from lagc.run.integrate import Integrator, integrate
 from lagc.run.problem import OK, Options, Vector
-from tests.run.systems import Handmade, Oscillator, Rod, interface
+from tests.interfaces import interface
+from tests.run.systems import LINE, Handmade, Oscillator, Rod
 
 METHODS = pytest.mark.parametrize("tableau", [DOPRI5, DOP853], ids=["dopri5", "dop853"])
 
@@ -142,7 +143,7 @@ class Closed(Handmade):
     """q' = -2 t q^2, v' = -v cos t: q = 1/(1 + t^2), v = exp(-sin t)."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         xdot[0], xdot[1] = -2.0 * t * x[0] * x[0], -x[1] * cos(t)
@@ -183,7 +184,7 @@ class Fall(Handmade):
     """x'' = 2 x^3 from rest at infinity: x = 1/(3 - t)."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         xdot[0], xdot[1] = x[1], 2.0 * x[0] * x[0] * x[0]
@@ -252,7 +253,7 @@ class Angle(Handmade):
     """The pendulum of `Rod` in its angle from below."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         xdot[0], xdot[1] = x[1], -9.81 * sin(x[0])

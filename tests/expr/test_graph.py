@@ -52,7 +52,7 @@ def test_every_node_is_in_normal_form(program: list[tuple[str, int, int]]) -> No
             assert node.args[0].op not in ("scale", "const")
             assert node.value not in (0.0, 1.0)
         if node.op == "mul":
-            exponents: tuple[int, ...] = node.value  # type: ignore[assignment]
+            exponents: tuple[int, ...] = node.value
             assert all(e != 0 for e in exponents)
             assert [a.index for a in node.args] == sorted({a.index for a in node.args})
             assert all(a.op not in ("mul", "scale", "const") for a in node.args)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from lagc.expr import vectors
 from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph
+from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import depends, reachable, substitute, symbols
 from tests.expr.expressions import NAMES, grow, points, programs
 
@@ -97,9 +97,9 @@ def test_vectors_are_those_of_numpy(
         x, y, z = (vector(row) for row in rows)
         return (x, y, z)
 
-    def close(found: tuple, expected: object) -> None:  # type: ignore[type-arg]
+    def close(found: tuple[Node | vectors.Vector, ...], expected: np.ndarray) -> None:
         flat = [x for row in found for x in (row if isinstance(row, tuple) else (row,))]
-        assert evaluate(flat, {}) == pytest.approx(np.ravel(expected).tolist(), abs=1e-11)  # type: ignore[call-overload]
+        assert evaluate(flat, {}) == pytest.approx(np.ravel(expected).tolist(), abs=1e-11)
 
     p, q, s, t = vector(a), vector(b), matrix(m), matrix(n)
     close((vectors.dot(p, q),), np.dot(a, b))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from lagc.diagnostics.faults import Source, Span
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Matrix, Vector, dot, matmul, matvec, transpose
+from lagc.expr.vectors import Matrix, Vector, matmul, matvec, transpose
 from lagc.meaning.model import (
     Action,
     Body,
@@ -79,18 +79,17 @@ class Builder:
     def orientation(self, name: str, rate: Sequence[float] = (0.0, 0.0, 0.0)) -> tuple[Frame, Orientation]:
         """A quaternion and the frame that it turns."""
         g = self.graph
-        e = tuple(g.symbol("coordinate", f"{name}.{k}") for k in "wxyz")
-        w = tuple(g.symbol("rate", f"{name}.rate.{k}") for k in "xyz")
+        ew, x, y, z = (g.symbol("coordinate", f"{name}.{k}") for k in "wxyz")
+        w = self.vector([g.symbol("rate", f"{name}.rate.{k}") for k in "xyz"])
         start = (g.one, g.zero, g.zero, g.zero)
-        o = Orientation(name, e, w, start, tuple(map(g.const, rate)), False, False, SPAN)  # type: ignore[arg-type]
+        o = Orientation(name, (ew, x, y, z), w, start, self.vector(rate), False, False, SPAN)
         self.coordinates.append(o)
-        ew, x, y, z = e
         axes = (
             (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - ew * z), 2.0 * (x * z + ew * y)),
             (2.0 * (x * y + ew * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - ew * x)),
             (2.0 * (x * z - ew * y), 2.0 * (y * z + ew * x), 1.0 - 2.0 * (x * x + y * y)),
         )
-        frame = Frame(f"{name}.frame", "world", axes, w, SPAN)  # type: ignore[arg-type]
+        frame = Frame(f"{name}.frame", "world", axes, w, SPAN)
         self.frames.append(frame)
         return frame, o
 
@@ -126,11 +125,12 @@ class Builder:
         """`parent` turned about its own x, y or z."""
         g = self.graph
         c, s, one, zero = g.cos(angle), g.sin(angle), g.one, g.zero
-        turn: Matrix = {
+        turns: dict[str, Matrix] = {
             "x": ((one, zero, zero), (zero, c, -s), (zero, s, c)),
             "y": ((c, zero, s), (zero, one, zero), (-s, zero, c)),
             "z": ((c, -s, zero), (s, c, zero), (zero, zero, one)),
-        }[axis]  # type: ignore[assignment]
+        }
+        turn = turns[axis]
         carried = matvec(transpose(turn), parent.angular_velocity)
         w = list(carried)
         w["xyz".index(axis)] = w["xyz".index(axis)] + self.der(angle)
@@ -200,10 +200,6 @@ class Builder:
 
     def quantity(self, name: str) -> Node:
         return self.graph.symbol("quantity", name)
-
-    def speed_squared(self, position: Sequence[Node | float]) -> Node:
-        u = self.velocity(self.vector(position))
-        return dot(u, u)
 
     def model(self) -> Model:
         return Model(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lagc.expr.vectors import add, cross, norm, sub
+from lagc.expr.vectors import add, cross, matvec, norm, sub
 from lagc.meaning.model import Model
 from tests.mechanics.builder import Builder
 
@@ -77,9 +77,9 @@ def rolling_ball() -> Model:
     b.gravity(b.parameter("g", 9.81))
     b.constraint("touch", z - radius)
     contact = b.vector((x, y, z - radius))
-    w = tuple(b.graph.sum(frame.axes[i][k] * frame.angular_velocity[k] for k in range(3)) for i in range(3))
+    w = matvec(frame.axes, frame.angular_velocity)
     lever = b.vector((0.0, 0.0, -radius))
-    slip = add(ball.velocity, cross(w, lever))  # type: ignore[arg-type]
+    slip = add(ball.velocity, cross(w, lever))
     b.constraint("roll", *sub(slip, cross(b.vector((0.0, 0.0, omega)), contact)))
     b.output("normal", b.graph.symbol("multiplier", "touch"))
     b.output("spare", b.graph.symbol("multiplier", "roll[3]"))

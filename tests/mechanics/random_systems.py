@@ -76,13 +76,14 @@ def random_system(seed: int) -> System:
         joint = "free" if quaternion and i == 0 else r.choice(kinds)
         inertia = None
         if r.random() < 0.6 or joint == "free":
-            inertia = tuple(round(r.uniform(0.1, 1.0), 3) for _ in range(3))
+            a, b, c = (round(r.uniform(0.1, 1.0), 3) for _ in range(3))
+            inertia = (a, b, c)
         drive = (0.0, 1.0)
         if r.random() < 0.2:
             drive = (round(r.uniform(0.1, 0.5), 3), round(r.uniform(0.5, 3.0), 3))
         parent = i - 1 if r.random() < 0.7 else r.randint(-1, i - 1)
         mass = round(r.uniform(0.2, 2.0), 3)
-        links.append(Link(parent, joint, triple(), drive, mass, triple(), inertia))  # type: ignore[arg-type]
+        links.append(Link(parent, joint, triple(), drive, mass, triple(), inertia))
 
     def pairs(chance: float) -> tuple[tuple[int, int, float], ...]:
         return tuple(

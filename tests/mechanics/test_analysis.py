@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
 from tests.mechanics.builder import Builder
@@ -141,7 +142,7 @@ def answers(b: Builder) -> dict[str, bool | None]:
     return {c.label: c.integrable for c in analyse(derive(b.model())).constraints}
 
 
-def plane() -> tuple[Builder, list]:  # type: ignore[type-arg]
+def plane() -> tuple[Builder, list[Node]]:
     b = Builder()
     q = [b.coordinate(k) for k in ("x", "y", "phi")]
     frame = b.rotate("F", b.world, "z", q[2])

@@ -13,16 +13,17 @@ from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
 from lagc.mechanics.derive import derive
+from lagc.mechanics.equations import EquationsOfMotion
 
 
-def compiled(text: str) -> None:
-    derive(resolve(parse(Source("example.lag", text)))).verify()
+def derived(text: str) -> EquationsOfMotion:
+    return derive(resolve(parse(Source("example.lag", text))))
 
 
 @pytest.mark.parametrize("code", ENTRIES)
 def test_wrong_example_is_refused_at_a_place(code: str) -> None:
     with pytest.raises(Refused) as refused:
-        compiled(ENTRIES[code].wrong)
+        derived(ENTRIES[code].wrong)
     (fault,) = refused.value.faults
     assert fault.code == code
     assert fault.span is not None and fault.span.line > 1
@@ -31,7 +32,9 @@ def test_wrong_example_is_refused_at_a_place(code: str) -> None:
 
 @pytest.mark.parametrize("code", ENTRIES)
 def test_right_example_passes(code: str) -> None:
-    compiled(ENTRIES[code].right)
+    equations = derived(ENTRIES[code].right)
+    equations.verify()
+    assert equations.v
 
 
 def test_every_code_of_the_room_is_listed() -> None:

@@ -10,7 +10,7 @@ import sympy
 from sympy.physics import mechanics
 
 from lagc.expr.sympy import to_sympy
-from lagc.meaning.model import Force, Model, Potential
+from lagc.meaning.model import Coordinate, Force, Model, Potential
 from lagc.mechanics.derive import derive
 from tests.mechanics.models import ALL
 from tests.mechanics.numbers import jacobian, mass_matrix, random_state, vector
@@ -22,9 +22,10 @@ CLOSE = 1e-12
 
 def lagranges_method(model: Model) -> tuple[Any, list[Any], list[Any]]:
     """The method's object, and sympy's coordinates and rates."""
-    q = [sympy.Function(c.name)(T) for c in model.coordinates]
-    names = {c.symbol: x for c, x in zip(model.coordinates, q)}  # type: ignore[union-attr]
-    names |= {c.rate_symbol: x.diff(T) for c, x in zip(model.coordinates, q)}  # type: ignore[union-attr]
+    coordinates = [c for c in model.coordinates if isinstance(c, Coordinate)]
+    q = [sympy.Function(c.name)(T) for c in coordinates]
+    names = {c.symbol: x for c, x in zip(coordinates, q)}
+    names |= {c.rate_symbol: x.diff(T) for c, x in zip(coordinates, q)}
     names[model.time] = T
     names |= {p.symbol: sympy.Symbol(p.name) for p in model.parameters}
 

@@ -81,7 +81,7 @@ class State:
         return evaluate(list(nodes), self.values)
 
 
-def near(found, wanted, relative=1e-11):
+def assert_near(found, wanted, relative=1e-11):
     """Equal within the rounding of a well-conditioned solve, measured by the largest entry."""
     found, wanted = np.asarray(found, float), np.asarray(wanted, float)
     assert found.shape == wanted.shape
@@ -103,11 +103,11 @@ def test_right_hand_side_solves_the_equations(compiled, seed):
     assert state.condition < 1e4 or equations.rows
     found = interpret(program.functions["rhs"], state.arrays)
     n, m = len(equations.q), len(equations.v)
-    near(found["xdot"][:n], state.all(equations.qdot))
-    near(found["xdot"][n : n + m], a)
-    near(found["lam"], lam)
+    assert_near(found["xdot"][:n], state.all(equations.qdot))
+    assert_near(found["xdot"][n : n + m], a)
+    assert_near(found["lam"], lam)
     if program.interface.nz:
-        near(found["xdot"][n + m :], [state(equations.power)])
+        assert_near(found["xdot"][n + m :], [state(equations.power)])
     assert 1e-6 < found["health"][0] <= 1.0 + 1e-12
     assert 0.0 <= found["health"][1] < 1e-12
 
@@ -144,7 +144,7 @@ def test_every_other_function_has_the_values_of_its_nodes(compiled, seed):
         if name in functions:
             inputs = {k: state.arrays[k] for k in functions[name].inputs}
             found = interpret(functions[name], inputs)[array]
-            near(found[: len(values)], values, 1e-13)
+            assert_near(found[: len(values)], values, 1e-13)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -162,5 +162,5 @@ def test_assemble_factor_solve_agree_with_the_right_hand_side(compiled, seed):
     right = [state(tau) - state(h) for tau, h in zip(equations.given_forces, equations.bias_forces)]
     right += [state(row.gamma) for row in equations.rows]
     s = interpret(functions["solve"], {"w": factored["w"], "r": right})["s"]
-    near(s, [*a, *lam])
+    assert_near(s, [*a, *lam])
     assert factored["health"][0] > 1e-6

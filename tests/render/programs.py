@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import random
+from typing import Any
 
-from lagc.optimize.program import OPERANDS, Field, Function, Interface, Operation, Program, Store
+from lagc.optimize.program import OPERANDS, Function, Operation, Program, Store
+from tests.interfaces import field, interface
 
 
 class Builder:
@@ -42,36 +43,18 @@ class Builder:
                         self.comments)  # fmt: skip
 
 
-def field(name: str, value: float | None = 1.0, **more: object) -> Field:
-    plain = {
-        "minimum": -math.inf,
-        "maximum": math.inf,
-        "unit": "",
-        "display_unit": "",
-        "place": "",
-        "description": "",
-    }
-    return Field(name=name, value=value, **{**plain, **more})  # type: ignore[arg-type]
-
-
-def interface(model: str, functions: list[Function], **changes: object) -> Interface:
-    plain: dict[str, object] = {
-        "model": model, "scene": "", "source_name": f"{model.lower()}.lag", "model_hash": "0" * 64,
-        "nq": 1, "nv": 1, "nz": 0, "nc": 0, "nh": 0, "q_names": ("theta",), "v_names": ("der(theta)",),
-        "q_units": ("rad",), "v_units": ("rad/s",), "row_labels": (), "row_units": (), "quaternions": (),
-        "parameters": (field("m"), field("l"), field("g", 9.81)), "inputs": (), "outputs": (),
-        "start_fixed": (True, True), "initial_places": (), "solve": "straight", "work_size": 0,
+def program(model: str, functions: list[Function], **changes: Any) -> Program:
+    """With one angle and the parameters m, l, g, unless `changes` say otherwise."""
+    plain: dict[str, Any] = {
+        "q_names": ("theta",), "v_names": ("der(theta)",), "q_units": ("rad",), "v_units": ("rad/s",),
+        "parameters": (field("m"), field("l"), field("g", 9.81)), "start_fixed": (True, True),
         "operations": next((f.cost for f in functions if f.name == "rhs"), 0),
-        "functions": tuple(f.name for f in functions), "effects": (), "simulate": {}, "notes": (),
+        "functions": tuple(f.name for f in functions),
     }  # fmt: skip
-    return Interface(**{**plain, **changes})  # type: ignore[arg-type]
+    return Program(interface(model, **{**plain, **changes}), {f.name: f for f in functions})
 
 
-def program(model: str, functions: list[Function], **changes: object) -> Program:
-    return Program(interface(model, functions, **changes), {f.name: f for f in functions})
-
-
-def pendulum(model: str = "Pendulum", **changes: object) -> Program:
+def pendulum(model: str = "Pendulum", **changes: Any) -> Program:
     """theta'' = -g/l sin(theta), with energies; mass matrix m l^2."""
     rhs = Builder("rhs", ("p", "t", "x"), (("xdot", 2), ("lam", 0), ("health", 2)))
     theta, omega = rhs.load("x", 0), rhs.load("x", 1)

@@ -12,7 +12,8 @@ import pytest
 
 from lagc.optimize.program import Program
 from lagc.render.c.render import render
-from tests.render.programs import field, pendulum
+from tests.interfaces import field
+from tests.render.programs import pendulum
 from tests.render.test_names import TRICKY
 from tests.render.tools import COMPILERS, STRICT, call, of_model, present, write
 
@@ -55,6 +56,7 @@ def test_compiles_without_a_warning(name: str, compiler: str, tmp_path: Path) ->
         pytest.skip("clang: three programs are enough")
     files = write(render(PROGRAMS[name]()), tmp_path)
     call(*COMPILERS[compiler], *STRICT, "-O1", "-c", files[".c"], "-o", tmp_path / "made.o")
+    assert (tmp_path / "made.o").stat().st_size
 
 
 @pytest.mark.parametrize("word", WORDS)
@@ -65,7 +67,7 @@ def test_any_word_can_be_a_coordinate_and_a_parameter(word: str, tmp_path: Path)
     program = pendulum("Pendulum", q_names=(word,), v_names=(f"der({word})",), parameters=more)
     files = write(render(program), tmp_path)
     for compiler in ("gcc", "g++"):
-        call(*COMPILERS[compiler], *STRICT, "-fsyntax-only", files[".c"])
+        assert call(*COMPILERS[compiler], *STRICT, "-fsyntax-only", files[".c"]) == ""
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

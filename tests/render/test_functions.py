@@ -9,6 +9,7 @@ import shutil
 import struct
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -55,7 +56,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     made = program("Made", functions)
     names = local_names(made, ())
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
-    python: dict[str, object] = {}
+    python: dict[str, Any] = {}
     exec(ARITHMETIC + "".join(function_text(f, names) for f in functions), python)
     body = "".join(
         c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
@@ -79,7 +80,7 @@ def bits(values: list[float]) -> list[bytes]:
 
 
 def both(
-    python: dict[str, object],
+    python: dict[str, Any],
     library: ctypes.CDLL,
     name: str,
     p: list[float],
@@ -88,7 +89,7 @@ def both(
     n: int,
 ):
     y = [0.0] * n
-    python[f"fn_{name}"](p, t, x, y)  # type: ignore[operator]
+    python[f"fn_{name}"](p, t, x, y)
     out = (ctypes.c_double * n)()
     array = ctypes.c_double * len(x)
     getattr(library, f"lagc_fn_{name}")((ctypes.c_double * 3)(*p), ctypes.c_double(t), array(*x), out)
@@ -166,8 +167,8 @@ def test_an_array_read_and_written_is_read_before_it_is_written() -> None:
     swap.store("w", 1, a)
     swap.store("w", 2, swap.op("div", a, swap.op("sub", c, c)))
     made = Program(program("Made", []).interface, {"factor": swap.function()})
-    python: dict[str, object] = {}
+    python: dict[str, Any] = {}
     exec(ARITHMETIC + function_text(made.functions["factor"], local_names(made, ())), python)
     w = [3.0, 4.0, 2.0]
-    python["fn_factor"](w)  # type: ignore[operator]
+    python["fn_factor"](w)
     assert w == [2.0, 3.0, math.inf]

@@ -9,7 +9,8 @@ import pytest
 
 from lagc.render.locals import local_names
 from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
-from tests.render.programs import field, pendulum
+from tests.interfaces import field
+from tests.render.programs import pendulum
 from tests.render.tools import COMPILERS, call, present
 
 TRICKY = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "x", "p", "a.b[2].m", "a_b_2_m",

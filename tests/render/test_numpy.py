@@ -77,7 +77,10 @@ def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None
     interface = made.interface
     nx, nv, nc = interface.nx, interface.nv, interface.nc
     p = python.default_params()
-    get = lambda word: getattr(lib, f"{prefix}_{word}")  # noqa: E731
+
+    def get(word: str) -> Any:
+        return getattr(lib, f"{prefix}_{word}")
+
     get("work_size").restype = ctypes.c_size_t
     cp, work = doubles(p), ctypes.create_string_buffer(get("work_size")())
     for x in states(python, 20):

@@ -7,8 +7,9 @@ from math import cos, exp, pi, sin, sqrt
 
 from lagc.run.integrate import integrate
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
+from tests.interfaces import field, interface
 from tests.run import systems
-from tests.run.systems import Handmade, field, interface
+from tests.run.systems import LINE, PLANE, Handmade
 
 
 class Integrated(Handmade):
@@ -28,26 +29,15 @@ class Oscillator(Integrated, systems.Oscillator):
     """x'' = -k x from x = 1."""
 
 
-class Pendulum(Integrated, systems.Pendulum):
+class Pendulum(Integrated, systems.Rod):
     """Unit mass on a string, in x and y."""
-
-    def assemble(self, t: float, x: Vector) -> int:
-        self.gradient = (2.0 * x[0], 2.0 * x[1])
-        return OK
-
-    def solve(self, r: Vector) -> list[float]:
-        a, b = self.gradient
-        lam = (r[2] - a * r[0] - b * r[1]) / (a * a + b * b)
-        return [r[0] + a * lam, r[1] + b * lam, lam]
 
 
 class Kepler(Integrated):
     """A planet about a fixed sun with GM = 1 and semi-major axis 1, from the pericentre."""
 
     def __init__(self, eccentricity: float = 0.9):
-        names = {"q_names": ("x", "y"), "v_names": ("der(x)", "der(y)"), "q_units": ("m",) * 2,
-                 "v_units": ("m/s",) * 2, "start_fixed": (False,) * 4, "nq": 2, "nv": 2}  # fmt: skip
-        super().__init__(interface(**names, parameters=(field("e", eccentricity),)))
+        super().__init__(interface(**PLANE, parameters=(field("e", eccentricity),)))
 
     def start(self) -> list[float]:
         e = self.parameters[0]
@@ -72,9 +62,7 @@ class DoublePendulum(Integrated):
     """Two unit masses on unit rods, thrown high: chaotic."""
 
     def __init__(self) -> None:
-        names = {"q_names": ("a", "b"), "v_names": ("der(a)", "der(b)"), "q_units": ("rad",) * 2,
-                 "v_units": ("rad/s",) * 2, "start_fixed": (False,) * 4, "nq": 2, "nv": 2}  # fmt: skip
-        super().__init__(interface(**names))
+        super().__init__(interface(nq=2, nv=2, q_units=("rad",) * 2, v_units=("rad/s",) * 2))
 
     def start(self) -> list[float]:
         return [2.5, 2.5, 0.0, 0.0]
@@ -93,7 +81,7 @@ class Runaway(Integrated):
     """x' = v, v' = exp(x): reaches infinity in finite time."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def start(self) -> list[float]:
         return [0.0, 1.0]
@@ -110,7 +98,7 @@ class Massless(Integrated):
     """The mass vanishes when x passes 1."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def start(self) -> list[float]:
         return [0.0, 1.0]

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from math import sqrt
+from typing import Any
 
-from lagc.optimize.program import Field, Interface
+from lagc.optimize.program import Interface
 from lagc.run.problem import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
+from tests.interfaces import field, interface
 
 ORDER = 4  # of the stand-in integrator
 
 
-def interface(**given: object) -> Interface:
-    values: dict[str, object] = {
-        "model": "m", "scene": "room", "source_name": "m.lag", "model_hash": "0", "nq": 1, "nv": 1, "nz": 0,
-        "nc": 0, "nh": 0, "q_names": ("x",), "v_names": ("der(x)",), "q_units": ("m",), "v_units": ("m/s",),
-        "row_labels": (), "row_units": (), "quaternions": (), "parameters": (), "inputs": (), "outputs": (),
-        "start_fixed": (False, False), "initial_places": (), "solve": "straight", "work_size": 0,
-        "operations": 4, "functions": (), "effects": (), "simulate": {}, "notes": (),
-    }  # fmt: skip
-    return Interface(**{**values, **given})  # type: ignore[arg-type]
+# What one coordinate x, or two coordinates x and y, are called.
+LINE: dict[str, Any] = {"q_names": ("x",), "v_names": ("der(x)",), "q_units": ("m",), "v_units": ("m/s",)}
+PLANE: dict[str, Any] = {
+    "nq": 2, "nv": 2, "q_names": ("x", "y"), "v_names": ("der(x)", "der(y)"), "q_units": ("m",) * 2,
+    "v_units": ("m/s",) * 2,
+}  # fmt: skip
 
 
-def field(name: str, value: float | None = None, unit: str = "") -> Field:
-    return Field(name, value, -float("inf"), float("inf"), unit, unit, "m.lag:1", "")
-
-
-class Handmade:
+class Handmade(ABC):
     """What the systems below share: sizes, and a fixed-step Runge-Kutta method of order 4 whose step
     follows the tolerance (error = tolerance, up to a constant)."""
 
@@ -71,8 +67,8 @@ class Handmade:
     def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         return [], []
 
-    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        raise NotImplementedError
+    @abstractmethod
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         xdot, lam = [0.0] * self.nx, [0.0] * self.nc
@@ -124,12 +120,9 @@ class Handmade:
 class Oscillator(Handmade):
     """x'' = -k x, with an output 2 x.  x = cos(sqrt(k) t) from x = 1."""
 
-    def __init__(self, **given: object):
-        super().__init__(
-            interface(
-                **{"parameters": (field("k", 1.0, "N/m"),), "outputs": (field("double", None, "m"),), **given}
-            )
-        )
+    def __init__(self, **given: Any):
+        own = {"parameters": (field("k", 1.0, "N/m"),), "outputs": (field("double", None, "m"),)}
+        super().__init__(interface(**{**LINE, **own, **given}))
 
     def start(self) -> list[float]:
         return [1.0, 0.0]
@@ -149,26 +142,12 @@ class Oscillator(Handmade):
 class Pendulum(Handmade):
     """Unit mass at (x, y), x^2 + y^2 = l^2, in gravity g; the guess is off the circle."""
 
-    def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: object):
-        super().__init__(
-            interface(
-                **{
-                    "nq": 2,
-                    "nv": 2,
-                    "nc": 1,
-                    "nh": 1,
-                    "q_names": ("x", "y"),
-                    "v_names": ("der(x)", "der(y)"),
-                    "q_units": ("m", "m"),
-                    "v_units": ("m/s", "m/s"),
-                    "row_labels": ("string",),
-                    "row_units": ("m2",),
-                    "start_fixed": (False,) * 4,
-                    "parameters": (field("l", 1.0, "m"), field("g", 9.81, "m/s2")),
-                    **given,
-                }
-            )
-        )
+    def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: Any):
+        own: dict[str, Any] = {
+            "nc": 1, "nh": 1, "row_labels": ("string",), "row_units": ("m2",),
+            "parameters": (field("l", 1.0, "m"), field("g", 9.81, "m/s2")),
+        }  # fmt: skip
+        super().__init__(interface(**{**PLANE, **own, **given}))
         self.guess = list(guess)
 
     def start(self) -> list[float]:
@@ -220,7 +199,6 @@ class Spun(Handmade):
                 q_units=("",) * 4,
                 v_units=("rad/s",) * 3,
                 quaternions=(0,),
-                start_fixed=(False,) * 7,
             )
         )
         self.guess = list(guess)

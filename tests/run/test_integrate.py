@@ -17,7 +17,8 @@ from lagc.run.problem import (
     Options,
     Vector,
 )
-from tests.run.systems import Handmade, Oscillator, Rod, Spun, interface, norm
+from tests.interfaces import interface
+from tests.run.systems import LINE, Handmade, Oscillator, Rod, Spun, norm
 
 EACH = pytest.mark.parametrize("method", sorted(METHODS))
 
@@ -102,7 +103,7 @@ class Wall(Handmade):
     """x'' = -1/sqrt(x) (not a number beyond x = 0), from x = 1 at rest."""
 
     def __init__(self, beyond: float) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
         self.beyond = beyond
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
@@ -144,7 +145,7 @@ class Explosion(Handmade):
     """x' = x^2 from 1: infinite at t = 1."""
 
     def __init__(self) -> None:
-        super().__init__(interface())
+        super().__init__(interface(**LINE))
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         xdot[0], xdot[1] = x[0] * x[0], 0.0

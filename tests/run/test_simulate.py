@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from math import cos, pi
+from typing import Any
 
 import pytest
 
 from lagc.diagnostics.faults import Refused
-from lagc.run.problem import STEP_UNDERFLOW
+from lagc.run.problem import STEP_UNDERFLOW, Options, Trajectory
 from lagc.run.request import Request
 from lagc.run.simulate import simulate
 from tests.run.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
@@ -201,8 +202,8 @@ def test_the_accuracy_is_relative_to_the_size_of_the_motion(size: float) -> None
 
 def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
     class Fails(Oscillator):
-        def integrate(self, options, t0, x0, times, progress=None):  # type: ignore[no-untyped-def]
-            done = super().integrate(options, t0, x0, times, progress)
+        def integrate(self, options: Options, *given: Any) -> Trajectory:
+            done = super().integrate(options, *given)
             if options.rtol < 1e-6:
                 done.status, done.t = STEP_UNDERFLOW, 4.0
             return done

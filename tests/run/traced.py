@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.optimize.program import Field, Function, Interface, Operation, Program, Store
+from lagc.optimize.program import Function, Operation, Program, Store
+from tests.interfaces import field, interface
 
 
 class Traced:
@@ -117,15 +118,8 @@ def program(
     parameters: dict[str, float],
     **more: Any,
 ) -> Program:
-    fields = tuple(Field(k, v, -math.inf, math.inf, "", "", "m.lag:1", "") for k, v in parameters.items())
-    values: dict[str, Any] = {
-        "model": name, "scene": "", "source_name": f"{name}.lag", "model_hash": "0", "nq": nq, "nv": nv,
-        "nz": 0, "parameters": fields,
-        "nc": nc, "nh": nh, "q_names": tuple(f"q{i}" for i in range(nq)),
-        "v_names": tuple(f"v{i}" for i in range(nv)), "q_units": ("",) * nq, "v_units": ("",) * nv,
-        "row_labels": tuple(f"row{i}" for i in range(nc)), "row_units": ("",) * nc, "quaternions": (),
-        "inputs": (), "outputs": (), "start_fixed": (False,) * (nq + nv), "initial_places": (),
-        "solve": "straight", "work_size": 0, "operations": 1, "functions": tuple(f.name for f in functions),
-        "effects": (), "simulate": {}, "notes": (),
-    }  # fmt: skip
-    return Program(Interface(**{**values, **more}), {f.name: f for f in functions})
+    made = interface(
+        name, nq, nv, nc, nh=nh, functions=tuple(f.name for f in functions),
+        parameters=tuple(field(k, v) for k, v in parameters.items()), **more,
+    )  # fmt: skip
+    return Program(made, {f.name: f for f in functions})

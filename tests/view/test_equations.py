@@ -149,4 +149,5 @@ def test_latex_is_read_by_another_program(name: str) -> None:
     reader = mathtext.MathTextParser("path")
     body = write(derived(name), "latex").splitlines()[1:-1]
     for line in body:
-        reader.parse(f"${line.strip().removesuffix(chr(92) * 2).replace('&', '')}$")
+        formula = f"${line.strip().removesuffix(chr(92) * 2).replace('&', '')}$"
+        assert reader.parse(formula).width > 0.0, formula  # ParseFatalException where it cannot be read

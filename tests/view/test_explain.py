@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -69,8 +70,8 @@ def test_operations_are_those_of_the_program() -> None:
 
 
 @pytest.mark.parametrize("path", sorted(MODELS.rglob("*.lag")), ids=lambda p: p.stem)
-def test_every_model_is_explained(path: object) -> None:
-    name = str(path.relative_to(MODELS).with_suffix(""))  # type: ignore[attr-defined]
+def test_every_model_is_explained(path: Path) -> None:
+    name = str(path.relative_to(MODELS).with_suffix(""))
     found = facts(name)
     json.dumps(found, allow_nan=False)
     assert found["count"]["unknowns"] == found["count"]["equations"]
