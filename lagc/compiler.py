@@ -102,8 +102,7 @@ def _in_si(name: str, given: float | Quantity) -> float:
     try:
         return unit(given.unit).to_si(given.value)
     except UnknownUnit as error:
-        remedy = f"did you mean [{error.close}]?" if error.close else None
-        raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=remedy)]) from None
+        raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=error.remedy)]) from None
 
 
 @_uncollected()

@@ -15,7 +15,7 @@ from lagc.meaning.model import Body, Frame
 from lagc.meaning.motion import velocity_of
 from lagc.meaning.scope import Entry, Environment
 from lagc.meaning.types import describe
-from lagc.meaning.units import ENERGY, NONE, POWER, Dimension, M, dimension, si_text
+from lagc.meaning.units import ENERGY, FORCE, NONE, POWER, Dimension, M, si_text
 from lagc.meaning.values import (
     Array,
     Scalar,
@@ -30,8 +30,6 @@ from lagc.meaning.values import (
 )
 from lagc.meaning.written import no_rates
 from lagc.records import replace
-
-FORCE = dimension(kg=1, m=1, s=-2)
 
 
 def _written(entry: Entry) -> tree.Construct:

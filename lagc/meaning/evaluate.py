@@ -137,7 +137,7 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
             "LAG0304",
             unknown.reason,
             e.unit.span,
-            remedy=f"did you mean `{unknown.close}`?" if unknown.close else None,
+            remedy=unknown.remedy,
         ) from None
     value = evaluate(context, e.value, environment)
 

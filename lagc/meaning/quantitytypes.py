@@ -6,7 +6,7 @@ from lagc.diagnostics.suggest import did_you_mean, foreign_type
 from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.types import TYPES, QuantityType, quantity_type
-from lagc.meaning.units import UnknownUnit, unit
+from lagc.meaning.units import UnknownUnit, si_text, unit
 from lagc.meaning.values import Wrong
 from lagc.records import replace
 
@@ -45,10 +45,8 @@ def _real(written: tree.Unit) -> QuantityType:
             "LAG0304",
             unknown.reason,
             written.span,
-            remedy=f"did you mean `{unknown.close}`?" if unknown.close else None,
+            remedy=unknown.remedy,
         ) from None
     if meant.factor != 1.0:
-        from lagc.meaning.units import si_text
-
         return quantity_type("Real", si_text(meant.dimension), text)
     return quantity_type("Real", "" if text == "1" else text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from lagc.meaning.units import NONE, Dimension, unit
+from lagc.meaning.units import NONE, Dimension, si_text, unit
 from lagc.records import dataclass
 
 
@@ -57,8 +57,6 @@ _BY_DIMENSION[NONE] = "a number"
 
 def describe(dimension: Dimension) -> str:
     """A dimension in words: `Length [m]`, `[kg.m/s3]`, `a number`."""
-    from lagc.meaning.units import si_text
-
     name = _BY_DIMENSION.get(dimension)
     if dimension == NONE:
         return "a number"

@@ -25,7 +25,7 @@ def dimension(**exponents: int) -> Dimension:
     return tuple(PARTS * exponents.get(base, 0) for base in BASE)
 
 
-KG, M, S, AMPERE, KELVIN = (dimension(**{base: 1}) for base in BASE[:5])
+KG, M, S = (dimension(**{base: 1}) for base in BASE[:3])
 
 
 def times(a: Dimension, b: Dimension) -> Dimension:
@@ -45,6 +45,7 @@ def raised(a: Dimension, exponent: float) -> Dimension | None:
     return tuple(rounded)
 
 
+FORCE = dimension(kg=1, m=1, s=-2)
 ENERGY = dimension(kg=1, m=2, s=-2)
 POWER = dimension(kg=1, m=2, s=-3)
 
@@ -79,9 +80,6 @@ class Unit:
         except OverflowError:
             return math.inf
 
-    def from_si(self, value: float) -> float:
-        return value / self.factor
-
 
 class UnknownUnit(ValueError):
     """A unit text that says nothing: `reason` in the user's words, `close` a known symbol like it."""
@@ -89,33 +87,29 @@ class UnknownUnit(ValueError):
     def __init__(self, reason: str, close: str | None = None):
         super().__init__(reason)
         self.reason = reason
-        self.close = close
-
-
-def _si(**exponents: int) -> Dimension:
-    return dimension(**exponents)
+        self.remedy = None if close is None else f"did you mean [{close}]?"
 
 
 # symbol -> (num, den, power of pi, dimension); these take prefixes
 _PREFIXED: dict[str, tuple[int, int, int, Dimension]] = {
-    "g": (1, 1000, 0, _si(kg=1)), "m": (1, 1, 0, _si(m=1)), "s": (1, 1, 0, _si(s=1)),
-    "A": (1, 1, 0, _si(A=1)), "K": (1, 1, 0, _si(K=1)), "mol": (1, 1, 0, _si(mol=1)),
-    "cd": (1, 1, 0, _si(cd=1)), "rad": (1, 1, 0, NONE), "Hz": (1, 1, 0, _si(s=-1)),
-    "N": (1, 1, 0, _si(kg=1, m=1, s=-2)), "J": (1, 1, 0, ENERGY), "W": (1, 1, 0, POWER),
-    "Pa": (1, 1, 0, _si(kg=1, m=-1, s=-2)), "bar": (100000, 1, 0, _si(kg=1, m=-1, s=-2)),
-    "C": (1, 1, 0, _si(A=1, s=1)), "V": (1, 1, 0, _si(kg=1, m=2, s=-3, A=-1)),
-    "F": (1, 1, 0, _si(kg=-1, m=-2, s=4, A=2)), "Ohm": (1, 1, 0, _si(kg=1, m=2, s=-3, A=-2)),
-    "T": (1, 1, 0, _si(kg=1, s=-2, A=-1)), "Wb": (1, 1, 0, _si(kg=1, m=2, s=-2, A=-1)),
-    "H": (1, 1, 0, _si(kg=1, m=2, s=-2, A=-2)), "L": (1, 1000, 0, _si(m=3)), "l": (1, 1000, 0, _si(m=3)),
-    "eV": (1602176634, 10**28, 0, ENERGY),
+    "g": (1, 1000, 0, KG), "m": (1, 1, 0, M), "s": (1, 1, 0, S),
+    "A": (1, 1, 0, dimension(A=1)), "K": (1, 1, 0, dimension(K=1)), "mol": (1, 1, 0, dimension(mol=1)),
+    "cd": (1, 1, 0, dimension(cd=1)), "rad": (1, 1, 0, NONE), "Hz": (1, 1, 0, dimension(s=-1)),
+    "N": (1, 1, 0, FORCE), "J": (1, 1, 0, ENERGY), "W": (1, 1, 0, POWER),
+    "Pa": (1, 1, 0, dimension(kg=1, m=-1, s=-2)), "bar": (100000, 1, 0, dimension(kg=1, m=-1, s=-2)),
+    "C": (1, 1, 0, dimension(A=1, s=1)), "V": (1, 1, 0, dimension(kg=1, m=2, s=-3, A=-1)),
+    "F": (1, 1, 0, dimension(kg=-1, m=-2, s=4, A=2)), "Ohm": (1, 1, 0, dimension(kg=1, m=2, s=-3, A=-2)),
+    "T": (1, 1, 0, dimension(kg=1, s=-2, A=-1)), "Wb": (1, 1, 0, dimension(kg=1, m=2, s=-2, A=-1)),
+    "H": (1, 1, 0, dimension(kg=1, m=2, s=-2, A=-2)), "L": (1, 1000, 0, dimension(m=3)),
+    "l": (1, 1000, 0, dimension(m=3)), "eV": (1602176634, 10**28, 0, ENERGY),
 }  # fmt: skip
 # these do not
 _PLAIN: dict[str, tuple[int, int, int, Dimension]] = {
     "1": (1, 1, 0, NONE), "%": (1, 100, 0, NONE), "deg": (1, 180, 1, NONE), "rev": (2, 1, 1, NONE),
-    "rpm": (1, 30, 1, _si(s=-1)), "min": (60, 1, 0, _si(s=1)), "h": (3600, 1, 0, _si(s=1)),
-    "d": (86400, 1, 0, _si(s=1)), "day": (86400, 1, 0, _si(s=1)), "t": (1000, 1, 0, _si(kg=1)),
-    "ft": (3048, 10000, 0, _si(m=1)), "inch": (254, 10000, 0, _si(m=1)),
-    "lb": (45359237, 10**8, 0, _si(kg=1)), "au": (149597870700, 1, 0, _si(m=1)),
+    "rpm": (1, 30, 1, dimension(s=-1)), "min": (60, 1, 0, S), "h": (3600, 1, 0, S),
+    "d": (86400, 1, 0, S), "day": (86400, 1, 0, S), "t": (1000, 1, 0, KG),
+    "ft": (3048, 10000, 0, M), "inch": (254, 10000, 0, M),
+    "lb": (45359237, 10**8, 0, KG), "au": (149597870700, 1, 0, M),
 }  # fmt: skip
 _PREFIXES = {
     "da": (10, 1), "Y": (10**24, 1), "T": (10**12, 1), "G": (10**9, 1), "M": (10**6, 1), "k": (1000, 1),
@@ -222,15 +216,15 @@ def _exponent(twelfths: int) -> str:
 
 _NAMED: dict[Dimension, str] = {
     NONE: "",
-    _si(kg=1, m=1, s=-2): "N",
-    _si(kg=1, m=2, s=-2): "J",
-    _si(kg=1, m=2, s=-3): "W",
-    _si(kg=1, m=-1, s=-2): "Pa",
-    _si(A=1, s=1): "C",
-    _si(kg=1, m=2, s=-3, A=-1): "V",
-    _si(kg=1, s=-2, A=-1): "T",
-    _si(kg=1, s=-2): "N/m",
-    _si(kg=1, s=-1): "N.s/m",
+    FORCE: "N",
+    ENERGY: "J",
+    POWER: "W",
+    dimension(kg=1, m=-1, s=-2): "Pa",
+    dimension(A=1, s=1): "C",
+    dimension(kg=1, m=2, s=-3, A=-1): "V",
+    dimension(kg=1, s=-2, A=-1): "T",
+    dimension(kg=1, s=-2): "N/m",
+    dimension(kg=1, s=-1): "N.s/m",
 }
 
 

@@ -8,7 +8,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.meaning.model import Body, Frame, Orientation, Vector
 from lagc.meaning.types import describe
-from lagc.meaning.units import NONE, Dimension, si_text
+from lagc.meaning.units import NONE, Dimension, M, si_text
 from lagc.records import dataclass
 
 if TYPE_CHECKING:
@@ -102,8 +102,6 @@ class Poisoned(Exception):
 def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | None]:
     """The three components (world axes) and their dimension.  Raises Wrong."""
     if isinstance(value, Body):
-        from lagc.meaning.units import M
-
         return value.position, M
     if isinstance(value, Array) and len(value.elements) == 3:
         a, b, c = value.elements

@@ -181,8 +181,7 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
         try:
             value = to_si(number.value, number.unit, unit)
         except UnknownUnit as error:
-            remedy = f"did you mean [{error.close}]?" if error.close else None
-            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=remedy))
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=error.remedy))
             return None
     if not isfinite(value):
         faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))
