@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Graph, Node
@@ -79,15 +79,21 @@ class Context:
             fault = replace(fault, related=(*fault.related, *calls))
         self.faults.append(fault)
 
+    def attempt(self, job: Callable[..., object], *arguments: Any) -> bool:
+        """Call `job`; False where it is at fault, which is reported."""
+        try:
+            job(*arguments)
+        except Wrong as wrong:
+            self.report(wrong)
+            return False
+        except Poisoned:
+            return False
+        return True
+
     def look(self, job: Callable[[], object], codes: Container[str]) -> None:
         """Do something for the sake of its faults, of which those of `codes` are kept."""
         before, self.faults = self.faults, []
-        try:
-            job()
-        except Wrong as wrong:
-            self.report(wrong)
-        except Poisoned:
-            pass
+        self.attempt(job)
         self.faults = before + [fault for fault in self.faults if fault.code in codes]
 
     def grow(self, span: Span) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from functools import partial
+from collections.abc import Iterable
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
@@ -15,7 +14,7 @@ from lagc.meaning.modifications import modifiers_of, subscripts
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
-from lagc.meaning.values import Indexed, Part, Poisoned, Scalar, Wrong
+from lagc.meaning.values import Indexed, Part, Scalar, Wrong
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
@@ -36,18 +35,10 @@ class Builder:
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
         for job in self.pending:
-            self._attempt(partial(self._unfold, *job))
+            self.context.attempt(self._unfold, *job)
         for name, given in self.modifiers.items():
             if name not in self.used:
                 self.context.report(self._unknown_modifier(name, given[0]))
-
-    def _attempt(self, job: Callable[[], None]) -> None:
-        try:
-            job()
-        except Wrong as wrong:
-            self.context.report(wrong)
-        except Poisoned:
-            return
 
     # -- what is there at once -------------------------------------------------------------
 
@@ -69,7 +60,7 @@ class Builder:
         items: list[Item],
     ) -> None:
         for declaration in body:
-            self._attempt(partial(self._one, declaration, environment, effect, items))
+            self.context.attempt(self._one, declaration, environment, effect, items)
 
     def _one(
         self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
@@ -217,7 +208,7 @@ class Builder:
             for declarator in d.declarators:
                 entry = self.instance.entries[declarator.name]
                 if entry.source is declarator:
-                    self._attempt(partial(self._instance, d, entry, effect, items))
+                    self.context.attempt(self._instance, d, entry, effect, items)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
             self._element(d, environment, effect, items)
 

@@ -12,7 +12,7 @@ from lagc.meaning.evaluate import evaluate
 from lagc.meaning.modifications import subscripts
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
-from lagc.meaning.values import Poisoned, Scalar, Wrong
+from lagc.meaning.values import Scalar, Wrong
 from lagc.meaning.written import elements, given_elements, given_scalar, written_value
 from lagc.records import dataclass
 
@@ -109,9 +109,4 @@ def look_at_all(context: Context, quantity: Quantity) -> None:
     value = written_value(quantity.entry)
     for modifier in [*quantity.attributes.values(), *([] if value is None else [value])]:
         if modifier.argument.value is not None:
-            try:
-                evaluate(context, modifier.argument.value, modifier.environment)
-            except Wrong as wrong:
-                context.report(wrong)
-            except Poisoned:
-                continue
+            context.attempt(evaluate, context, modifier.argument.value, modifier.environment)

@@ -28,7 +28,7 @@ from lagc.meaning.scene import (
     used,
 )
 from lagc.meaning.scope import Environment, Instance
-from lagc.meaning.values import Poisoned, Wrong
+from lagc.meaning.values import Wrong
 
 RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
 T = TypeVar("T")
@@ -91,25 +91,15 @@ def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:
     """The nouns of every declaration, in order."""
     found: list[nouns.Noun] = []
     for entry in instance.in_order():
-        try:
-            context.value(entry, entry.span)
-        except Wrong as wrong:
-            context.report(wrong)
-        except Poisoned:
-            continue
-        found.extend(entry.nouns)
+        if context.attempt(context.value, entry, entry.span):
+            found.extend(entry.nouns)
     return found
 
 
 def _conditions(context: Context) -> list[nouns.InitialCondition]:
     found: list[nouns.InitialCondition] = []
     for written, environment in context.conditions:
-        try:
-            found.extend(condition(context, written, environment))
-        except Wrong as wrong:
-            context.report(wrong)
-        except Poisoned:
-            continue
+        context.attempt(lambda w, e: found.extend(condition(context, w, e)), written, environment)
     return found
 
 

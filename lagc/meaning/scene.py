@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
@@ -13,7 +12,7 @@ from lagc.meaning.evaluate import evaluate_as, integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.units import NONE, Dimension, S
-from lagc.meaning.values import Poisoned, Scalar, Wrong, expect, kind
+from lagc.meaning.values import Scalar, Wrong, expect, kind
 from lagc.records import dataclass
 
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
@@ -155,10 +154,10 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             if d.type is not None:
-                _attempt(context, partial(_typed, d.type))
+                context.attempt(_typed, d.type)
             for declarator in d.declarators:
                 if _is_plain(declarator):
-                    _attempt(context, partial(_parameter, context, declarator, environment))
+                    context.attempt(_parameter, context, declarator, environment)
 
 
 def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
@@ -169,21 +168,12 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
         if isinstance(d, tree.Quantities):
             for declarator in d.declarators:
                 if not _is_plain(declarator):
-                    _attempt(context, partial(_parameter, context, declarator, environment))
+                    context.attempt(_parameter, context, declarator, environment)
         elif isinstance(d, tree.Start):
-            _attempt(context, partial(_start, context, d, environment))
+            context.attempt(_start, context, d, environment)
         elif isinstance(d, tree.Simulate):
             simulate.update(_simulate(context, d, environment))
     return simulate
-
-
-def _attempt(context: Context, job: Callable[[], None]) -> None:
-    try:
-        job()
-    except Wrong as wrong:
-        context.report(wrong)
-    except Poisoned:
-        return
 
 
 def _typed(type_name: tree.TypeName) -> None:
@@ -296,12 +286,7 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
         found[name] = number
 
     for argument in d.arguments:
-        try:
-            one(argument)
-        except Wrong as wrong:
-            context.report(wrong)
-        except Poisoned:
-            continue
+        context.attempt(one, argument)
     return found
 
 
