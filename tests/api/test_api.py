@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from pathlib import Path
 
 import pytest
@@ -12,18 +11,8 @@ import lagc
 from lagc.api import TakesLong, _Patience
 from lagc.run.backends import compile as c_compiler
 
+pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> object:
-    before = os.environ.get("LAGC_CACHE")
-    os.environ["LAGC_CACHE"] = str(tmp_path_factory.mktemp("cache"))
-    yield
-    if before is None:
-        del os.environ["LAGC_CACHE"]
-    else:
-        os.environ["LAGC_CACHE"] = before
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,6 @@ import csv
 import io
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -17,6 +16,7 @@ import pytest
 
 from lagc.cli.main import main
 
+pytestmark = pytest.mark.usefixtures("own_cache")
 PENDULUM = "simple_pendulum"
 FALLING = """\
 model Falling
@@ -29,17 +29,6 @@ model Falling
   output Length height = z;
 end Falling;
 """
-
-
-@pytest.fixture(autouse=True, scope="module")
-def cache(tmp_path_factory: pytest.TempPathFactory) -> object:
-    before = os.environ.get("LAGC_CACHE")
-    os.environ["LAGC_CACHE"] = str(tmp_path_factory.mktemp("cache"))
-    yield
-    if before is None:
-        del os.environ["LAGC_CACHE"]
-    else:
-        os.environ["LAGC_CACHE"] = before
 
 
 @pytest.fixture

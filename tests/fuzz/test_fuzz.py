@@ -15,10 +15,7 @@ COUNT = int(os.environ.get("LAGC_FUZZ", "400"))
 TEXTS = library()
 BATCH = 25
 
-
-@pytest.fixture(autouse=True)
-def no_cache(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", "")
+pytestmark = pytest.mark.usefixtures("no_cache")
 
 
 @pytest.mark.parametrize("first", range(0, COUNT, BATCH))

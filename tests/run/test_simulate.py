@@ -13,10 +13,7 @@ from lagc.run.request import Request
 from lagc.run.simulate import simulate
 from tests.run.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
 
-
-@pytest.fixture(autouse=True)
-def no_cache(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("LAGC_CACHE", "")
+pytestmark = pytest.mark.usefixtures("no_cache")
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12])
