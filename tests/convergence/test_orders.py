@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 from math import cos, exp, factorial, log2, sin, sqrt
+from typing import Any
 
 import pytest
 
@@ -76,12 +77,12 @@ def dot(row: Row, values: list[float]) -> float:
     return sum(value * values[stage - 1] for stage, value in row.items())
 
 
-def test_number_of_trees():
+def test_number_of_trees() -> None:
     assert [len(list(trees(n))) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
 
 
 @METHODS
-def test_order_conditions(tableau):
+def test_order_conditions(tableau: Tableau) -> None:
     """sum_i b_i Phi_i(tree) = 1/gamma(tree) for every tree up to the order, and not beyond
     (Hairer, Norsett, Wanner 1993, theorem II.2.13)."""
     a = matrix(tableau)
@@ -93,7 +94,7 @@ def test_order_conditions(tableau):
 
 
 @METHODS
-def test_stage_times_are_row_sums(tableau):
+def test_stage_times_are_row_sums(tableau: Tableau) -> None:
     times = [*tableau.c, 1.0, *tableau.extra_c]
     assert [sum(row) for row in matrix(tableau)] == pytest.approx(times, abs=1e-14)
 
@@ -103,7 +104,7 @@ def test_stage_times_are_row_sums(tableau):
     [(DOPRI5, DOPRI5.errors[0], 4), (DOP853, DOP853.errors[0], 5), (DOP853, DOP853.errors[1], 3)],
     ids=["dopri5", "dop853-5", "dop853-3"],
 )
-def test_error_rows_vanish_to_their_order(tableau, row, order):
+def test_error_rows_vanish_to_their_order(tableau: Tableau, row: Row, order: int) -> None:
     """The difference of two methods: no condition up to the lower order sees it."""
     a = matrix(tableau)
     for n in range(1, order + 1):
@@ -114,7 +115,7 @@ def test_error_rows_vanish_to_their_order(tableau, row, order):
 
 @METHODS
 @pytest.mark.parametrize("s", [0.2, 0.5, 0.9])
-def test_order_conditions_of_dense_output(tableau, s):
+def test_order_conditions_of_dense_output(tableau: Tableau, s: float) -> None:
     """sum_i b_i(s) Phi_i(tree) = s^order/gamma(tree)."""
     a = matrix(tableau)
     b = interpolant(tableau, s)
@@ -221,7 +222,7 @@ def slopes(errors: list[float]) -> list[float]:
     ],
     ids=["dopri5-linear", "dopri5", "dop853-linear", "dop853"],
 )
-def test_order_of_fixed_steps(tableau, system, t0, t1, first):
+def test_order_of_fixed_steps(tableau: Tableau, system: Any, t0: float, t1: float, first: float) -> None:
     """Halving the step divides the global error by 2^order, in the limit."""
     errors = []
     for k in range(3):
@@ -232,7 +233,7 @@ def test_order_of_fixed_steps(tableau, system, t0, t1, first):
 
 @METHODS
 @pytest.mark.parametrize("system", [Closed(), Kepler()], ids=["closed", "kepler"])
-def test_order_of_dense_output(tableau, system):
+def test_order_of_dense_output(tableau: Tableau, system: Any) -> None:
     """Within one step from the exact state the error is O(h^(dense order + 1))."""
     first = 1 / 16 if tableau is DOPRI5 else 1 / 4
     errors = []
@@ -261,7 +262,7 @@ class Angle(Handmade):
 
 
 @METHODS
-def test_projection_keeps_the_order(tableau):
+def test_projection_keeps_the_order(tableau: Tableau) -> None:
     """A pendulum in x and y on its circle, against its angle at the smallest tolerance.  (DOP853 is
     above its order at every step that rounding leaves visible.)"""
     angle = integrate(Angle(), Options(rtol=1e-14, atol=1e-14), 0.0, [1.0, 0.0], [2.0]).x[0]
@@ -275,7 +276,7 @@ def test_projection_keeps_the_order(tableau):
 
 
 @METHODS
-def test_error_follows_the_tolerance(tableau):
+def test_error_follows_the_tolerance(tableau: Tableau) -> None:
     """Six decades of tolerance are six decades of global error, within one."""
     system = Kepler()
     errors = []
@@ -287,5 +288,5 @@ def test_error_follows_the_tolerance(tableau):
     assert 1e5 < errors[0] / errors[1] < 1e7 and errors[1] < 1e-8
 
 
-def test_densities():
+def test_densities() -> None:
     assert density(((), ())) == 3 and density((((),),)) == factorial(3)

@@ -42,7 +42,7 @@ def slope(function: Callable[[Any], Any]) -> Any:
 class Oracle:
     """M, h, tau, G, gamma, E of a system at a state (q, v, t)."""
 
-    def __init__(self, system: System, q: Sequence[float], v: Sequence[float], t: float):
+    def __init__(self, system: System, q: Sequence[float], v: Sequence[float], t: float) -> None:
         self.system = system
         self.q, self.v, self.t = [mp.mpf(x) for x in q], [mp.mpf(x) for x in v], mp.mpf(t)
         self.free = [i for i, link in enumerate(system.links) if link.joint == "free"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Sequence
 
 import pytest
 from hypothesis import given, settings
@@ -15,6 +16,7 @@ from lagc.optimize.block import Block
 from lagc.optimize.expand import expanded
 from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
+from lagc.optimize.program import Function
 from tests.optimize.interpret import interpret
 
 UNARY = ("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "exp", "abs", "floor", "sign")
@@ -50,7 +52,7 @@ def random_nodes(seed: int, size: int = 60) -> tuple[Graph, list[Node], list[Nod
     return graph, x, pool[-8:]
 
 
-def lowered(x: list[Node], nodes: list[Node], with_plan: bool = True):
+def lowered(x: list[Node], nodes: list[Node], with_plan: bool = True) -> Function:
     block = Block()
     known = {s: block.load("x", k) for k, s in enumerate(x)}
     for k, value in enumerate(Lowering(block, known, plan(nodes) if with_plan else None)(nodes)):
@@ -58,7 +60,7 @@ def lowered(x: list[Node], nodes: list[Node], with_plan: bool = True):
     return block.function("test", ("x",), (("y", len(nodes)),), "")
 
 
-def compare(found, wanted):
+def compare(found: Sequence[float], wanted: Sequence[float]) -> None:
     for a, b in zip(found, wanted, strict=True):
         if math.isfinite(b) and abs(b) < 1e100:
             assert a == pytest.approx(b, rel=1e-9, abs=1e-9)
@@ -66,7 +68,7 @@ def compare(found, wanted):
 
 @settings(max_examples=80, deadline=None)
 @given(st.integers(0, 10**6))
-def test_operations_have_the_values_of_the_nodes(seed):
+def test_operations_have_the_values_of_the_nodes(seed: int) -> None:
     graph, x, nodes = random_nodes(seed)
     rng = random.Random(seed + 1)
     values = [rng.uniform(-1.5, 1.5) for _ in x]
@@ -78,7 +80,7 @@ def test_operations_have_the_values_of_the_nodes(seed):
     compare(evaluate(expanded(graph, nodes), dict(zip(x, values))), wanted)
 
 
-def test_every_operand_stands_before_its_user_and_none_is_in_vain():
+def test_every_operand_stands_before_its_user_and_none_is_in_vain() -> None:
     _, x, nodes = random_nodes(5)
     function = lowered(x, nodes)
     used = {s.value for s in function.stores}
@@ -88,13 +90,13 @@ def test_every_operand_stands_before_its_user_and_none_is_in_vain():
     assert used == set(range(len(function.operations)))
 
 
-def test_no_operation_is_made_twice():
+def test_no_operation_is_made_twice() -> None:
     _, x, nodes = random_nodes(6, 150)
     operations = lowered(x, nodes).operations
     assert len(set(operations)) == len(operations)
 
 
-def test_a_common_factor_is_taken_out():
+def test_a_common_factor_is_taken_out() -> None:
     g = Graph()
     a, b, c, d = (g.symbol("parameter", name) for name in "abcd")
     function = lowered([a, b, c, d], factored(g, [a * b + a * c + a * d]))
@@ -102,7 +104,7 @@ def test_a_common_factor_is_taken_out():
     assert lowered([a, b], factored(g, [2.0 * a * a + 2.0 * a * b])).cost == 3
 
 
-def test_products_share_their_parts():
+def test_products_share_their_parts() -> None:
     g = Graph()
     x = [g.symbol("parameter", name) for name in "abcde"]
     a, b, c, d, e = x
@@ -110,7 +112,7 @@ def test_products_share_their_parts():
     assert function.cost == 4
 
 
-def test_integer_powers_are_products_and_one_reciprocal_serves_a_quotient():
+def test_integer_powers_are_products_and_one_reciprocal_serves_a_quotient() -> None:
     g = Graph()
     a, b = g.symbol("parameter", "a"), g.symbol("parameter", "b")
     ops = [o.op for o in lowered([a, b], [a**8]).operations]
@@ -119,7 +121,7 @@ def test_integer_powers_are_products_and_one_reciprocal_serves_a_quotient():
     assert [o.op for o in lowered([a, b], [a / b**2]).operations].count("div") == 1
 
 
-def test_signs_cost_nothing_until_they_are_stored():
+def test_signs_cost_nothing_until_they_are_stored() -> None:
     g = Graph()
     a, b = g.symbol("parameter", "a"), g.symbol("parameter", "b")
     ops = [o.op for o in lowered([a, b], [a - 2.0 * b, -(a * b), g.sin(-a) * g.sin(-b)]).operations]
@@ -127,7 +129,7 @@ def test_signs_cost_nothing_until_they_are_stored():
     assert ops.count("sub") == 1
 
 
-def test_turned_sums_cancel_when_multiplied_out():
+def test_turned_sums_cancel_when_multiplied_out() -> None:
     """(s w)(c w) - (c w)(s w) and sin^2 + cos^2 inside products."""
     g = Graph()
     t, u, w = (g.symbol("coordinate", name) for name in "tuw")
@@ -139,7 +141,7 @@ def test_turned_sums_cancel_when_multiplied_out():
     assert one is w + (s * s2 + c * c2)
 
 
-def test_differences_of_lengths_are_not_multiplied_out():
+def test_differences_of_lengths_are_not_multiplied_out() -> None:
     g = Graph()
     a, b = g.symbol("coordinate", "a"), g.symbol("coordinate", "b")
     node = (a - b) ** 2 + (a - b) * g.sin(a)

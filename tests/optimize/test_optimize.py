@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -41,7 +42,7 @@ def compiled(model: Model, work: bool = False) -> Program:
 
 
 @pytest.mark.parametrize(("relative", "bound"), [(False, 43), (True, 57)])
-def test_operations_of_the_double_pendulum(relative, bound):
+def test_operations_of_the_double_pendulum(relative: Any, bound: int) -> None:
     """By hand: 4 sines and cosines, 3 products and sums for each of sin and cos of the difference,
     the 2x2 solve in 12 with its health, the rest masses and forces."""
     rhs = compiled(double_pendulum(relative)).functions["rhs"]
@@ -50,7 +51,7 @@ def test_operations_of_the_double_pendulum(relative, bound):
     assert sum(o.op == "div" for o in rhs.operations) == 2
 
 
-def test_the_pendulum_has_no_trace_of_what_is_not_in_it():
+def test_the_pendulum_has_no_trace_of_what_is_not_in_it() -> None:
     b = Builder("Pendulum")
     m, length = b.parameter("m"), b.parameter("l")
     b.parameter("drag", 0.3)  # nothing speaks of it
@@ -71,7 +72,7 @@ def test_the_pendulum_has_no_trace_of_what_is_not_in_it():
     }  # fmt: skip
 
 
-def test_a_coordinate_that_nothing_uses_is_left_out():
+def test_a_coordinate_that_nothing_uses_is_left_out() -> None:
     b = Builder()
     b.coordinate("idle")
     x = b.coordinate("x", 0.5)
@@ -88,7 +89,7 @@ def test_a_coordinate_that_nothing_uses_is_left_out():
     assert found["xdot"] == pytest.approx([0.1, -0.75], rel=1e-15)
 
 
-def test_what_an_output_or_a_free_motion_speaks_of_stays():
+def test_what_an_output_or_a_free_motion_speaks_of_stays() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
     b.particle("p", b.parameter("m"), (x, y, 0.0))
@@ -96,7 +97,7 @@ def test_what_an_output_or_a_free_motion_speaks_of_stays():
     assert compiled(b.model()).interface.q_names == ("x", "y")
 
 
-def test_independent_parts_are_noted():
+def test_independent_parts_are_noted() -> None:
     b = Builder()
     x, y, z = b.coordinate("x"), b.coordinate("y"), b.coordinate("z")
     m, k = b.parameter("m"), b.parameter("k")
@@ -109,7 +110,7 @@ def test_independent_parts_are_noted():
     assert not any("independent" in n for n in compiled(double_pendulum()).interface.notes)
 
 
-def test_a_coordinate_without_inertia_is_refused():
+def test_a_coordinate_without_inertia_is_refused() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
     b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
@@ -120,7 +121,7 @@ def test_a_coordinate_without_inertia_is_refused():
     assert "`y`" in refused.value.faults[0].message
 
 
-def test_a_massless_coordinate_tied_to_a_mass_is_solved():
+def test_a_massless_coordinate_tied_to_a_mass_is_solved() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
     b.particle("p", b.parameter("m"), (x, 0.0, 0.0))
@@ -131,7 +132,7 @@ def test_a_massless_coordinate_tied_to_a_mass_is_solved():
     assert found["xdot"][2:] == pytest.approx([0.5, 1.0], rel=1e-15)  # m a = 2 * (force 1 on y)
 
 
-def test_work_is_the_last_state_and_its_rate_the_power():
+def test_work_is_the_last_state_and_its_rate_the_power() -> None:
     program = compiled(models.pendulum(), work=True)
     interface = program.interface
     assert (interface.nz, interface.nx) == (1, 3)
@@ -144,7 +145,7 @@ def test_work_is_the_last_state_and_its_rate_the_power():
 
 
 @pytest.mark.parametrize("make", [models.free_solid, models.declared_speeds])
-def test_displace_is_the_linear_part_of_the_rates_of_the_coordinates(make):
+def test_displace_is_the_linear_part_of_the_rates_of_the_coordinates(make: Any) -> None:
     equations = derive(make())
     program = optimize(equations)
     interface = program.interface
@@ -161,11 +162,11 @@ def test_displace_is_the_linear_part_of_the_rates_of_the_coordinates(make):
     assert found == pytest.approx(evaluate(directions, values), rel=1e-13, abs=1e-13)
 
 
-def test_displace_is_absent_where_speeds_are_the_rates():
+def test_displace_is_absent_where_speeds_are_the_rates() -> None:
     assert "displace" not in compiled(models.string_pendulum()).functions
 
 
-def test_scales_are_the_sizes_of_the_terms():
+def test_scales_are_the_sizes_of_the_terms() -> None:
     program = compiled(models.string_pendulum())
     names = [f.name for f in program.interface.parameters]
     p = [{"m": 1.0, "l": 0.5, "g": 9.81}[name] for name in names]
@@ -173,7 +174,7 @@ def test_scales_are_the_sizes_of_the_terms():
     assert scale == pytest.approx(0.5 + 0.5 + 1e-3 * (0.6 + 0.8), rel=1e-14)
 
 
-def test_conditions_of_the_start_and_their_derivatives():
+def test_conditions_of_the_start_and_their_derivatives() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
     rate = b.graph.symbol("rate", "der(y)")
@@ -185,7 +186,7 @@ def test_conditions_of_the_start_and_their_derivatives():
     assert found == {"c": [18.0], "J": [4.0, 5.0, 0.0, 3.0]}
 
 
-def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squared():
+def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squared() -> None:
     costs = []
     for n in (25, 50):
         program = compiled(models.chain(n))
@@ -196,7 +197,7 @@ def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squ
     assert costs[1] < 4 * 50 * 50
 
 
-def test_the_looped_system_gives_the_accelerations():
+def test_the_looped_system_gives_the_accelerations() -> None:
     """Against M a = r with M and r evaluated by the expression graph's own evaluator."""
     n = 25
     equations = derive(models.chain(n))
@@ -227,7 +228,7 @@ def digest() -> str:
     return text.hexdigest()
 
 
-def test_programs_do_not_depend_on_the_hash_seed():
+def test_programs_do_not_depend_on_the_hash_seed() -> None:
     script = "from tests.optimize.test_optimize import digest; print(digest())"
     found = {
         subprocess.run(
@@ -240,14 +241,14 @@ def test_programs_do_not_depend_on_the_hash_seed():
     assert len(found) == 1
 
 
-def test_the_hash_of_a_model_speaks_of_its_numbers_only():
+def test_the_hash_of_a_model_speaks_of_its_numbers_only() -> None:
     first = compiled(double_pendulum()).interface.model_hash
     assert first == compiled(double_pendulum()).interface.model_hash
     assert len(first) == 64
     assert first != compiled(double_pendulum(relative=True)).interface.model_hash
 
 
-def test_stores_say_what_they_are_and_where_it_stands_in_the_source():
+def test_stores_say_what_they_are_and_where_it_stands_in_the_source() -> None:
     program = compiled(models.string_pendulum())
     rhs = program.functions["rhs"]
     said = {(s.array, s.index): rhs.comments.get(len(rhs.operations) + k) for k, s in enumerate(rhs.stores)}
@@ -255,7 +256,7 @@ def test_stores_say_what_they_are_and_where_it_stands_in_the_source():
     assert said["lam", 0] == "string, built.lag:1"
 
 
-def test_nothing_depends_on_the_directory_of_the_source():
+def test_nothing_depends_on_the_directory_of_the_source() -> None:
     b = Builder()
     x = b.coordinate("x")
     b.particle("p", b.parameter("m"), (x, 0.0, 0.0))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Iterable
+from typing import Any, TypeAlias
 
 import numpy as np
 import pytest
@@ -77,11 +79,11 @@ class State:
     def __call__(self, node: Node) -> float:
         return evaluate([node], self.values)[0]
 
-    def all(self, nodes) -> list[float]:
+    def all(self, nodes: Iterable[Node]) -> list[float]:
         return evaluate(list(nodes), self.values)
 
 
-def assert_near(found, wanted, relative=1e-11):
+def assert_near(found: Any, wanted: Any, relative: float = 1e-11) -> None:
     """Equal within the rounding of a well-conditioned solve, measured by the largest entry."""
     found, wanted = np.asarray(found, float), np.asarray(wanted, float)
     assert found.shape == wanted.shape
@@ -89,14 +91,17 @@ def assert_near(found, wanted, relative=1e-11):
     assert np.abs(found - wanted).max(initial=0.0) <= relative * scale
 
 
+Compiled: TypeAlias = tuple[EquationsOfMotion, Program]
+
+
 @pytest.fixture(scope="module", params=MODELS)
-def compiled(request):
+def compiled(request: pytest.FixtureRequest) -> Compiled:
     equations = derive(MODELS[request.param]())
     return equations, optimize(equations, work=True)
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_right_hand_side_solves_the_equations(compiled, seed):
+def test_right_hand_side_solves_the_equations(compiled: Compiled, seed: int) -> None:
     equations, program = compiled
     state = State(equations, program, seed)
     a, lam = state.solve(equations)
@@ -113,7 +118,7 @@ def test_right_hand_side_solves_the_equations(compiled, seed):
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_every_other_function_has_the_values_of_its_nodes(compiled, seed):
+def test_every_other_function_has_the_values_of_its_nodes(compiled: Compiled, seed: int) -> None:
     equations, program = compiled
     state = State(equations, program, seed)
     state.solve(equations)
@@ -148,7 +153,7 @@ def test_every_other_function_has_the_values_of_its_nodes(compiled, seed):
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_assemble_factor_solve_agree_with_the_right_hand_side(compiled, seed):
+def test_assemble_factor_solve_agree_with_the_right_hand_side(compiled: Compiled, seed: int) -> None:
     equations, program = compiled
     functions = program.functions
     assert ("solve" in functions) == bool(equations.rows)

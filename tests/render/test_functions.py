@@ -87,7 +87,7 @@ def both(
     t: float,
     x: list[float],
     n: int,
-):
+) -> tuple[list[bytes], list[bytes]]:
     y = [0.0] * n
     python[f"fn_{name}"](p, t, x, y)
     out = (ctypes.c_double * n)()

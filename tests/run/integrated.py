@@ -36,7 +36,7 @@ class Pendulum(Integrated, systems.Rod):
 class Kepler(Integrated):
     """A planet about a fixed sun with GM = 1 and semi-major axis 1, from the pericentre."""
 
-    def __init__(self, eccentricity: float = 0.9):
+    def __init__(self, eccentricity: float = 0.9) -> None:
         super().__init__(interface(**PLANE, parameters=(field("e", eccentricity),)))
 
     def start(self) -> list[float]:

@@ -29,7 +29,7 @@ class Handmade(ABC):
     backend = "hand"
     culprit = -1
 
-    def __init__(self, interface: Interface):
+    def __init__(self, interface: Interface) -> None:
         self.interface = interface
         self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
@@ -120,7 +120,7 @@ class Handmade(ABC):
 class Oscillator(Handmade):
     """x'' = -k x, with an output 2 x.  x = cos(sqrt(k) t) from x = 1."""
 
-    def __init__(self, **given: Any):
+    def __init__(self, **given: Any) -> None:
         own = {"parameters": (field("k", 1.0, "N/m"),), "outputs": (field("double", None, "m"),)}
         super().__init__(interface(**{**LINE, **own, **given}))
 
@@ -142,7 +142,7 @@ class Oscillator(Handmade):
 class Pendulum(Handmade):
     """Unit mass at (x, y), x^2 + y^2 = l^2, in gravity g; the guess is off the circle."""
 
-    def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: Any):
+    def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: Any) -> None:
         own: dict[str, Any] = {
             "nc": 1, "nh": 1, "row_labels": ("string",), "row_units": ("m2",),
             "parameters": (field("l", 1.0, "m"), field("g", 9.81, "m/s2")),
@@ -189,7 +189,7 @@ class Rod(Pendulum):
 class Spun(Handmade):
     """A free orientation `o` turning at constant body rates: a quaternion and three speeds."""
 
-    def __init__(self, guess: Sequence[float]):
+    def __init__(self, guess: Sequence[float]) -> None:
         super().__init__(
             interface(
                 nq=4,

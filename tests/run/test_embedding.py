@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
+from lagc.optimize.program import Program
 from lagc.render.c.header import STATUSES
 from lagc.render.c.render import render
 from lagc.render.numpy.support import base
@@ -59,7 +61,7 @@ int main(void)
     [*PROGRAMS.values(), four_bar(2, 0.0, -4.0)],
     ids=[*PROGRAMS, "four bars, flat"],
 )
-def test_a_loop_of_steps(program, tmp_path):
+def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
     """The same bits as the loop in Python; no access out of bounds, no undefined operation."""
     name = program.interface.model
     sources = {**render(program), "main.c": MAIN.format(name=name, NAME=name.upper())}
@@ -92,5 +94,5 @@ def test_a_loop_of_steps(program, tmp_path):
     assert found == [*expected, *run.x]
 
 
-def test_both_languages_number_the_statuses_alike():
+def test_both_languages_number_the_statuses_alike() -> None:
     assert [getattr(base, name) for name, _ in STATUSES] == list(range(len(STATUSES)))

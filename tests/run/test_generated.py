@@ -9,6 +9,7 @@ from functools import cache
 from importlib.util import find_spec
 from math import isclose, sqrt
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -53,7 +54,7 @@ def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[flo
     return system.rhs(t, x, xdot, lam), xdot, lam
 
 
-def test_the_stages_are_those_of_the_tables():
+def test_the_stages_are_those_of_the_tables() -> None:
     """`python -m lagc.render.stages` writes the file; it is not edited by hand."""
     assert Path(stages.__file__).read_text(encoding="utf-8") == python_file((DOPRI5, DOP853))
 
@@ -72,7 +73,7 @@ def test_the_stages_are_those_of_the_tables():
     ],
     ids=["default", "dopri5", "fixed", "drifting", "limited", "bounded"],
 )
-def test_c_and_python_agree_bitwise(name, options):
+def test_c_and_python_agree_bitwise(name: str, options: Options) -> None:
     c, python = built(name, "c"), built(name, "numpy")
     x = c.start()
     assert x == python.start()
@@ -84,7 +85,7 @@ def test_c_and_python_agree_bitwise(name, options):
 
 @needs_compiler
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_going_back_agrees_too(name):
+def test_going_back_agrees_too(name: str) -> None:
     c, python = built(name, "c"), built(name, "numpy")
     x = c.start()
     one, other = (s.integrate(Options(), 1.0, x, [0.7, 0.0]) for s in (c, python))
@@ -96,7 +97,7 @@ COMPILERS = {"gcc": ["gcc", "-std=c99"], "g++": ["g++", "-x", "c++"], "zig": ["z
 
 @pytest.mark.parametrize("compile_", COMPILERS.values(), ids=COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
-def test_the_text_compiles_without_a_warning(name, compile_, tmp_path):
+def test_the_text_compiles_without_a_warning(name: str, compile_: Any, tmp_path: Path) -> None:
     if compile_ == ["zig"]:
         if find_spec("ziglang") is None or name not in ("pendulum twice", "body"):
             pytest.skip("zig is slow" if find_spec("ziglang") else "ziglang is not installed")
@@ -114,7 +115,7 @@ def test_the_text_compiles_without_a_warning(name, compile_, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-def test_only_what_a_model_needs_is_written():
+def test_only_what_a_model_needs_is_written() -> None:
     plain = "".join(render_c(PROGRAMS["double pendulum"]).values())
     for word in ("project(", "orthogonalise", "normalise", "#if LAGC", "malloc"):
         assert word not in plain, word
@@ -123,7 +124,7 @@ def test_only_what_a_model_needs_is_written():
 
 
 @BACKENDS
-def test_energy_of_the_double_pendulum(backend):
+def test_energy_of_the_double_pendulum(backend: str) -> None:
     system = built("double pendulum", backend)
     x = system.start()
     run = system.integrate(Options(rtol=1e-12, atol=1e-12), 0.0, x, [5.0])
@@ -132,7 +133,7 @@ def test_energy_of_the_double_pendulum(backend):
 
 
 @BACKENDS
-def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend):
+def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend: str) -> None:
     """Nine equations with a quaternion, three constraints and the work of gravity."""
     system = built("body", backend)
     x = system.start()
@@ -149,7 +150,7 @@ def test_a_body_on_a_pivot_keeps_its_energy_and_place(backend):
 @BACKENDS
 @pytest.mark.parametrize("copies", [(1.0, 1.0), (1.0, -2.0, 0.5)])
 @pytest.mark.parametrize("straight", [True, False])
-def test_a_repeated_constraint_changes_no_motion(backend, copies, straight):
+def test_a_repeated_constraint_changes_no_motion(backend: str, copies: Any, straight: bool) -> None:
     """The multipliers are the shortest that give the rod's force: in proportion to the factors."""
     once = built("pendulum", backend)
     often = build(pendulum(copies, straight), backend)
@@ -169,7 +170,7 @@ def test_a_repeated_constraint_changes_no_motion(backend, copies, straight):
 
 
 @BACKENDS
-def test_contradicting_rows_are_named(backend):
+def test_contradicting_rows_are_named(backend: str) -> None:
     """The second row's acceleration leaves the first's by 3 m^2/s^2 a second."""
     system = build(pendulum((1.0, 1.0), gamma=(0.0, 3.0)), backend)
     x = system.start()
@@ -181,7 +182,7 @@ def test_contradicting_rows_are_named(backend):
 
 
 @BACKENDS
-def test_a_singular_mass_matrix_is_named(backend):
+def test_a_singular_mass_matrix_is_named(backend: str) -> None:
     system = build(masses((1.0, 0.0, 0.0), lambda x: (-x[0], 1.0)), backend)
     assert rates(system, [1.0, 1.0, 0.0, 0.0])[0] == SINGULAR_MASS
     assert system.culprit == 1
@@ -190,14 +191,14 @@ def test_a_singular_mass_matrix_is_named(backend):
 
 
 @BACKENDS
-def test_what_is_not_a_number_is_named(backend):
+def test_what_is_not_a_number_is_named(backend: str) -> None:
     system = build(masses((1.0, 0.0, 1.0), lambda x: (-x[0], x[1] / (x[0] - x[0]))), backend)
     assert rates(system, [1.0, 1.0, 0.0, 0.0])[0] == NOT_FINITE
     assert system.culprit == 3
 
 
 @BACKENDS
-def test_a_run_ends_at_the_border_of_its_equations(backend):
+def test_a_run_ends_at_the_border_of_its_equations(backend: str) -> None:
     """sqrt(x) where x falls through 0 at t = 1."""
     system = build(masses((1.0, 0.0, 1.0), lambda x: (0.0 * x[0], x[0].call("sqrt"))), backend)
     run = system.integrate(Options(), 0.0, [1.0, 1.0, -1.0, 0.0], [0.5, 2.0])
@@ -207,7 +208,7 @@ def test_a_run_ends_at_the_border_of_its_equations(backend):
 
 
 @BACKENDS
-def test_the_drive_of_a_rod_follows_the_closed_form(backend):
+def test_the_drive_of_a_rod_follows_the_closed_form(backend: str) -> None:
     """A small swing of the pendulum has the period 2 pi sqrt(l/g) (1 + a^2/16)."""
     system = built("pendulum", backend)
     a = 0.02

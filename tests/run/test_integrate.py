@@ -24,7 +24,7 @@ EACH = pytest.mark.parametrize("method", sorted(METHODS))
 
 
 @EACH
-def test_the_oscillator_swings(method):
+def test_the_oscillator_swings(method: str) -> None:
     run = integrate(Oscillator(), Options(method=method, rtol=1e-12, atol=1e-12), 0.0, [1.0, 0.0], [2.0 * pi])
     assert run.status == OK and run.t == 2.0 * pi
     assert run.x == pytest.approx([1.0, 0.0], abs=1e-11)
@@ -32,14 +32,14 @@ def test_the_oscillator_swings(method):
 
 @EACH
 @pytest.mark.parametrize("end", [0.1, 1.0 / 3.0, 7.3, -2.0])
-def test_the_end_is_met_exactly(method, end):
+def test_the_end_is_met_exactly(method: str, end: float) -> None:
     run = integrate(Oscillator(), Options(method=method), 0.25, [cos(0.25), -sin(0.25)], [end])
     assert run.t == end and run.times == [end] and run.states == [run.x]
     assert run.x[0] == pytest.approx(cos(end), abs=1e-7)
 
 
 @EACH
-def test_the_grid_does_not_change_the_steps(method):
+def test_the_grid_does_not_change_the_steps(method: str) -> None:
     options = Options(method=method, rtol=1e-8, atol=1e-8)
     bare = integrate(Oscillator(), options, 0.0, [1.0, 0.0], [5.0])
     fine = integrate(Oscillator(), options, 0.0, [1.0, 0.0], [0.01 * i for i in range(500)] + [5.0])
@@ -49,7 +49,7 @@ def test_the_grid_does_not_change_the_steps(method):
 
 
 @EACH
-def test_steps_may_be_fixed(method):
+def test_steps_may_be_fixed(method: str) -> None:
     run = integrate(Oscillator(), Options(method=method, step=0.1), 0.0, [1.0, 0.0], [0.55, 1.0])
     assert run.steps == 10 and run.rejected == 0 and run.t == 1.0
     run = integrate(Oscillator(), Options(method=method, step=0.1), 0.0, [1.0, 0.0], [1.05])
@@ -57,14 +57,14 @@ def test_steps_may_be_fixed(method):
 
 
 @EACH
-def test_fixed_steps_do_not_pile_up_rounding(method):
+def test_fixed_steps_do_not_pile_up_rounding(method: str) -> None:
     run = Integrator(Oscillator(), Options(method=method, step=0.1), 0.0, [1.0, 0.0])
     for k in range(1, 1001):
         assert run.step(100.0) == OK
         assert run.t == (k * 0.1 if k < 1000 else 100.0)
 
 
-def test_advancing_in_pieces_keeps_the_step():
+def test_advancing_in_pieces_keeps_the_step() -> None:
     """Landing on a near time does not make the next step short."""
     run = Integrator(Oscillator(), Options(), 0.0, [1.0, 0.0])
     for _ in range(3):
@@ -75,7 +75,7 @@ def test_advancing_in_pieces_keeps_the_step():
     assert run.h >= planned
 
 
-def test_first_and_largest_steps_are_obeyed():
+def test_first_and_largest_steps_are_obeyed() -> None:
     run = Integrator(Oscillator(), Options(first_step=1e-3), 0.0, [1.0, 0.0])
     run.step(1.0)
     assert run.t == 1e-3
@@ -83,13 +83,13 @@ def test_first_and_largest_steps_are_obeyed():
     assert 20 <= limited.steps <= 25
 
 
-def test_the_number_of_steps_may_be_limited():
+def test_the_number_of_steps_may_be_limited() -> None:
     run = integrate(Oscillator(), Options(max_steps=5), 0.0, [1.0, 0.0], [0.1, 100.0])
     assert run.status == MAX_STEPS and run.steps + run.rejected == 5
     assert run.times == [0.1] and run.t < 100.0 and run.x[0] == pytest.approx(cos(run.t), abs=1e-7)
 
 
-def test_an_interruption_keeps_what_was_computed():
+def test_an_interruption_keeps_what_was_computed() -> None:
     def progress(t: float) -> None:
         if t > 3.0:
             raise KeyboardInterrupt
@@ -113,7 +113,7 @@ class Wall(Handmade):
 
 @EACH
 @pytest.mark.parametrize("beyond", [nan, inf])
-def test_what_is_not_a_number_stops_the_run_there(method, beyond):
+def test_what_is_not_a_number_stops_the_run_there(method: str, beyond: float) -> None:
     """x' = -2 sqrt(1 - sqrt x): it falls to x = 0 in 4/3 s."""
     times = [0.1 * i for i in range(1, 21)]
     run = integrate(Wall(beyond), Options(method=method), 0.0, [1.0, 0.0], times)
@@ -132,7 +132,7 @@ class Silent(Wall):
         return NOT_FINITE
 
 
-def test_the_culprit_is_kept():
+def test_the_culprit_is_kept() -> None:
     run = integrate(Silent(nan), Options(), 0.0, [1.0, 0.0], [2.0])
     assert (run.status, run.culprit) == (NOT_FINITE, 1)
     run = integrate(Silent(nan), Options(), 0.0, [-1.0, 0.0], [2.0])
@@ -153,7 +153,7 @@ class Explosion(Handmade):
 
 
 @EACH
-def test_a_pole_is_not_passed(method):
+def test_a_pole_is_not_passed(method: str) -> None:
     run = integrate(Explosion(), Options(method=method), 0.0, [1.0, 0.0], [2.0])
     assert run.status in (STEP_UNDERFLOW, NOT_FINITE) and run.t == pytest.approx(1.0, abs=1e-6)
 
@@ -167,14 +167,14 @@ class Worked(Oscillator):
 
 
 @EACH
-def test_the_work_integral_does_not_choose_the_steps(method):
+def test_the_work_integral_does_not_choose_the_steps(method: str) -> None:
     plain = integrate(Oscillator(), Options(method=method), 0.0, [1.0, 0.0], [5.0])
     worked = integrate(Worked(nz=1), Options(method=method), 0.0, [1.0, 0.0, 0.0], [5.0])
     assert worked.steps == plain.steps and worked.x[:2] == plain.x
 
 
 @EACH
-def test_projection_holds_at_every_step(method):
+def test_projection_holds_at_every_step(method: str) -> None:
     rod = Rod()
     run = Integrator(rod, Options(method=method, rtol=1e-6, atol=1e-6), 0.0, [0.6, -0.8, 0.8, 0.6])
     while run.t < 5.0:
@@ -184,14 +184,14 @@ def test_projection_holds_at_every_step(method):
     assert run.position_drift <= 1e-15 and run.velocity_drift <= 1e-14
 
 
-def test_recorded_states_meet_the_constraints():
+def test_recorded_states_meet_the_constraints() -> None:
     times = [0.01 * i for i in range(500)]
     run = integrate(Rod(), Options(rtol=1e-5, atol=1e-5), 0.0, [0.6, -0.8, 0.8, 0.6], times)
     assert max(abs(x[0] ** 2 + x[1] ** 2 - 1.0) for x in run.states) < 1e-14
     assert max(abs(x[0] * x[2] + x[1] * x[3]) for x in run.states) < 1e-14
 
 
-def test_without_projection_the_constraint_drifts():
+def test_without_projection_the_constraint_drifts() -> None:
     free = Options(rtol=1e-6, atol=1e-6, project=False)
     run = integrate(Rod(), free, 0.0, [0.6, -0.8, 0.8, 0.6], [10.0])
     assert run.status == OK and abs(norm(run.x[:2]) - 1.0) > 1e-10
@@ -199,7 +199,7 @@ def test_without_projection_the_constraint_drifts():
 
 
 @EACH
-def test_projection_costs_no_evaluation(method):
+def test_projection_costs_no_evaluation(method: str) -> None:
     """The rate at the projected state is the first stage of the next step, and only evaluated there."""
     count, order = (12, 8) if method == "dop853" else (6, 5)
     run = integrate(Rod(), Options(method=method), 0.0, [0.6, -0.8, 0.8, 0.6], [3.0])
@@ -208,7 +208,7 @@ def test_projection_costs_no_evaluation(method):
     assert run.rhs == 2 + (count - 1) * tried + arrivals
 
 
-def test_projection_is_the_shortest_way():
+def test_projection_is_the_shortest_way() -> None:
     """In the metric of the (unit) mass matrix: along the radius, and to the square of the distance."""
     x = [0.6 * 1.001, -0.8 * 1.001, 0.8 + 0.006, 0.6 - 0.008]
     status, position, velocity = project(Rod(), 0.0, x)
@@ -216,7 +216,7 @@ def test_projection_is_the_shortest_way():
     assert x == pytest.approx([0.6, -0.8, 0.8, 0.6], abs=2e-6)
 
 
-def test_a_constraint_that_cannot_be_met_is_said_so():
+def test_a_constraint_that_cannot_be_met_is_said_so() -> None:
     class Impossible(Rod):
         def position(self, t: float, x: Vector) -> list[float]:
             return [x[0] * x[0] + x[1] * x[1] + 1.0]
@@ -226,7 +226,7 @@ def test_a_constraint_that_cannot_be_met_is_said_so():
 
 
 @EACH
-def test_quaternions_stay_of_unit_length(method):
+def test_quaternions_stay_of_unit_length(method: str) -> None:
     """A turn at constant rate: o(t) = (cos(w t/2), axis sin(w t/2))."""
     spun = Spun((1.0, 0.0, 0.0, 0.0))
     times = [0.5 * i for i in range(21)]

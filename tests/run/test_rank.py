@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import pi
+from typing import Any
 
 import pytest
 
@@ -14,7 +15,7 @@ from tests.run.test_generated import BACKENDS, build
 numpy = pytest.importorskip("numpy")
 
 
-def packed(m):
+def packed(m: Any) -> Any:
     return [float(m[i, j]) for i in range(len(m)) for j in range(i + 1)]
 
 
@@ -23,7 +24,7 @@ SIZES = [(5, 2, 2), (6, 4, 2), (6, 5, 3), (3, 3, 3), (4, 6, 3), (7, 3, 3)]
 
 @pytest.mark.parametrize(("n", "m", "rank"), SIZES)
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
-def test_it_is_the_least_squares_solution(n, m, rank, scale):
+def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: float) -> None:
     """Against the pseudo-inverse: the accelerations, and the shortest multipliers."""
     random = numpy.random.default_rng(n + 10 * m)
     root = random.normal(size=(n, n))
@@ -44,7 +45,7 @@ def test_it_is_the_least_squares_solution(n, m, rank, scale):
     assert lam == pytest.approx(shortest.tolist(), rel=1e-8, abs=1e-9 * max(abs(shortest)))
 
 
-def test_a_massless_coordinate_that_a_constraint_holds():
+def test_a_massless_coordinate_that_a_constraint_holds() -> None:
     fallback = Fallback(3, 1)
     mass = numpy.diag([1.0, 0.0, 2.0])
     assert fallback.factor(packed(mass), [1.0, -1.0, 0.0], False) == OK
@@ -52,13 +53,13 @@ def test_a_massless_coordinate_that_a_constraint_holds():
     assert status == OK and a == pytest.approx([1.0, 0.5, 1.5]) and lam == pytest.approx([0.0], abs=1e-15)
 
 
-def test_a_massless_coordinate_that_nothing_holds():
+def test_a_massless_coordinate_that_nothing_holds() -> None:
     fallback = Fallback(3, 1)
     assert fallback.factor(packed(numpy.diag([1.0, 0.0, 2.0])), [1.0, 0.0, 1.0], False) == SINGULAR_MASS
     assert fallback.culprit == 1
 
 
-def test_very_uneven_masses_are_not_taken_for_dependent_rows():
+def test_very_uneven_masses_are_not_taken_for_dependent_rows() -> None:
     """A mass of 1e-12 between two of 1: both rods in line hold it, and each other's rows by 1e-6."""
     fallback = Fallback(3, 2)
     mass, g = numpy.diag([1.0, 1e-12, 1.0]), [-1.0, 1.0, 0.0, 0.0, -1.0, 1.0]
@@ -67,7 +68,7 @@ def test_very_uneven_masses_are_not_taken_for_dependent_rows():
     assert status == OK and a == pytest.approx([0.5, 0.5, 0.5], rel=1e-11)
 
 
-def test_rows_without_entries():
+def test_rows_without_entries() -> None:
     """A row that vanishes asks nothing, or the impossible."""
     fallback = Fallback(2, 1)
     assert fallback.factor([1.0, 0.0, 1.0], [0.0, 0.0], False) == REDUNDANT
@@ -79,7 +80,7 @@ def test_rows_without_entries():
 @BACKENDS
 @pytest.mark.parametrize("angle", [pi / 2, 1e-2, 1e-4, 1e-8, 0.0])
 @pytest.mark.parametrize("count", [1, 3])
-def test_parallelograms_go_through_the_flat_posture(backend, count, angle):
+def test_parallelograms_go_through_the_flat_posture(backend: str, count: int, angle: float) -> None:
     """10 s with several turns: the cranks stay parallel, the energy is kept."""
     if backend == "numpy" and (count, angle) not in ((1, 1e-2), (1, 0.0)):
         pytest.skip("the same bits as the C library")
@@ -96,7 +97,7 @@ def test_parallelograms_go_through_the_flat_posture(backend, count, angle):
 
 
 @BACKENDS
-def test_dependent_rows_are_free_again_after_the_posture(backend):
+def test_dependent_rows_are_free_again_after_the_posture(backend: str) -> None:
     system = build(four_bar(1, 0.0, -4.0), backend)
     x = system.start()
     assert system.rhs(0.0, x, [0.0] * 8, [0.0] * 3) == REDUNDANT
@@ -106,7 +107,7 @@ def test_dependent_rows_are_free_again_after_the_posture(backend):
 
 @BACKENDS
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
-def test_an_overconstrained_linkage_moves(backend, tolerance):
+def test_an_overconstrained_linkage_moves(backend: str, tolerance: float) -> None:
     """Two parallelograms with one rod too many, which is dependent on the constraints only: the
     stages of a step leave them."""
     fair, over = (build(four_bar(2, 1.0, -4.0, spare), backend) for spare in (False, True))

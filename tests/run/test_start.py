@@ -12,7 +12,7 @@ from lagc.run.start import consistent_start
 from tests.run.systems import Oscillator, Pendulum, Spun, norm
 
 
-def test_least_norm_is_the_pseudo_inverse():
+def test_least_norm_is_the_pseudo_inverse() -> None:
     import numpy
 
     rows = [[1.0, 2.0, 3.0, 0.5], [2.0, 4.0, 6.0, 1.0], [0.0, 1.0, -1.0, 2.0]]
@@ -20,7 +20,7 @@ def test_least_norm_is_the_pseudo_inverse():
     assert least_norm(rows, right) == pytest.approx(list(numpy.linalg.pinv(rows) @ right), abs=1e-13)
 
 
-def test_large_systems_give_the_same_as_small_ones(monkeypatch):
+def test_large_systems_give_the_same_as_small_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     from lagc.run import leastnorm
 
     rows = [[float((3 * i + 5 * j) % 7) + (4.0 if i == j else 0.0) for j in range(9)] for i in range(5)]
@@ -29,12 +29,12 @@ def test_large_systems_give_the_same_as_small_ones(monkeypatch):
     assert least_norm(rows, [1.0, -2.0, 0.5, 3.0, 1.0]) == pytest.approx(small, rel=1e-12)
 
 
-def test_without_conditions_nothing_changes():
+def test_without_conditions_nothing_changes() -> None:
     assert consistent_start(Oscillator()).x == [1.0, 0.0]
     assert consistent_start(Oscillator(), given={"x": 3.0}).x == [3.0, 0.0]
 
 
-def test_guesses_go_to_the_circle_and_its_tangent():
+def test_guesses_go_to_the_circle_and_its_tangent() -> None:
     start = consistent_start(Pendulum())
     x, y, u, v = start.x
     assert not start.missed
@@ -49,12 +49,12 @@ def test_guesses_go_to_the_circle_and_its_tangent():
     assert "instead of 0.6 m" in str(start.changes[0])
 
 
-def test_fixed_values_stay():
+def test_fixed_values_stay() -> None:
     start = consistent_start(Pendulum(start_fixed=(True, False, False, False)))
     assert start.x[:2] == [0.6, pytest.approx(-0.8, abs=1e-15)]
 
 
-def test_given_values_are_held_where_they_can():
+def test_given_values_are_held_where_they_can() -> None:
     assert consistent_start(Pendulum(), given={"x": 0.8}, held=("x",)).x[:2] == [
         0.8,
         pytest.approx(-0.6, abs=1e-14),
@@ -64,13 +64,13 @@ def test_given_values_are_held_where_they_can():
     assert "x" in {c.name for c in start.changes}
 
 
-def test_a_guess_in_a_singular_posture_is_left():
+def test_a_guess_in_a_singular_posture_is_left() -> None:
     start = consistent_start(Pendulum(guess=(0.0, 0.0, 1.0, 0.0)))
     assert not start.missed
     assert norm(start.x[:2]) == pytest.approx(1.0)
 
 
-def test_contradicting_values_are_named():
+def test_contradicting_values_are_named() -> None:
     start = consistent_start(Pendulum(start_fixed=(True, True, False, False)))
     assert [m.name for m in start.missed] == ["constraint `string`"]
     assert start.missed[0].amount == pytest.approx(0.6**2 + 0.9**2 - 1.0)
@@ -80,7 +80,7 @@ def test_contradicting_values_are_named():
 class Aimed(Pendulum):
     """A pendulum whose start is given by conditions: y = -x of positions, and x der(x) = 1/4 mixed."""
 
-    def __init__(self, wanted: float = 0.25, **given: object):
+    def __init__(self, wanted: float = 0.25, **given: object) -> None:
         super().__init__(**{"initial_places": ("m.lag:7", "m.lag:8"), **given})
         self.wanted = wanted
 
@@ -88,13 +88,13 @@ class Aimed(Pendulum):
         return [x[0] + x[1], x[0] * x[2] - self.wanted], [1.0, 1.0, 0.0, 0.0, x[2], 0.0, x[0], 0.0]
 
 
-def test_initial_conditions():
+def test_initial_conditions() -> None:
     start = consistent_start(Aimed())
     r = sqrt(0.5)
     assert start.x == pytest.approx([r, -r, 0.25 / r, 0.25 / r], abs=1e-13)
 
 
-def test_a_condition_on_speeds_may_move_positions():
+def test_a_condition_on_speeds_may_move_positions() -> None:
     """der(x) is held, so that x der(x) can be met by moving x alone; y = -x is then broken."""
     fixed = (False, False, True, False)
     start = consistent_start(Aimed(start_fixed=fixed))
@@ -102,7 +102,7 @@ def test_a_condition_on_speeds_may_move_positions():
     assert consistent_start(Aimed(wanted=0.5 * sqrt(0.5), start_fixed=fixed)).missed == ()
 
 
-def test_quaternions_are_normalised():
+def test_quaternions_are_normalised() -> None:
     start = consistent_start(Spun((2.0, 0.0, 2.0, 0.0, 1.0, 0.0, 0.0)))
     assert start.x[:4] == pytest.approx([sqrt(0.5), 0.0, sqrt(0.5), 0.0], abs=1e-15)
     assert {c.name for c in start.changes} == {"o.w", "o.y"}
