@@ -12,8 +12,8 @@ from lagc.meaning.constants import dotted, space_only
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.meaning.functions import RESERVED, Argument, Builtin
-from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Environment
+from lagc.meaning.typenames import type_of
 from lagc.meaning.types import QuantityType
 from lagc.meaning.values import Poisoned, Scalar, Value, Wrong, expect, flat
 

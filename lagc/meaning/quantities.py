@@ -14,8 +14,8 @@ from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate, evaluate_as, integer
 from lagc.meaning.modifications import subscripts
 from lagc.meaning.quantity import Quantity, bounds_of, check_bounds, look_at_all, value_span, values_of
-from lagc.meaning.quantitytypes import type_of
 from lagc.meaning.scope import Entry, Modifier
+from lagc.meaning.typenames import type_of
 from lagc.meaning.types import QuantityType
 from lagc.meaning.units import Dimension, S, UnknownUnit, over, unit
 from lagc.meaning.values import Poisoned, Scalar, Text, Value, Wrong, expect, flat, kind, shape
