@@ -4,8 +4,8 @@ Coefficients stand in the text and zeros are left out.  Both twins write the sam
 the same order: h * (a_1 k_1 + a_2 k_2 + ...), from left to right.
 
 `stages` fills k_2 ... k_s from k_1 and gives the new state; `error` is the norm of the step's
-error over coordinates and speeds; `dense` prepares the interpolant of the last step, `dense_at`
-evaluates it (see `Tableau`).
+error over coordinates and speeds, `parts` (of DOP853) are its rows as vectors; `dense` prepares the
+interpolant of the last step, `dense_at` evaluates it (see `Tableau`).
 """
 
 from __future__ import annotations
@@ -33,11 +33,24 @@ def python_file(tableaus: tuple[Tableau, ...]) -> str:
 
 
 def python_functions(tableau: Tableau) -> list[str]:
-    return [_python_stages(tableau), _python_error(tableau), _python_dense(tableau), _python_at(tableau)]
+    parts = [_python_parts(tableau)] if len(tableau.errors) == 2 else []
+    return [_python_stages(tableau), _python_error(tableau), *parts, _python_dense(tableau),
+            _python_at(tableau)]  # fmt: skip
 
 
 def c_functions(tableau: Tableau) -> list[str]:
     return [_c_stages(tableau), _c_error(tableau), _c_dense(tableau), _c_at(tableau)]
+
+
+def c_parts(tableau: Tableau) -> str:
+    """For models with constraints on positions: the rows of the error as vectors, in w->parts."""
+    text = (
+        f"static void lagc_{tableau.name}_parts(lagc_work *w)\n{{\n    int i;\n"
+        "    for (i = 0; i < LAGC_NX; i++) {\n"
+    )
+    for i, row in enumerate(tableau.errors):
+        text += f"        w->parts[{i}][i] = {_sum(row, 'w->k[{}][i]', ' ' * 12)};\n"
+    return text + "    }\n}\n"
 
 
 def _sum(row: Row, term: str, indent: str) -> str:
@@ -105,6 +118,15 @@ def _python_error(tableau: Tableau) -> str:
     for i, row in enumerate(tableau.errors):
         text += f"        e = ({_sum(row, 'a{}', ' ' * 12)}) / scale\n        sum{i} += e * e\n"
     return text + f"    h = abs(h)\n{_error_result(tableau, '')}"
+
+
+def _python_parts(tableau: Tableau) -> str:
+    text = f"def {tableau.name}_parts(k: list[list[float]]) -> list[list[float]]:\n    return [\n"
+    for row in tableau.errors:
+        names, lists = _zipped(row)
+        text += f"        [\n            {_sum(row, 'a{}', ' ' * 16)}\n"
+        text += f"            for {names} in zip({lists})\n        ],\n"
+    return text + "    ]\n"
 
 
 def _error_result(tableau: Tableau, end: str) -> str:

@@ -115,6 +115,72 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
     return lagc_rhs_(p, t, w->y, rate, w->lam, w);
 }
 
+#if LAGC_NH
+/* The norm of an error with such parts; see lagc_dop853_error. */
+static double lagc_parts_norm(const lagc_state *s, const lagc_options *o, double atol, double h,
+                              double parts[2][LAGC_NX], const lagc_work *w)
+{
+    double sums[2], e, u, v, total;
+    int i, k;
+    for (k = 0; k < 2; k++) {
+        sums[k] = 0.0;
+        for (i = 0; i < LAGC_NX; i++) {
+            u = fabs(s->x[i]);
+            v = fabs(w->y[i]);
+            e = parts[k][i] / (atol + o->rtol * (v > u ? v : u));
+            sums[k] += e * e;
+        }
+    }
+    total = sums[0] + 0.01 * sums[1];
+    if (total == 0.0)
+        return 0.0;
+    return fabs(h) * sums[0] * sqrt(1.0 / (LAGC_NX * total));
+}
+
+/* A step of DOP853 to t, rejected because of `error`, once more from a state moved by what
+ * projection leaves.  Where the error changes by it, it tells of rounding: near postures where rows
+ * are all but dependent their multipliers are little else, and no step would be small enough.  Then
+ * only what projection does not take from the error counts. */
+static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, double h,
+                               const lagc_options *o, double atol, double error, lagc_work *w)
+{
+    double change, moved = 0.0, left = 0.0, reach = 0.0;
+    int i, k, status;
+    if (!lagc_nudge(p, s->t, s->x, w))
+        return error;
+    for (i = 0; i < LAGC_NQ; i++) {
+        if (fabs(w->y[i] - s->x[i]) > moved)
+            moved = fabs(w->y[i] - s->x[i]);
+        if (fabs(w->nudged[i] - s->x[i]) > left)
+            left = fabs(w->nudged[i] - s->x[i]);
+        if (fabs(s->x[i]) > reach)
+            reach = fabs(s->x[i]);
+    }
+    if (reach > 1.0)
+        reach = 1.0;
+    if (!(left * moved > 3e-15 * reach * reach))
+        return error; /* the step is short, as seen from where rows become dependent */
+    lagc_dop853_parts(w);
+    for (k = 0; k < 2; k++)
+        for (i = 0; i < LAGC_NX; i++)
+            w->other[k][i] = w->parts[k][i];
+    s->rhs += 11;
+    status = lagc_dop853_stages(p, s->t, w->nudged, h, w);
+    if (LAGC_FAILED(status))
+        return error;
+    lagc_dop853_parts(w);
+    for (k = 0; k < 2; k++)
+        for (i = 0; i < LAGC_NX; i++)
+            w->other[k][i] -= w->parts[k][i];
+    change = lagc_parts_norm(s, o, atol, h, w->other, w);
+    if (!(change > 0.1 * lagc_parts_norm(s, o, atol, h, w->parts, w)))
+        return error;
+    if (!lagc_tangents(p, t, w->y, w))
+        return error;
+    return lagc_parts_norm(s, o, atol, h, w->parts, w);
+}
+#endif
+
 /* The size of the next step. */
 static void lagc_adapt(lagc_state *s, int method, double size, double error, int lands, int rejected)
 {
@@ -202,6 +268,10 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
         if (!LAGC_FAILED(status) && !(o->step > 0.0)) {
             error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, w)
                                           : lagc_dop853_error(o->rtol, atol, h, s->x, w);
+#if LAGC_NH
+            if (error > 1.0 && method != LAGC_DOPRI5 && o->project)
+                error = lagc_second_look(p, s, t_new, h, o, atol, error, w);
+#endif
             if (error != error) {
                 status = LAGC_NOT_FINITE;
                 w->culprit = lagc_not_finite(w->y, LAGC_NX);

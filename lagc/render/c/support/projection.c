@@ -63,6 +63,76 @@ static int lagc_worst(const double *values, int n, const double *scales)
 }
 #endif
 
+#if LAGC_NH
+/* Take from the parts of the error of a state near x what lies along the constraints in their speeds, in the
+ * metric of the mass matrix: projection takes it from the state.  0 where it cannot be told. */
+static int lagc_tangents(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+    const int lost = w->lost, culprit = w->culprit;
+    int redundant[LAGC_NC];
+    int i, j, k, status;
+    double *r = w->rows, *s = w->left, total;
+    for (i = 0; i < LAGC_NC; i++)
+        redundant[i] = w->redundant[i];
+    status = lagc_factor_dense(p, t, x, w);
+#if LAGC_STRAIGHT
+    w->fallbacks--;
+#endif
+    for (k = 0; k < 2 && !LAGC_FAILED(status); k++) {
+        double *e = w->parts[k] + LAGC_NQ;
+        for (i = 0; i < LAGC_NC; i++) {
+            total = 0.0;
+            for (j = 0; j < LAGC_NV; j++)
+                total += w->G[i * LAGC_NV + j] * e[j];
+            r[i] = -total;
+        }
+        for (j = 0; j < LAGC_NV; j++)
+            s[j] = 0.0;
+        status = lagc_solve_fallback(w, r, s, s + LAGC_NV);
+        for (j = 0; j < LAGC_NV; j++)
+            e[j] += s[j];
+    }
+    w->lost = lost;
+    w->culprit = culprit;
+    for (i = 0; i < LAGC_NC; i++)
+        w->redundant[i] = redundant[i];
+    return !LAGC_FAILED(status);
+}
+
+/* w->nudged: x with residuals of the size that projection leaves, in the direction that costs most
+ * in the metric of the mass matrix.  0 where that cannot be told. */
+static int lagc_nudge(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+    double *r = w->right, *s = w->left, speed = 1.0;
+    int i;
+    const int status = lagc_assemble_(p, t, x, w);
+    if (LAGC_FAILED(status))
+        return 0;
+    for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
+        if (fabs(x[i]) > speed)
+            speed = fabs(x[i]);
+    lagc_fn_scales(p, t, x, w->scales);
+    for (i = 0; i < LAGC_NV; i++)
+        r[i] = 0.0;
+    for (i = 0; i < LAGC_NC; i++)
+        r[LAGC_NV + i] = (i % 2 ? -1e-15 : 1e-15) * w->scales[i];
+    lagc_solve_(r, s, w);
+    for (i = 0; i < LAGC_NX; i++)
+        w->nudged[i] = x[i];
+#if LAGC_HAS_DISPLACE
+    lagc_fn_displace(p, t, x, s, w->dq);
+    for (i = 0; i < LAGC_NQ; i++)
+        w->nudged[i] += w->dq[i];
+#else
+    for (i = 0; i < LAGC_NQ; i++)
+        w->nudged[i] += s[i];
+#endif
+    for (i = 0; i < LAGC_NV; i++)
+        w->nudged[LAGC_NQ + i] += speed * s[i];
+    return 1;
+}
+#endif
+
 #if LAGC_NQUAT
 /* Unit length for each quaternion. */
 static void lagc_normalise(double *x)

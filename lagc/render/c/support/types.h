@@ -36,6 +36,11 @@ typedef struct {
     double right[LAGC_NV + LAGC_NC];
     double left[LAGC_NV + LAGC_NC];
     double moved[LAGC_NX];
+#if LAGC_NH
+    double parts[2][LAGC_NX]; /* of the error of a step */
+    double other[2][LAGC_NX]; /* the same of another attempt */
+    double nudged[LAGC_NX];
+#endif
     double dq[LAGC_NQ];
     int order[LAGC_NC];
     int rank;

@@ -22,11 +22,12 @@ from lagc.render.numpy.support.base import (
 )
 from lagc.render.numpy.support.linear import not_finite
 from lagc.render.numpy.support.problem import Problem
-from lagc.render.numpy.support.projection import project
+from lagc.render.numpy.support.projection import nudge, project
 from lagc.render.numpy.support.stages import (
     dop853_at,
     dop853_dense,
     dop853_error,
+    dop853_parts,
     dop853_stages,
     dopri5_at,
     dopri5_dense,
@@ -83,6 +84,8 @@ class Integrator:
         self.position_drift = self.velocity_drift = 0.0
         self.culprit = -1
         self.constrained = options.project and (problem.nc > 0 or len(problem.quaternions) > 0)
+        judged = options.project and problem.nh > 0 and not self.method.uses_new
+        self.tangents = getattr(problem, "tangents", None) if judged else None
         self.atol = options.atol if options.atol > 1e-200 else 1e-200
 
     def step(self, t1: float) -> int:
@@ -125,6 +128,8 @@ class Integrator:
                 status = self._arrive(t_new, y)
             if status not in FAILED and options.step == 0.0:
                 error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
+                if error > 1.0 and self.tangents is not None:
+                    error, y = self._second_look(t_new, h, y, error)
                 if error != error:
                     status = NOT_FINITE
                     self.problem.culprit = not_finite(y)
@@ -240,6 +245,61 @@ class Integrator:
                 self.velocity_drift = velocity
         self.rhs += 1
         return self.problem.rhs(t, y, self.k[self.method.rates], self.lam)
+
+    def _second_look(self, t: float, h: float, y: list[float], error: float) -> tuple[float, list[float]]:
+        """A step of DOP853 to t, rejected because of `error`, once more from a state moved by what
+        projection leaves: the error that counts, and the state reached.
+
+        Where the error changes by it, it tells of rounding: near postures where rows are all but
+        dependent their multipliers are little else, and no step would be small enough.  Then
+        only what projection does not take from the error counts.
+        """
+        assert self.tangents is not None
+        nudged = nudge(self.problem, self.t, self.x)
+        if not nudged:
+            return error, y
+        moved = left = reach = 0.0
+        for a, b, c in zip(self.x[: self.problem.nq], y, nudged):
+            if abs(b - a) > moved:
+                moved = abs(b - a)
+            if abs(c - a) > left:
+                left = abs(c - a)
+            if abs(a) > reach:
+                reach = abs(a)
+        if reach > 1.0:
+            reach = 1.0
+        if not left * moved > 3e-15 * reach * reach:
+            return error, y  # the step is short, as seen from where rows become dependent
+        other = dop853_parts(self.k)
+        self.rhs += 11
+        status, y = dop853_stages(self.problem, self.t, nudged, h, self.k, self.lam)
+        if status in FAILED:
+            return error, y
+        parts = dop853_parts(self.k)
+        for row, new in zip(other, parts):
+            row[:] = [a - b for a, b in zip(row, new)]
+        change = self._parts_norm(other, h, y)
+        if not change > 0.1 * self._parts_norm(parts, h, y):
+            return error, y
+        if not self.tangents(t, y, parts):
+            return error, y
+        return self._parts_norm(parts, h, y), y
+
+    def _parts_norm(self, parts: list[list[float]], h: float, y: list[float]) -> float:
+        """The norm of an error with such parts; see `dop853_error`."""
+        atol, rtol = self.atol, self.options.rtol
+        sums = []
+        for part in parts:
+            total = 0.0
+            for u, v, a in zip(self.x, y, part):
+                u, v = abs(u), abs(v)
+                e = a / (atol + rtol * (v if v > u else u))
+                total += e * e
+            sums.append(total)
+        total = sums[0] + 0.01 * sums[1]
+        if total == 0.0:
+            return 0.0
+        return abs(h) * sums[0] * sqrt(1.0 / (len(y) * total))
 
     def _adapt(self, size: float, error: float, lands: bool, rejected: bool) -> None:
         """The size of the next step."""

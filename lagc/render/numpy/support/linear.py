@@ -94,6 +94,30 @@ class Equations:
         self._functions["solve"](self._w, r, s)
         return s
 
+    def tangents(self, t: float, x: Sequence[float], parts: list[list[float]]) -> bool:
+        """Take from errors of states near x what lies along the constraints in their speeds, in the
+        metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
+        nq, nv, nc = self.nq, self.nv, self.nc
+        lost, culprit, rows = self._lost, self.culprit, self.redundant_rows[:]
+        status = self._factor_dense(t, x)
+        if self._straight:
+            self.fallbacks -= 1
+        for part in parts:
+            if status in FAILED:
+                break
+            assert self._fallback is not None
+            r = []
+            for i in range(nc):
+                total = 0.0
+                for a, b in zip(self._g[i * nv : (i + 1) * nv], part[nq:]):
+                    total += a * b
+                r.append(-total)
+            status, s, _ = self._fallback.solve([0.0] * nv, r)
+            for j in range(nv):
+                part[nq + j] += s[j]
+        self._lost, self.culprit, self.redundant_rows = lost, culprit, rows
+        return status not in FAILED
+
     def displace(self, t: float, x: Sequence[float], d: Sequence[float]) -> list[float]:
         """dq[nq] = N d."""
         if "displace" not in self._functions:

@@ -12,7 +12,8 @@ class Problem(Protocol):
     """States are plain lists of floats, x = (q, v, z).
 
     A compiled model is one implementation, a hand-written class in a test another.  One that
-    counts its `fallbacks` and knows its `redundant_rows` may have them as attributes.
+    counts its `fallbacks` and knows its `redundant_rows` may have them as attributes.  One with a
+    method `tangents` (see `Equations`) has errors of steps judged without what projection removes.
     """
 
     nq: int

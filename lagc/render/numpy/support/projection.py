@@ -106,6 +106,28 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
     return OK, position, velocity
 
 
+def nudge(problem: Problem, t: float, x: list[float]) -> list[float]:
+    """`x` with residuals of the size that projection leaves, in the direction that costs most in
+    the metric of the mass matrix; empty where that cannot be told."""
+    nq, nv = problem.nq, problem.nv
+    if problem.assemble(t, x) in FAILED:
+        return []
+    speed = 1.0
+    for v in x[nq : nq + nv]:
+        if abs(v) > speed:
+            speed = abs(v)
+    r = [0.0] * nv
+    for i, scale in enumerate(problem.scales(t, x)):
+        r.append((-TARGET if i % 2 else TARGET) * scale)
+    d = problem.solve(r)[:nv]
+    y = x[:]
+    for i, dq in enumerate(problem.displace(t, x, d)):
+        y[i] += dq
+    for i, dv in enumerate(d):
+        y[nq + i] += speed * dv
+    return y
+
+
 def _worst(values: list[float], scales: list[float]) -> int:
     """The row with the largest scaled residual."""
     row, worst = 0, 0.0
