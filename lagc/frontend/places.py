@@ -86,7 +86,7 @@ def _arrange(
             if isinstance(item, tree.Quantities) and item.type is None and container != "scene":
                 faults.append(_no_type(item))
             elif isinstance(item, tree.Quantities | tree.Instance):
-                faults += [_dotted(item, d) for d in item.declarators if d.within and container != "scene"]
+                faults += [_dotted(d) for d in item.declarators if d.within and container != "scene"]
         outside = True
         _check(kind, item.span, container, misplaced, faults)
     return tuple(arranged), initial
@@ -154,7 +154,7 @@ def _equation_outside(item: tree.Initial) -> Fault:
     )
 
 
-def _dotted(item: tree.Quantities | tree.Instance, declarator: tree.Declarator) -> Fault:
+def _dotted(declarator: tree.Declarator) -> Fault:
     """`parameter a.l = 2;` outside of a scene."""
     return Fault(
         "LAG0134",

@@ -67,7 +67,7 @@ class Namespace:
             if found is not None:
                 return found, space
             for declaration in space.imports:
-                brought = space.importer.brought(declaration, name, space)
+                brought = space.importer.brought(declaration, name)
                 if brought is not None:
                     return brought
             space = space.parent
@@ -123,9 +123,7 @@ class Importer:
             space = self._packages[id(package)] = Namespace(package.body, parent, self)
         return space
 
-    def brought(
-        self, declaration: tree.Import, name: str, space: Namespace
-    ) -> tuple[Declared, Namespace] | None:
+    def brought(self, declaration: tree.Import, name: str) -> tuple[Declared, Namespace] | None:
         """What `import ...` brings under `name`, if anything.  Raises Wrong where the import is at fault."""
         if declaration.file is None and not declaration.wildcard:
             if name != (declaration.alias or declaration.path[-1]):

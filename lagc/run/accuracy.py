@@ -45,7 +45,6 @@ class Verified:
     horizon: float | None = None
     tried: list[Trajectory] = field(default_factory=list)
     failed: Trajectory | None = None  # at a finer tolerance
-    recalled: bool = False
 
 
 def method_for(accuracy: float) -> str:
@@ -68,7 +67,7 @@ def verified_run(
         options = search.options(rtol)
         trajectory = search.run(rtol)
         if trajectory.status == OK:
-            return Verified(trajectory, options, estimated, None, search.tried, recalled=True)
+            return Verified(trajectory, options, estimated, None, search.tried)
         search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
     if found.trajectory.status == OK and found.estimated <= accuracy:

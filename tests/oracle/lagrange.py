@@ -290,9 +290,6 @@ class Oracle:
         gamma = -mp.matrix(ahead) - jacobian * drift
         return change.T * mass * change, change.T * forces, jacobian * change, gamma
 
-    def potential_energy(self) -> Any:
-        return sum(self.potential(self.at(self.q, self.rates(self.q, self.v, self.t), self.t)))
-
 
 def unit(n: int, j: int) -> list[Any]:
     return [mp.mpf(i == j) for i in range(n)]

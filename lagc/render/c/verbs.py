@@ -54,7 +54,7 @@ def verbs(program: Program) -> list[Verb]:
             )
         )
     if interface.nc and "scales" in functions:
-        found += _linear(interface)
+        found += _linear()
     return found
 
 
@@ -156,7 +156,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     return Verb(comment, head, solved + call + "    return status;\n")
 
 
-def _linear(interface: Interface) -> list[Verb]:
+def _linear() -> list[Verb]:
     return [
         Verb(
             "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow.",

@@ -8,8 +8,6 @@ from types import CodeType
 from lagc.optimize.program import Interface
 from lagc.run.problem import System
 
-BACKENDS = ("c", "numpy")
-
 
 def load(
     interface: Interface, sources: Mapping[str, str], backend: str, code: CodeType | None = None
