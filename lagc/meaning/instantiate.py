@@ -15,10 +15,20 @@ from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Indexed, Part, Scalar, Wrong
+from lagc.records import dataclass, replace
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
 _LATER = {"joint": "joints are", "friction": "friction is"}
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """Where a declaration is read, the effect it stands in, and the list that receives its entries."""
+
+    environment: Environment
+    effect: str | None
+    items: list[Item]
 
 
 class Builder:
@@ -30,7 +40,7 @@ class Builder:
         self.modifiers = modifiers
         self.used: set[str] = set()  # modifiers that met their declaration
         self.bases: list[tree.ModelDeclaration] = []
-        self.pending: list[tuple[tree.Declaration, Environment, str | None, list[Item]]] = []
+        self.pending: list[tuple[tree.Declaration, Home]] = []
 
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
@@ -49,43 +59,39 @@ class Builder:
             raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
         self.bases.append(declaration)
         inner = Namespace(declaration.body, space, self.context.importer)
-        self._register(declaration.body, Environment(self.instance, inner), None, self.instance.items)
+        self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
         self.bases.pop()
 
     def _register(
         self,
         body: Iterable[tree.Declaration],
-        environment: Environment,
-        effect: str | None,
-        items: list[Item],
+        home: Home,
     ) -> None:
         for declaration in body:
-            self.context.attempt(self._one, declaration, environment, effect, items)
+            self.context.attempt(self._one, declaration, home)
 
-    def _one(
-        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
-    ) -> None:
+    def _one(self, d: tree.Declaration, home: Home) -> None:
         excluded = self._excluded(d)
         if excluded is not None:
             for name in names_of(d):
                 self.instance.unused.setdefault(name, f"is left out where the effect `{excluded}` is used")
         elif isinstance(d, tree.Quantities):
             for declarator in d.declarators:
-                self._enter(d.kind, declarator.name, d, declarator, environment, effect, items)
+                self._enter(d.kind, declarator.name, d, declarator, home)
         elif isinstance(d, tree.FunctionDeclaration):
-            self._enter("function", d.name, d, d, environment, effect, items)
+            self._enter("function", d.name, d, d, home)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
-            self._construct(d, environment, effect, items)
+            self._construct(d, home)
         elif isinstance(d, tree.Initial):
-            self.instance.conditions += [(condition, environment) for condition in d.conditions]
+            self.instance.conditions += [(condition, home.environment) for condition in d.conditions]
         elif isinstance(d, tree.Effect):
-            self._effect(d, environment, items)
+            self._effect(d, home)
         elif isinstance(d, tree.Extends):
-            self._extends(d, environment)
+            self._extends(d, home.environment)
         elif isinstance(d, tree.ForLoop | tree.Instance):
-            self._postpone(d, environment, effect, items)
+            self._postpone(d, home)
         elif isinstance(d, tree.Scene):
-            self.instance.scenes.append((d, environment.space))
+            self.instance.scenes.append((d, home.environment.space))
         elif isinstance(d, tree.When):
             raise Wrong("LAG0220", "`when` is part of the language, but not yet of this version", d.span)
         elif isinstance(d, tree.Start | tree.Simulate):
@@ -112,19 +118,17 @@ class Builder:
         name: str,
         d: tree.Declaration,
         source: Source,
-        environment: Environment,
-        effect: str | None,
-        items: list[Item],
+        home: Home,
     ) -> Entry:
         self.context.grow(source.span)
-        entry = Entry(kind, name, d, source, environment, effect)
+        entry = Entry(kind, name, d, source, home.environment, home.effect)
         first = self.instance.entries.get(name)
         if first is not None:
             raise self._twice(name, entry.span, first.span)
         entry.modifiers = self.modifiers.get(name, [])
         self.used.add(name)
         self.instance.entries[name] = entry
-        items.append(entry)
+        home.items.append(entry)
         return entry
 
     def _twice(self, name: str, span: Span, first: Span) -> Wrong:
@@ -133,9 +137,7 @@ class Builder:
     def _construct(
         self,
         d: tree.Construct | tree.Load | tree.Constraint,
-        environment: Environment,
-        effect: str | None,
-        items: list[Item],
+        home: Home,
     ) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
@@ -143,18 +145,18 @@ class Builder:
                 "LAG0220", f"{_LATER[kind]} part of the language, but not yet of this version", d.span
             )
         if not d.index:
-            self._enter(kind, d.name, d, d, environment, effect, items)
+            self._enter(kind, d.name, d, d, home)
             return
         container = self.instance.entries.get(d.name)
         if container is None:
-            container = self._enter(kind, d.name, d, d, environment, effect, [])
+            container = self._enter(kind, d.name, d, d, replace(home, items=[]))
             container.elements = {}
             container.state, container.value = "done", Indexed(container)
         if container.elements is None or container.kind != kind:
             raise self._twice(d.name, d.name_span, container.span)
-        self._postpone(d, environment, effect, items)
+        self._postpone(d, home)
 
-    def _effect(self, d: tree.Effect, environment: Environment, items: list[Item]) -> None:
+    def _effect(self, d: tree.Effect, home: Home) -> None:
         path = self.instance.path + d.name
         if path in self.context.effects:
             raise self._twice(d.name, d.name_span, self.context.effects[path].name_span)
@@ -166,7 +168,7 @@ class Builder:
             ):
                 raise Wrong("LAG0221", "this does not belong into an effect", declaration.span)
         if self._uses(d.name):
-            self._register(d.body, environment, d.name, items)
+            self._register(d.body, replace(home, effect=d.name))
             return
         for declaration in d.body:
             for name in names_of(declaration):
@@ -183,36 +185,32 @@ class Builder:
             self.modifiers.setdefault(name, []).extend(given)
         self._body_of(found, space)
 
-    def _postpone(
-        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
-    ) -> None:
+    def _postpone(self, d: tree.Declaration, home: Home) -> None:
         """What needs values to be unfolded keeps its place in the order of declaration."""
         place: list[Item] = []
-        items.append(place)
+        home.items.append(place)
         if isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 known = self.instance.entries.get(declarator.name)
                 if known is not None:
                     raise self._twice(declarator.name, declarator.name_span, known.span)
-                self._enter("instance", declarator.name, d, declarator, environment, effect, [])
-        self.pending.append((d, environment, effect, place))
+                self._enter("instance", declarator.name, d, declarator, replace(home, items=[]))
+        self.pending.append((d, replace(home, items=place)))
 
     # -- what is unfolded when sizes can be asked for -------------------------------------------
 
-    def _unfold(
-        self, d: tree.Declaration, environment: Environment, effect: str | None, items: list[Item]
-    ) -> None:
+    def _unfold(self, d: tree.Declaration, home: Home) -> None:
         if isinstance(d, tree.ForLoop):
-            self._loop(d, environment, effect, items)
+            self._loop(d, home)
         elif isinstance(d, tree.Instance):
             for declarator in d.declarators:
                 entry = self.instance.entries[declarator.name]
                 if entry.source is declarator:
-                    self.context.attempt(self._instance, d, entry, effect, items)
+                    self.context.attempt(self._instance, d, entry, home)
         elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
-            self._element(d, environment, effect, items)
+            self._element(d, home)
 
-    def _loop(self, d: tree.ForLoop, environment: Environment, effect: str | None, items: list[Item]) -> None:
+    def _loop(self, d: tree.ForLoop, home: Home) -> None:
         for declaration in d.body:
             if isinstance(
                 declaration, tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial
@@ -224,13 +222,13 @@ class Builder:
                 else None
             )
             raise Wrong("LAG0221", "this does not belong into a loop", declaration.span, remedy)
-        for number in integers(self.context, d.range, environment):
+        for number in integers(self.context, d.range, home.environment):
             self.context.grow(d.span)
             value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)
-            inner = environment.bind({d.variable: value})
+            inner = replace(home, environment=home.environment.bind({d.variable: value}))
             first = len(self.pending)
             for declaration in d.body:
-                self._one(declaration, inner, effect, items)
+                self._one(declaration, inner)
             jobs, self.pending[first:] = self.pending[first:], []
             for job in jobs:
                 self._unfold(*job)
@@ -238,24 +236,22 @@ class Builder:
     def _element(
         self,
         d: tree.Construct | tree.Load | tree.Constraint,
-        environment: Environment,
-        effect: str | None,
-        items: list[Item],
+        home: Home,
     ) -> None:
         container = self.instance.entries[d.name]
         assert container.elements is not None
-        numbers = tuple([integer(self.context, i, environment, "a subscript") for i in d.index])
+        numbers = tuple([integer(self.context, i, home.environment, "a subscript") for i in d.index])
         self.context.grow(d.span)
-        entry = Entry(container.kind, d.name, d, d, environment, effect)
+        entry = Entry(container.kind, d.name, d, d, home.environment, home.effect)
         entry.path += f"[{','.join(str(n) for n in numbers)}]"
         entry.subscript = numbers
         first = container.elements.get(numbers)
         if first is not None:
             raise self._twice(entry.path, d.name_span, first.span)
         container.elements[numbers] = entry
-        items.append(entry)
+        home.items.append(entry)
 
-    def _instance(self, d: tree.Instance, entry: Entry, effect: str | None, items: list[Item]) -> None:
+    def _instance(self, d: tree.Instance, entry: Entry, home: Home) -> None:
         source = entry.source
         assert isinstance(source, tree.Declarator)
         space = entry.environment.space
@@ -268,7 +264,7 @@ class Builder:
                     "write `body b[i] = ...;` in a loop",
                 )
             entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
-            items.append(entry)
+            home.items.append(entry)
             return
         found, where = self._model_of(d, space)
         if source.value is not None:
@@ -285,13 +281,13 @@ class Builder:
                 own[name] = [*given, *own.get(name, [])]
         sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
         if not sizes:
-            part = self._nested(found, where, entry.path + ".", own, items)
+            part = self._nested(found, where, entry.path + ".", own, home.items)
             entry.state, entry.value = "done", part
             return
         entry.elements = {}
         entry.state, entry.value = "done", Indexed(entry)
         for numbers in subscripts(sizes, source.span):
-            element = Entry("instance", entry.name, d, source, entry.environment, effect)
+            element = Entry("instance", entry.name, d, source, entry.environment, home.effect)
             element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
             entry.elements[numbers] = element
             chosen = {
@@ -299,7 +295,7 @@ class Builder:
             }
             element.state, element.value = (
                 "done",
-                self._nested(found, where, element.path + ".", chosen, items),
+                self._nested(found, where, element.path + ".", chosen, home.items),
             )
 
     def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
