@@ -62,11 +62,7 @@ class Builder:
         self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
         self.bases.pop()
 
-    def _register(
-        self,
-        body: Iterable[tree.Declaration],
-        home: Home,
-    ) -> None:
+    def _register(self, body: Iterable[tree.Declaration], home: Home) -> None:
         for declaration in body:
             self.context.attempt(self._one, declaration, home)
 
@@ -112,14 +108,7 @@ class Builder:
     def _uses(self, name: str) -> bool:
         return name in self.context.uses or self.instance.path + name in self.context.uses
 
-    def _enter(
-        self,
-        kind: str,
-        name: str,
-        d: tree.Declaration,
-        source: Source,
-        home: Home,
-    ) -> Entry:
+    def _enter(self, kind: str, name: str, d: tree.Declaration, source: Source, home: Home) -> Entry:
         self.context.grow(source.span)
         entry = Entry(kind, name, d, source, home.environment, home.effect)
         first = self.instance.entries.get(name)
@@ -134,11 +123,7 @@ class Builder:
     def _twice(self, name: str, span: Span, first: Span) -> Wrong:
         return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
 
-    def _construct(
-        self,
-        d: tree.Construct | tree.Load | tree.Constraint,
-        home: Home,
-    ) -> None:
+    def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
         kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
         if kind in _LATER:
             raise Wrong(
@@ -233,11 +218,7 @@ class Builder:
             for job in jobs:
                 self._unfold(*job)
 
-    def _element(
-        self,
-        d: tree.Construct | tree.Load | tree.Constraint,
-        home: Home,
-    ) -> None:
+    def _element(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
         container = self.instance.entries[d.name]
         assert container.elements is not None
         numbers = tuple([integer(self.context, i, home.environment, "a subscript") for i in d.index])
