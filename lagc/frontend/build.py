@@ -207,7 +207,7 @@ class Builder(Expressions):
         return c[1], self._text(c[0])
 
     def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return tuple(tree.Name(token.text, self._span(token)) for token in c)
+        return tuple(tree.Name(".".join(_names(p)), self._span(p[0]).to(self._span(p[-1]))) for p in c)
 
     def path(self, c: Children, span: Span) -> tuple[Token, ...]:
         return tuple(c)

@@ -157,3 +157,14 @@ def test_a_speed_may_say_its_start_itself() -> None:
     speeds = {s.name: s.start for s in read(text.replace("start u = 1;", "")).speeds}
     assert speeds["u"] is not None and speeds["u"].value == 7.0
     assert speeds["w"] is None and speeds["r"] is not None
+
+
+def test_the_effect_of_one_instance_is_used() -> None:
+    part = (
+        "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});"
+        "effect spring potential V = 1/2*10 [N/m]*x^2; end spring; end A;"
+    )
+    scenes = "scene one uses a.spring; scene both uses spring;"
+    found = {scene: read(f"{part} model B A a, c; {scenes} end B;", scene=scene) for scene in ("one", "both")}
+    assert [action.name for action in found["one"].actions] == ["a.V"]
+    assert [action.name for action in found["both"].actions] == ["a.V", "c.V"]
