@@ -253,6 +253,6 @@ def _c_at(tableau: Tableau) -> str:
 
 
 if __name__ == "__main__":  # python -m lagc.render.stages > lagc/render/numpy/support/stages.py
-    from lagc.render.tableaus import DOP853, DOPRI5
+    from lagc.render.tableaus import TABLEAUS
 
-    print(python_file((DOPRI5, DOP853)), end="")
+    print(python_file(TABLEAUS), end="")

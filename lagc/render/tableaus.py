@@ -47,6 +47,11 @@ class Tableau:
         return len(self.c)
 
     @property
+    def exponent(self) -> float:
+        """Of the error of a step, in the size of the next one."""
+        return 1.0 / (self.error_order + 1) - 0.75 * self.beta
+
+    @property
     def error_uses_new(self) -> bool:
         """Whether the error needs k_(s+1)."""
         return any(self.stages + 1 in row for row in self.errors)
@@ -187,4 +192,4 @@ DOP853 = Tableau(
     grow=6.0,
 )  # fmt: skip
 
-TABLEAUS = {tableau.name: tableau for tableau in (DOPRI5, DOP853)}
+TABLEAUS = (DOPRI5, DOP853)

@@ -11,7 +11,7 @@ import re
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
-from lagc.render.tableaus import DOP853, DOPRI5
+from lagc.render.tableaus import TABLEAUS
 
 _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
 
@@ -34,7 +34,7 @@ def definitions(program: Program) -> list[str]:
     names += ["rhs.c"]
     names += ["projection.c"] if interface.nc or interface.quaternions else []
     parts = [_power(program), *(resolve(_read(name), interface) for name in names)]
-    parts += [text for tableau in (DOPRI5, DOP853) for text in c_functions(tableau)]
+    parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
     parts += [c_parts(DOP853)] if interface.nh else []
     parts += [resolve(_read(name), interface) for name in ("integrate.c", "record.c")]
     return [part for part in parts if part]
