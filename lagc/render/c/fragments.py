@@ -11,7 +11,7 @@ import re
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
-from lagc.render.tableaus import TABLEAUS
+from lagc.render.tableaus import DOP853, TABLEAUS
 
 _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
 
