@@ -136,7 +136,11 @@ class _Search:
         return None
 
     def _stopped(self, tol: float) -> Verified | None:
-        """Integrate; a result where that ended before its time, at this and at a finer tolerance."""
+        """Integrate; a result where that ended before its time, at this and at a finer tolerance.
+
+        It is the finest of the complete runs, where there is one: too fine a tolerance may fail by
+        rounding alone.
+        """
         done = self.run(tol)
         if done.status not in (OK, INTERRUPTED) and tol > RETRY:
             del self.runs[tol]
@@ -149,8 +153,8 @@ class _Search:
             kept = self._result()  # a coarser run is complete: more than the beginning of this one
             kept.trajectory = kept.trajectory.changed(status=INTERRUPTED)
             return kept
-        if self.estimate() < MEANINGLESS:
-            kept = self._result()  # two coarser runs agree: too fine a tolerance fails by rounding
+        if self.runs:
+            kept = self._result()
             kept.failed = done
             return kept
         estimated, _ = self._compare(done)
@@ -188,6 +192,8 @@ class _Search:
         error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = min(tol, tols[0] / 2.0)
+        if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
+            tol = max(tol, tols[0] / 100.0)
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return 10.0 * max(FINEST, fine)
 

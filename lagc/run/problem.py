@@ -12,6 +12,7 @@ from typing import Protocol
 
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import (
+    FAILED,
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,
@@ -26,7 +27,7 @@ from lagc.render.numpy.support.base import (
 from lagc.render.numpy.support.problem import Problem, Vector
 
 __all__ = [
-    "INCONSISTENT", "INTERRUPTED", "MAX_STEPS", "NOT_FINITE", "OK", "REDUNDANT", "SINGULAR_MASS",
+    "FAILED", "INCONSISTENT", "INTERRUPTED", "MAX_STEPS", "NOT_FINITE", "OK", "REDUNDANT", "SINGULAR_MASS",
     "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
 ]  # fmt: skip
 

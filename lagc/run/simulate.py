@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from time import perf_counter
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.run.accuracy import MEANINGLESS, verified_run
 from lagc.run.problem import (
+    FAILED,
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,
@@ -25,6 +27,7 @@ from lagc.run.solution import Cost, Energy, Solution
 from lagc.run.start import Start, consistent_start
 
 Progress = Callable[[float], None]
+NEAR = 1e3  # radians or sizes of the mechanism, per size of a row's terms: it loses rank nearby
 RTOL = 1e-9  # by hand, where nothing is said
 
 
@@ -119,11 +122,38 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         when = f"after {t}" if trajectory.steps else "at the start"
         return "failed", f"{when} {_state(system, k)} or its rate is not a finite number"
     if status == STEP_UNDERFLOW:
-        return "failed", (f"at {t} the step became too small{_through(system, k)}: the motion has a "
-                          "singularity there, or is too stiff for this method")  # fmt: skip
+        lost = losing_rank(system, trajectory.t, trajectory.x)
+        why = f": {lost}" if lost else ": the motion has a singularity there, or is too stiff for this method"
+        return "failed", f"at {t} the step became too small{why}"
     if status == MAX_STEPS:
-        return "failed", f"the limit of {trajectory.steps} steps was reached at {t}, before {stop:g} s"
+        lost = losing_rank(system, trajectory.t, trajectory.x)
+        tried = trajectory.steps + trajectory.rejected
+        why = f": {lost}" if lost else ""
+        return "failed", f"the limit of {tried} steps was reached at {t}, before {stop:g} s{why}"
     return "failed", f"the integration ended at {t} with status {status}"
+
+
+def losing_rank(system: System, t: float, x: list[float]) -> str:
+    """Which constraint all but depends on others at (t, x), in words; empty where none does.
+
+    To change its residual by the size of its terms alone, the coordinates would have to move very far.
+    """
+    if system.nc == 0 or len(x) < system.nx:
+        return ""
+    status = system.assemble(t, x)
+    if status in FAILED:
+        return ""
+    row, farthest = system.culprit, inf
+    if status != REDUNDANT:
+        reach = max(1e-300, min(1.0, max(abs(a) for a in x[: system.nq])))
+        row, farthest = -1, NEAR * reach
+        for i, scale in enumerate(system.scales(t, x)):
+            r = [0.0] * (system.nv + system.nc)
+            r[system.nv + i] = scale
+            way = max(map(abs, system.solve(r)[: system.nv]))
+            if way > farthest:
+                row, farthest = i, way
+    return f"near that posture {_row(system, row)} all but depends on others, or vanishes" if row >= 0 else ""
 
 
 def energy(system: System, trajectory: Trajectory) -> Energy:
@@ -161,10 +191,6 @@ def _redundant(system: System, trajectory: Trajectory) -> str:
     several = len(trajectory.redundant_rows) > 1
     return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "
             "the multipliers are the smallest ones possible")  # fmt: skip
-
-
-def _through(system: System, k: int) -> str:
-    return f" because of {_state(system, k)}" if 0 <= k < system.nx else ""
 
 
 def _state(system: System, k: int) -> str:

@@ -158,8 +158,8 @@ static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, do
     }
     if (reach > 1.0)
         reach = 1.0;
-    if (!(left * moved > 3e-15 * reach * reach))
-        return error; /* the step is short, as seen from where rows become dependent */
+    if (!(left * moved > 3e-15 * reach * reach || left > 1e-12 * reach))
+        return error; /* it is a long way to where rows become dependent */
     lagc_dop853_parts(w);
     for (k = 0; k < 2; k++)
         for (i = 0; i < LAGC_NX; i++)
@@ -175,6 +175,9 @@ static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, do
     change = lagc_parts_norm(s, o, atol, h, w->other, w);
     if (!(change > 0.1 * lagc_parts_norm(s, o, atol, h, w->parts, w)))
         return error;
+    s->rhs += 11;
+    (void)lagc_dop853_stages(p, s->t, s->x, h, w); /* the step as it was */
+    lagc_dop853_parts(w);
     if (!lagc_tangents(p, t, w->y, w))
         return error;
     return lagc_parts_norm(s, o, atol, h, w->parts, w);

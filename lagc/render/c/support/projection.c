@@ -64,31 +64,29 @@ static int lagc_worst(const double *values, int n, const double *scales)
 #endif
 
 #if LAGC_NH
-/* Take from the parts of the error of a state near x what lies along the constraints in their speeds, in the
- * metric of the mass matrix: projection takes it from the state.  0 where it cannot be told. */
+/* Take from the parts of the error of a state near x what lies along the constraints in their speeds,
+ * in the metric of the mass matrix: projection takes it from the state.  0 where it cannot be told. */
 static int lagc_tangents(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
     const int lost = w->lost, culprit = w->culprit;
     int redundant[LAGC_NC];
     int i, j, k, status;
-    double *r = w->rows, *s = w->left, total;
+    double *r = w->right, *s = w->left, total;
     for (i = 0; i < LAGC_NC; i++)
         redundant[i] = w->redundant[i];
-    status = lagc_factor_dense(p, t, x, w);
-#if LAGC_STRAIGHT
-    w->fallbacks--;
-#endif
+    lagc_system_(p, t, x, w);
+    status = lagc_assemble_(p, t, x, w);
+    for (j = 0; j < LAGC_NV; j++)
+        r[j] = 0.0;
     for (k = 0; k < 2 && !LAGC_FAILED(status); k++) {
         double *e = w->parts[k] + LAGC_NQ;
         for (i = 0; i < LAGC_NC; i++) {
             total = 0.0;
             for (j = 0; j < LAGC_NV; j++)
                 total += w->G[i * LAGC_NV + j] * e[j];
-            r[i] = -total;
+            r[LAGC_NV + i] = -total;
         }
-        for (j = 0; j < LAGC_NV; j++)
-            s[j] = 0.0;
-        status = lagc_solve_fallback(w, r, s, s + LAGC_NV);
+        lagc_solve_(r, s, w);
         for (j = 0; j < LAGC_NV; j++)
             e[j] += s[j];
     }
@@ -99,18 +97,15 @@ static int lagc_tangents(const lagc_params *p, double t, const double *x, lagc_w
     return !LAGC_FAILED(status);
 }
 
-/* w->nudged: x with residuals of the size that projection leaves, in the direction that costs most
- * in the metric of the mass matrix.  0 where that cannot be told. */
+/* w->nudged: a state beside x, off its constraints by what projection leaves, in the direction that costs
+ * most in the metric of the mass matrix, with speeds that fit.  0 where that cannot be told. */
 static int lagc_nudge(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
-    double *r = w->right, *s = w->left, speed = 1.0;
-    int i;
+    double *r = w->right, *s = w->left;
     const int status = lagc_assemble_(p, t, x, w);
+    int i;
     if (LAGC_FAILED(status))
         return 0;
-    for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
-        if (fabs(x[i]) > speed)
-            speed = fabs(x[i]);
     lagc_fn_scales(p, t, x, w->scales);
     for (i = 0; i < LAGC_NV; i++)
         r[i] = 0.0;
@@ -127,8 +122,12 @@ static int lagc_nudge(const lagc_params *p, double t, const double *x, lagc_work
     for (i = 0; i < LAGC_NQ; i++)
         w->nudged[i] += s[i];
 #endif
+    lagc_fn_velocity(p, t, w->nudged, w->rows);
+    for (i = 0; i < LAGC_NC; i++)
+        r[LAGC_NV + i] = -w->rows[i];
+    lagc_solve_(r, s, w);
     for (i = 0; i < LAGC_NV; i++)
-        w->nudged[LAGC_NQ + i] += speed * s[i];
+        w->nudged[LAGC_NQ + i] += s[i];
     return 1;
 }
 #endif

@@ -268,19 +268,22 @@ class Integrator:
                 reach = abs(a)
         if reach > 1.0:
             reach = 1.0
-        if not left * moved > 3e-15 * reach * reach:
-            return error, y  # the step is short, as seen from where rows become dependent
+        if not (left * moved > 3e-15 * reach * reach or left > 1e-12 * reach):
+            return error, y  # it is a long way to where rows become dependent
         other = dop853_parts(self.k)
         self.rhs += 11
-        status, y = dop853_stages(self.problem, self.t, nudged, h, self.k, self.lam)
+        status, z = dop853_stages(self.problem, self.t, nudged, h, self.k, self.lam)
         if status in FAILED:
-            return error, y
+            return error, z
         parts = dop853_parts(self.k)
         for row, new in zip(other, parts):
             row[:] = [a - b for a, b in zip(row, new)]
-        change = self._parts_norm(other, h, y)
-        if not change > 0.1 * self._parts_norm(parts, h, y):
-            return error, y
+        change = self._parts_norm(other, h, z)
+        if not change > 0.1 * self._parts_norm(parts, h, z):
+            return error, z
+        self.rhs += 11
+        status, y = dop853_stages(self.problem, self.t, self.x, h, self.k, self.lam)  # the step as it was
+        parts = dop853_parts(self.k)
         if not self.tangents(t, y, parts):
             return error, y
         return self._parts_norm(parts, h, y), y

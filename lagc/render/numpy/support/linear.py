@@ -99,20 +99,18 @@ class Equations:
         metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
         nq, nv, nc = self.nq, self.nv, self.nc
         lost, culprit, rows = self._lost, self.culprit, self.redundant_rows[:]
-        status = self._factor_dense(t, x)
-        if self._straight:
-            self.fallbacks -= 1
+        self.system(t, x)
+        status = self.assemble(t, x)
         for part in parts:
             if status in FAILED:
                 break
-            assert self._fallback is not None
-            r = []
+            r = [0.0] * nv
             for i in range(nc):
                 total = 0.0
                 for a, b in zip(self._g[i * nv : (i + 1) * nv], part[nq:]):
                     total += a * b
                 r.append(-total)
-            status, s, _ = self._fallback.solve([0.0] * nv, r)
+            s = self.solve(r)
             for j in range(nv):
                 part[nq + j] += s[j]
         self._lost, self.culprit, self.redundant_rows = lost, culprit, rows

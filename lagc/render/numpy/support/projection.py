@@ -107,15 +107,11 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
 
 
 def nudge(problem: Problem, t: float, x: list[float]) -> list[float]:
-    """`x` with residuals of the size that projection leaves, in the direction that costs most in
-    the metric of the mass matrix; empty where that cannot be told."""
+    """A state beside `x`, off its constraints by what projection leaves, in the direction that costs
+    most in the metric of the mass matrix, with speeds that fit; empty where that cannot be told."""
     nq, nv = problem.nq, problem.nv
     if problem.assemble(t, x) in FAILED:
         return []
-    speed = 1.0
-    for v in x[nq : nq + nv]:
-        if abs(v) > speed:
-            speed = abs(v)
     r = [0.0] * nv
     for i, scale in enumerate(problem.scales(t, x)):
         r.append((-TARGET if i % 2 else TARGET) * scale)
@@ -123,8 +119,9 @@ def nudge(problem: Problem, t: float, x: list[float]) -> list[float]:
     y = x[:]
     for i, dq in enumerate(problem.displace(t, x, d)):
         y[i] += dq
-    for i, dv in enumerate(d):
-        y[nq + i] += speed * dv
+    r[nv:] = [-a for a in problem.velocity(t, y)]
+    for i, dv in enumerate(problem.solve(r)[:nv]):
+        y[nq + i] += dv
     return y
 
 
