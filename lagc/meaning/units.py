@@ -87,7 +87,7 @@ class UnknownUnit(ValueError):
     def __init__(self, reason: str, close: str | None = None):
         super().__init__(reason)
         self.reason = reason
-        self.remedy = None if close is None else f"did you mean [{close}]?"
+        self.remedy = None if close is None else f"did you mean `{close}`?"
 
 
 # symbol -> (num, den, power of pi, dimension); these take prefixes
