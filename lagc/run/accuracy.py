@@ -18,10 +18,11 @@ from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 
-SAFETY = 1.5  # on every estimate
+SAFETY = 2.0  # on every estimate
+CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-14  # no tolerance is below this
-SMALLEST = 1e-15  # no difference in double precision tells of a smaller error
+SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 LEAST = 1e-9  # SI: states of a kind that is smaller are taken for rounding noise
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
@@ -162,13 +163,21 @@ class _Search:
 
     def estimate(self) -> float:
         """The error of the finest run: of the next coarser one by their difference, carried on by
-        the slope over three runs where that is consistent."""
+        the slope over three runs where that is consistent.
+
+        Two runs may happen to err alike: their difference counts for no less than the one before
+        lets expect.
+        """
         tols = sorted(self.runs)
         if len(tols) < 2:
-            return float("inf")
+            return inf
         difference, _ = self._difference(tols[0], tols[1])
         slope = self._slope()
-        gain = (tols[0] / tols[1]) ** slope if slope is not None else 1.0
+        if slope is None:
+            return max(SAFETY * difference, SMALLEST)
+        before, _ = self._difference(tols[0], tols[2])
+        difference = max(difference, before * tols[1] / tols[2])
+        gain: float = (tols[0] / tols[1]) ** (CAUTION * slope)
         return max(SAFETY * difference * gain, SMALLEST)
 
     def _slope(self) -> float | None:
@@ -273,7 +282,7 @@ def _memory_name(
     interface = system.interface
     values = [repr(v) for v in (accuracy, system.parameters, list(x0), len(times), times[-1])]
     tool = cache.tool_fingerprint()
-    return cache.key("accuracy 2", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 3", tool, interface.model_hash, method, system.backend, *values)
 
 
 def _recall(name: str) -> tuple[float, float, float] | None:
