@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from lagc.cli.exits import DONE, code_of
+from lagc.cli.exits import DONE, Usage, code_of
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_faults, print_json, say
 from lagc.diagnostics.faults import Fault, Refused
@@ -28,8 +28,6 @@ def run(options: argparse.Namespace) -> int:
     if options.explain:
         return explain(options.explain)
     if not options.files:
-        from lagc.cli.exits import Usage
-
         raise Usage("which file? `lagc check FILE...`")
     faults: list[Fault] = []
     for name in options.files:
@@ -58,7 +56,6 @@ def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
 
 def explain(code: str) -> int:
     """Print the catalogue's entry of a fault code."""
-    from lagc.cli.exits import Usage
     from lagc.diagnostics.catalogue import entries
 
     code = code.upper()

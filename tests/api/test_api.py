@@ -10,6 +10,7 @@ import pytest
 import lagc
 from lagc.api import TakesLong, _Patience
 from lagc.run.backends import compile as c_compiler
+from lagc.run.files import CannotSave
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -106,8 +107,6 @@ def test_a_data_frame(pendulum: lagc.CompiledModel) -> None:
 
 
 def test_a_file_that_cannot_be_written_says_why(pendulum: lagc.CompiledModel, tmp_path: Path) -> None:
-    from lagc.run.files import CannotSave
-
     run = pendulum.simulate(stop=0.1)
     for name in ("x.h5", "x.mat", "x", "no/such/x.csv"):
         with pytest.raises(CannotSave):

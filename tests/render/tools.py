@@ -9,6 +9,7 @@ import sys
 from functools import cache
 from pathlib import Path
 
+from lagc import compiler
 from lagc.diagnostics.faults import Source
 from lagc.optimize.program import Program
 
@@ -45,8 +46,6 @@ def call(*words: str | Path) -> str:
 @cache
 def of_model(name: str, work: bool = True, **parameters: float) -> Program:
     """The program of a model of the library, `classic/four_bar`."""
-    from lagc import compiler
-
     path = MODELS / f"{name}.lag"
     source = Source(path.name, path.read_text())
     model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))

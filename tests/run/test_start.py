@@ -6,6 +6,7 @@ from math import sqrt
 
 import pytest
 
+from lagc.run import leastnorm
 from lagc.run.leastnorm import least_norm
 from lagc.run.problem import Vector
 from lagc.run.start import consistent_start
@@ -21,8 +22,6 @@ def test_least_norm_is_the_pseudo_inverse() -> None:
 
 
 def test_large_systems_give_the_same_as_small_ones(monkeypatch: pytest.MonkeyPatch) -> None:
-    from lagc.run import leastnorm
-
     rows = [[float((3 * i + 5 * j) % 7) + (4.0 if i == j else 0.0) for j in range(9)] for i in range(5)]
     small = least_norm(rows, [1.0, -2.0, 0.5, 3.0, 1.0])
     monkeypatch.setattr(leastnorm, "_LARGE", 0)
