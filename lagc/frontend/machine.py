@@ -46,9 +46,11 @@ class Block:
         word = self.word.text
         return f"this `{word}`" if self.closing == word else f"{word} `{self.closing}`"
 
-    def span(self, source: Source) -> Span:
+    def fault(self, code: str, message: str, span: Span) -> Fault:
+        """What is wrong with its `end`: where it was opened, and what to write."""
         last = self.word if self.closing == self.word.text else self.name
-        return Span(source, self.word.start, max(self.word.end, last.end))
+        opened = Span(span.source, self.word.start, max(self.word.end, last.end))
+        return Fault(code, message, span, ((opened, "opened here"),), f"write `end {self.closing};`")
 
 
 class Machine:
@@ -232,10 +234,14 @@ class Machine:
             if self.recoveries < MOST_FAULTS and self._ends_further_on(block):
                 self._leave_end_out(block, name)
                 return False
-            self.report(_wrong_end(self.source, block, name), self.tokens[self.position])
+            self.report(self._wrong_end(block, name), self.tokens[self.position])
             self.tokens[self.position + 1] = Token(WORD, block.closing, name.start, name.end)
         self.last_closed = self.blocks.pop()
         return True
+
+    def _wrong_end(self, block: Block, name: Token) -> Fault:
+        message = f"this `end` names `{name.text}`, but it closes {block.shown}"
+        return block.fault("LAG0113", message, Span(self.source, name.start, name.end))
 
     def _left_open(self, terminal: str) -> bool:
         """Does a block begin that the innermost open one cannot hold, and which has no `end` of its
@@ -255,7 +261,7 @@ class Machine:
     def _leave_end_out(self, block: Block, name: Token) -> None:
         """This `end` belongs to nothing, or to a block whose first line could not be read."""
         if not self.recoveries:
-            self.report(_wrong_end(self.source, block, name), self.tokens[self.position])
+            self.report(self._wrong_end(block, name), self.tokens[self.position])
         self.recoveries += 1
         count = 3 if self.tokens[self.position + 2].text == ";" else 2
         del self.tokens[self.position : self.position + count]
@@ -274,7 +280,9 @@ class Machine:
 
     def insert_end(self, block: Block) -> None:
         at = self.tokens[self.position]
-        self.report(_missing_end(self.source, block, at), block.word)
+        before = "the end of the file" if at.kind == END else f"this `{at.text}`"
+        message = f"{block.shown} is not closed before {before}"
+        self.report(block.fault("LAG0112", message, Span(self.source, at.start, at.end)), block.word)
         self.tokens[self.position : self.position] = [
             Token(WORD, "end", at.start, at.start),
             Token(WORD, block.closing, at.start, at.start),
@@ -292,24 +300,3 @@ class Machine:
         if not odd and first.start not in self._reported:
             self._reported.add(first.start)
             self.faults.append(fault)
-
-
-def _wrong_end(source: Source, block: Block, name: Token) -> Fault:
-    return Fault(
-        "LAG0113",
-        f"this `end` names `{name.text}`, but it closes {block.shown}",
-        Span(source, name.start, name.end),
-        related=((block.span(source), "opened here"),),
-        remedy=f"write `end {block.closing};`",
-    )
-
-
-def _missing_end(source: Source, block: Block, at: Token) -> Fault:
-    before = "the end of the file" if at.kind == END else f"this `{at.text}`"
-    return Fault(
-        "LAG0112",
-        f"{block.shown} is not closed before {before}",
-        Span(source, at.start, at.end),
-        related=((block.span(source), "opened here"),),
-        remedy=f"write `end {block.closing};`",
-    )

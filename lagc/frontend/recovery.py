@@ -66,9 +66,7 @@ class Recovery:
         at = machine.tokens[machine.position].start
         if top.text == "end" and "SEMICOLON" not in machine.tables.actions[machine.states[-1]]:
             span = Span(machine.source, top.start, top.end)
-            opened = ((block.span(machine.source), "opened here"),)
-            message, remedy = "an `end` names what it closes", f"write `end {block.closing};`"
-            machine.report(Fault("LAG0113", message, span, opened, remedy), top)
+            machine.report(block.fault("LAG0113", "an `end` names what it closes", span), top)
             machine.tokens.insert(machine.position, Token(WORD, block.closing, at, at))
             return True
         before = machine.values[-2]

@@ -42,8 +42,7 @@ def missing_end_word(w: Where) -> Explained | None:
     if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
         return None
     message = f"an `end` is missing before `{w.first.text}`"
-    opened = ((w.block.span(w.source), "opened here"),)
-    fault = Fault("LAG0112", message, w.span(w.first), opened, f"write `end {w.first.text};`")
+    fault = w.block.fault("LAG0112", message, w.span(w.first))
     return Explained(fault, Repair(w.begin, 0, (token_of("end", w.first.start),)))
 
 
