@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import dot
+from lagc.expr.vectors import Matrix, Vector, dot
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.calls import match
@@ -94,7 +94,7 @@ def _mass(given: Argument) -> Node:
     return scalar.node
 
 
-def _place(context: Context, given: Argument) -> nouns.Vector:
+def _place(context: Context, given: Argument) -> Vector:
     vector, found = vector_of(given.value, given.span, "the place of a body")
     expect(found, M, given.span, "the place of a body")
     for node in vector:
@@ -109,13 +109,13 @@ def _frame(given: Argument) -> nouns.Frame:
     return given.value
 
 
-def _inertia(context: Context, given: Argument) -> nouns.Matrix:
+def _inertia(context: Context, given: Argument) -> Matrix:
     for scalar in flat(given.value, given.span, "an inertia"):
         expect(scalar.dimension, INERTIA, given.span, "an inertia")
     return _matrix(context, given.value, given.span)
 
 
-def _matrix(context: Context, value: Value, span: Span) -> nouns.Matrix:
+def _matrix(context: Context, value: Value, span: Span) -> Matrix:
     """Principal moments {I1, I2, I3}, or a symmetric matrix by rows."""
     zero = context.graph.zero
     rows = value.elements if isinstance(value, Array) else ()
@@ -154,7 +154,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     g = _strength(context, entry, strength)
     entry.parts["g"] = Scalar(g, GRAVITY)
     graph = context.graph
-    direction: nouns.Vector = (graph.zero, graph.zero, graph.const(-1.0))
+    direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
     if way is not None:
         vector, found = vector_of(evaluate(context, way, entry.environment), way.span, "a direction")
         expect(found, NONE, way.span, "a direction")

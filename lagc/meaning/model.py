@@ -30,11 +30,9 @@ from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
+from lagc.expr.vectors import Matrix, Vector, dot, matvec
 from lagc.expr.walk import reachable
 from lagc.records import dataclass, field
-
-Vector: TypeAlias = tuple[Node, Node, Node]
-Matrix: TypeAlias = tuple[Vector, Vector, Vector]  # rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +147,15 @@ class Body:
     inertia: Matrix | None
     span: Span
     effect: str | None = None
+
+    @property
+    def kinetic_energy(self) -> Node:
+        """In terms of rates."""
+        energy = 0.5 * self.mass * dot(self.velocity, self.velocity)
+        if self.frame is not None and self.inertia is not None:
+            spin = self.frame.angular_velocity
+            energy = energy + 0.5 * dot(spin, matvec(self.inertia, spin))
+        return energy
 
 
 @dataclass(frozen=True, slots=True)

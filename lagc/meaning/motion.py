@@ -129,11 +129,7 @@ def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
     body = of.value
     if not isinstance(body, Body):
         raise Wrong("LAG0221", f"a body has a kinetic energy, this is {kind(body)}", of.span)
-    total = 0.5 * body.mass * vectors.dot(body.velocity, body.velocity)
-    if body.frame is not None and body.inertia is not None:
-        spin = body.frame.angular_velocity
-        total = total + 0.5 * vectors.dot(spin, vectors.matvec(body.inertia, spin))
-    return Scalar(total, ENERGY)
+    return Scalar(body.kinetic_energy, ENERGY)
 
 
 @TABLE.enter("potential", "of", required=0)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
-from lagc.meaning.model import Body, Frame, Orientation, Vector
+from lagc.expr.vectors import Vector
+from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, M, si_text
 from lagc.records import dataclass

@@ -148,16 +148,10 @@ def _cyclic(states: States) -> tuple[str, ...]:
 
 def _lagrangian(states: States) -> Node:
     """L in rates."""
-    graph, bodies = states.graph, states.model.bodies
-    kinetic = [0.5 * b.mass * graph.sum(x * x for x in b.velocity) for b in bodies]
-    for body in bodies:
-        if body.frame is not None and body.inertia is not None:
-            w = body.frame.angular_velocity
-            turns = [graph.sum(row[k] * w[k] for k in range(3)) for row in body.inertia]
-            kinetic.append(0.5 * graph.sum(x * y for x, y in zip(w, turns)))
+    kinetic = [body.kinetic_energy for body in states.model.bodies]
     free = [x.function for x in with_rates(states)]
     stored = [-x.stored for x in act(states)]
-    return states.in_rates([graph.sum(chain(kinetic, free, stored))])[0]
+    return states.in_rates([states.graph.sum(chain(kinetic, free, stored))])[0]
 
 
 def _conserved(
