@@ -25,6 +25,7 @@ FINEST = 1e-14  # no tolerance is below this
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 LEAST = 1e-9  # SI: states of a kind that is smaller are taken for rounding noise
+NOISE = 1e-12  # SI: a start that is smaller may be rounding
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
@@ -172,13 +173,14 @@ class _Search:
         if len(tols) < 2:
             return inf
         difference, _ = self._difference(tols[0], tols[1])
-        slope = self._slope()
-        if slope is None:
+        if len(tols) == 2:
             return max(SAFETY * difference, SMALLEST)
         before, _ = self._difference(tols[0], tols[2])
-        difference = max(difference, before * tols[1] / tols[2])
+        slope, step = self._slope(), tols[1] / tols[2]
+        if slope is None:
+            return max(SAFETY * max(difference, before * step * step), SMALLEST)
         gain: float = (tols[0] / tols[1]) ** (CAUTION * slope)
-        return max(SAFETY * difference * gain, SMALLEST)
+        return max(SAFETY * max(difference, before * step) * gain, SMALLEST)
 
     def _slope(self) -> float | None:
         """p of C tol^p, from the three finest runs; None where two decades disagree."""
@@ -209,15 +211,16 @@ class _Search:
     def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
         found = self.compared.get((fine, coarse))
         if found is None:
-            found = difference(self.runs[fine], self.runs[coarse], self.system.interface, self.accuracy)
+            target = self.accuracy / SAFETY
+            found = difference(self.runs[fine], self.runs[coarse], self.system.interface, target)
             self.compared[fine, coarse] = found
         return found
 
     def _compare(self, done: Trajectory) -> tuple[float, float | None]:
         """`done`, which ended early, against the finest other run, over their common times."""
         others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
-        if not others or not done.states:
-            return float("inf"), None
+        if not others or len(done.states) < 2:
+            return inf, None
         return difference(done, others[-1], self.system.interface, self.accuracy)
 
     def _result(self) -> Verified:
@@ -240,11 +243,13 @@ def kinds(interface: Interface) -> list[list[int]]:
 
 
 def scale(trajectory: Trajectory, group: Sequence[int]) -> float:
-    """The largest magnitude of the states of one kind; LEAST where that is less, 1 where all are 0."""
+    """The largest magnitude of the states of one kind, 1 where all are 0; LEAST where that is less,
+    unless they start that small."""
     size = max((abs(x[i]) for x in trajectory.states for i in group), default=0.0)
     if size == 0.0 or not isfinite(size):
         return 1.0
-    return max(size, LEAST)
+    first = max(abs(trajectory.states[0][i]) for i in group)
+    return max(size, min(first, LEAST) if first > NOISE else LEAST)
 
 
 def smallest(trajectory: Trajectory, interface: Interface) -> float:

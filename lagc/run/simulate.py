@@ -60,7 +60,7 @@ def simulate(
     status, message = verdict(system, trajectory, times[-1])
     asked = request.accuracy
     if status == "ok" and estimated is not None and asked is not None and estimated > asked:
-        status, message, trajectory = _missed(trajectory, estimated, asked, horizon)
+        status, message, trajectory, estimated = _missed(trajectory, estimated, asked, horizon)
         if failed is not None:
             message += f"; with a finer tolerance, {verdict(system, failed, times[-1])[1]}"
     if trajectory.redundant_rows:
@@ -168,8 +168,8 @@ def energy(system: System, trajectory: Trajectory) -> Energy:
 
 def _missed(
     trajectory: Trajectory, estimated: float, accuracy: float, horizon: float | None
-) -> tuple[str, str, Trajectory]:
-    """What is said and returned where the accuracy asked was not reached.
+) -> tuple[str, str, Trajectory, float]:
+    """What is said and returned where the accuracy asked was not reached, and its error.
 
     Where the end of the motion is known to less than a hundredth, no point of it beyond the
     horizon is an answer, and none is given.
@@ -177,13 +177,13 @@ def _missed(
     if estimated < MEANINGLESS or horizon is None:
         message = (f"the accuracy {accuracy:g} cannot be reached in double precision here: "
                    f"the best is estimated at {estimated:.2g}")  # fmt: skip
-        return "failed", message, trajectory
+        return "failed", message, trajectory, estimated
     kept = sum(1 for t in trajectory.times if t <= horizon)
     message = (f"the motion can be foretold to {accuracy:g} until t = {horizon:.6g} s only: beyond it, "
                "runs of different tolerance part (it is chaotic, or too sensitive)")  # fmt: skip
     times, states = trajectory.times[:kept], trajectory.states[:kept]
     cut = trajectory.changed(times=times, states=states, t=times[-1], x=states[-1])
-    return "failed", message, cut
+    return "failed", message, cut, accuracy
 
 
 def _redundant(system: System, trajectory: Trajectory) -> str:
