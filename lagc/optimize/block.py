@@ -6,25 +6,26 @@ costs nothing until it must be stored; sums with negative terms become differenc
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from lagc.optimize.program import Function, Operation, Store
 
-ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r")  # inputs, in the order of a signature
+ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
 
 _Payload: TypeAlias = "float | tuple[str, int] | None"
-_Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
+Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
+Schedule: TypeAlias = "Callable[[Sequence[Row], Sequence[int]], list[int]]"
 
 
 class Block:
     """Maker of one function.  Two operations that are alike are one value."""
 
     def __init__(self) -> None:
-        self._rows: list[_Row] = []
+        self._rows: list[Row] = []
         self.stores: list[Store] = []
         self._comments: dict[int, str] = {}  # position in `stores` -> what is stored there
-        self._numbers: dict[_Row, int] = {}
+        self._numbers: dict[Row, int] = {}
         self.zero = self.const(0.0)
         self.one = self.const(1.0)
 
@@ -115,10 +116,17 @@ class Block:
         self.stores.append(Store(array, index, self.plain(a)))
 
     def function(
-        self, name: str, inputs: tuple[str, ...], outputs: Sequence[tuple[str, int]], description: str
+        self,
+        name: str,
+        inputs: tuple[str, ...],
+        outputs: Sequence[tuple[str, int]],
+        description: str,
+        schedule: Schedule | None = None,
     ) -> Function:
-        """What is needed for the stores, each operation close before its first use."""
-        order = _schedule(self._rows, [s.value for s in self.stores])
+        """What is needed for the stores, each operation close before its first use, or in the order
+        that `schedule` gives: (operations and operands, roots) -> value numbers."""
+        roots = [s.value for s in self.stores]
+        order = (schedule or _schedule)(self._rows, roots)
         number = {old: new for new, old in enumerate(order)}
         operations = []
         for old in order:
@@ -129,7 +137,7 @@ class Block:
         return Function(name, inputs, tuple(outputs), tuple(operations), stores, description, comments)
 
 
-def _schedule(rows: Sequence[_Row], roots: Sequence[int]) -> list[int]:
+def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
     """Value numbers in depth-first postorder from `roots`."""
     order: list[int] = []
     state = bytearray(len(rows))  # 1: operands asked for, 2: placed

@@ -9,9 +9,20 @@ from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion, Row
+from lagc.optimize.balance import balanced
 from lagc.optimize.block import Block
 from lagc.optimize.interface import place
-from lagc.optimize.ldlt import Elimination, Entry, Factors, eliminate, factor, pair, solve
+from lagc.optimize.ldlt import (
+    Elimination,
+    Entry,
+    Factors,
+    eliminate,
+    factor,
+    pair,
+    refine,
+    residual,
+    substitute,
+)
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
@@ -41,7 +52,8 @@ def rhs(places: Places, entries: Mapping[Entry, Node], plan: Elimination, work: 
     right = [*applied_forces(equations), *(row.gamma for row in equations.rows)]
     power = [equations.power] if work else []
     nodes = [*entries.values(), *right, *equations.qdot]
-    return cheapest(equations.graph, nodes, lambda chosen: _rhs(places, entries, plan, chosen, power))
+    found = cheapest(equations.graph, nodes, lambda chosen: _rhs(places, entries, plan, chosen, power))
+    return balanced(found) if plan.multipliers else found
 
 
 def _rhs(
@@ -57,20 +69,21 @@ def _rhs(
     b = values[len(entries) : len(entries) + plan.size]
     qdot = values[len(entries) + plan.size :]
     if plan.size == 1:
-        x, residual, health = [block.div(b[0], matrix[0, 0])], block.zero, block.one
+        x, left, health = [block.div(b[0], matrix[0, 0])], block.zero, block.one
     elif plan.speeds == plan.size == 2 and len(matrix) == 3:
-        (x, health), residual = pair(block, matrix, b), block.zero
+        (x, health), left = pair(block, matrix, b), block.zero
     else:
         factors = factor(block, plan, matrix)
-        x, residual = solve(block, plan, factors, matrix, b, refine=plan.multipliers > 0)
-        health = factors.health
-    a, lam = x[: plan.speeds], [~value for value in x[plan.speeds :]]
+        x, left, health = substitute(block, plan, factors, b), block.zero, factors.health
+        if plan.multipliers:
+            _, left = residual(block, plan, factors, matrix, b, x)
+    a, lam = x[: plan.speeds], _signed(plan, x)[plan.speeds :]
     lowering.known.update(zip(equations.a, a))
     lowering.known.update(zip(equations.lam, lam))
     xdot = [*qdot, *a, *lowering(power)]
     _store_all(block, "xdot", xdot, [f"der({name})" for name in (*equations.q_names, *equations.v_names)])
     _store_all(block, "lam", lam, row_comments(equations.rows))
-    _store_all(block, "health", [health, residual])
+    _store_all(block, "health", [health, left])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
     return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
 
@@ -105,17 +118,37 @@ def factorize(plan: Elimination) -> Function:
 
 
 def solver(plan: Elimination) -> Function:
-    """M s1 - G^T s2 = r1, G s1 = r2 with the factors in w, one step of refinement."""
+    """M s1 - G^T s2 = r1, G s1 = r2 with the factors in w."""
+    block = Block()
+    right = [block.load("r", k) for k in range(plan.size)]
+    x = substitute(block, plan, _kept(block, plan), right)
+    _store_all(block, "s", _signed(plan, x))
+    return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
+
+
+def refiner(plan: Elimination) -> Function:
+    """s: a solution that `solve` gave -> the same with one step of iterative refinement."""
     block = Block()
     entries = {at: block.load("w", k) for k, at in enumerate(plan.entries)}
+    right = [block.load("r", k) for k in range(plan.size)]
+    x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
+    found = refine(block, plan, _kept(block, plan), entries, right, x)
+    _store_all(block, "s", _signed(plan, found))
+    about = "one step of refinement of what solve gave"
+    return block.function("refine", ("w", "r", "s"), (("s", plan.size),), about)
+
+
+def _kept(block: Block, plan: Elimination) -> Factors:
+    """The factors that `factor` left in w."""
     first = len(plan.entries)
     lower_part = {at: block.load("w", first + k) for k, at in enumerate(plan.lower)}
     inverse = {k: block.load("w", first + len(plan.lower) + k) for k in range(plan.size)}
-    right = [block.load("r", k) for k in range(plan.size)]
-    factors = Factors(lower_part, inverse, block.one)
-    x, _ = solve(block, plan, factors, entries, right, refine=True)
-    _store_all(block, "s", [*x[: plan.speeds], *(~value for value in x[plan.speeds :])])
-    return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
+    return Factors(lower_part, inverse, block.one)
+
+
+def _signed(plan: Elimination, x: Sequence[int]) -> list[int]:
+    """The multipliers for the unknowns that stand for them, or the other way round."""
+    return [*x[: plan.speeds], *(~value for value in x[plan.speeds :])]
 
 
 def row_comments(rows: Sequence[Row]) -> list[str]:

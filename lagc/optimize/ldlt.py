@@ -107,9 +107,9 @@ class Factors:
 def factor(block: Block, plan: Elimination, entries: Mapping[Entry, int]) -> Factors:
     """L D L^T of the matrix with these entries.
 
-    The ratio of a speed's pivot is d/M_kk; that of a multiplier's, -d / sum(G_j^2/d_j), the size
-    it would have without the rows eliminated before it: near zero for a redundant row.  A
-    pivot of the wrong sign makes its ratio negative.
+    The ratio of a speed's pivot is d/M_kk; that of a multiplier's, -d / sum(L_j^2 d_j) over the
+    speeds j, the size it would have without the rows eliminated before it: near zero for a
+    redundant row.  A pivot of the wrong sign makes its ratio negative.
     """
     current = dict(entries)
     below: dict[int, list[int]] = {k: [] for k in plan.order}
@@ -117,13 +117,15 @@ def factor(block: Block, plan: Elimination, entries: Mapping[Entry, int]) -> Fac
         below[k].append(i)
     lower: dict[Entry, int] = {}
     inverse: dict[int, int] = {}
-    ratios: list[int] = []
+    sizes = [entries.get((k, k), block.zero) if k < plan.speeds else block.zero for k in range(plan.size)]
+    health = block.one
     for k in plan.order:
         pivot = current[(k, k)]
         inverse[k] = block.div(block.one, pivot)
-        ratio = _ratio(block, plan, entries, lower, inverse, k, pivot)
-        if ratio is not None:
-            ratios.append(ratio)
+        size = sizes[k] if k < plan.speeds else ~sizes[k]
+        if not block.is_zero(size) and size != pivot:
+            ratio = block.div(pivot, size)
+            health = ratio if health == block.one else block.apply("min", health, ratio)
         scaled = {i: current[_entry(i, k)] for i in below[k]}  # L D of this column
         for i in below[k]:
             lower[(i, k)] = block.mul(scaled[i], inverse[k])
@@ -132,33 +134,9 @@ def factor(block: Block, plan: Elimination, entries: Mapping[Entry, int]) -> Fac
                 at = _entry(i, j)
                 product = block.mul(lower[(i, k)], scaled[j])
                 current[at] = block.sub(current.get(at, block.zero), product)
-    health = block.one
-    for ratio in ratios:
-        health = ratio if health == block.one else block.apply("min", health, ratio)
+                if i == j >= plan.speeds > k:
+                    sizes[i] = block.add(sizes[i], product)
     return Factors(lower, inverse, health)
-
-
-def _ratio(
-    block: Block,
-    plan: Elimination,
-    entries: Mapping[Entry, int],
-    lower: Mapping[Entry, int],
-    inverse: Mapping[int, int],
-    k: int,
-    pivot: int,
-) -> int | None:
-    """The pivot ratio of unknown k, None where it is 1 by construction."""
-    if k < plan.speeds:
-        scale = entries.get((k, k))
-        return None if scale is None or scale == pivot else block.div(pivot, scale)
-    if not any((k, c) in lower for c in range(plan.speeds, plan.size)):
-        return None
-    scale = block.zero
-    for j in range(plan.speeds):
-        entry = entries.get((k, j))
-        if entry is not None and j in inverse:
-            scale = block.add(scale, block.mul(block.mul(entry, inverse[j]), entry))
-    return None if block.is_zero(scale) else block.div(~pivot, scale)
 
 
 def substitute(block: Block, plan: Elimination, factors: Factors, right: Sequence[int]) -> list[int]:
@@ -170,58 +148,57 @@ def substitute(block: Block, plan: Elimination, factors: Factors, right: Sequenc
     for k in plan.order:
         for i in below[k]:
             x[i] = block.sub(x[i], block.mul(factors.lower[(i, k)], x[k]))
+    when = {k: n for n, k in enumerate(plan.order)}
     for k in reversed(plan.order):
         x[k] = block.mul(x[k], factors.inverse[k])
-        for i in below[k]:
+        for i in sorted(below[k], key=when.__getitem__, reverse=True):  # what is known last comes last
             x[k] = block.sub(x[k], block.mul(factors.lower[(i, k)], x[i]))
     return x
 
 
-def solve(
+def residual(
     block: Block,
     plan: Elimination,
     factors: Factors,
     entries: Mapping[Entry, int],
     right: Sequence[int],
-    refine: bool,
+    x: Sequence[int],
 ) -> tuple[list[int], int]:
-    """The unknowns, and the scaled residual of the first solution (zero where not refined).
-    With `refine`, one step of iterative refinement follows, which lowers that residual by about
-    the same factor again.
+    """What `x` leaves of `right`, and the square of its size relative to that of the right side.
 
-    The residual is the largest of the rows of speeds over the largest size of one, |r| + |M_kk a_k|;
-    then the same of the rows of multipliers, where G a counts with the accelerations that forces of
-    that size would bring, so that what is at rest is not judged by rounding errors alone.
+    Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and
+    constraints are alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for
+    the right side, so that what is driven by constraints alone is not judged by rounding errors.
     """
-    x = substitute(block, plan, factors, right)
-    if not refine:
-        return x, block.zero
     products: list[list[int]] = [[] for _ in range(plan.size)]
     for i, j in plan.entries:
         products[i].append(block.mul(entries[(i, j)], x[j]))
         if i != j:
             products[j].append(block.mul(entries[(i, j)], x[i]))
-    residual = [_rest(block, right[k], products[k]) for k in range(plan.size)]
-    sizes = [_size(block, [right[k], *_own(block, entries, x, k)]) for k in range(plan.speeds)]
-    for k in range(plan.speeds, plan.size):
-        parts = [right[k]]
-        for j in range(plan.speeds):
-            if (k, j) in entries:
-                share = factors.lower.get((k, j))  # G_kj / d_j
-                parts.append(products[k][len(parts) - 1] if share is None else block.mul(share, sizes[j]))
-        sizes.append(_size(block, parts))
-    shares = [
-        block.div(_largest(block, [_abs(block, r) for r in residual[part]]), _positive(block, sizes[part]))
-        for part in (slice(plan.speeds), slice(plan.speeds, None))
-        if residual[part]
-    ]
-    correction = substitute(block, plan, factors, residual)
-    return [block.add(x[k], correction[k]) for k in range(plan.size)], _largest(block, shares)
+    rest = [_rest(block, right[k], products[k]) for k in range(plan.size)]
+    left = total = block.zero
+    for k in plan.order:
+        weight = factors.inverse[k] if k < plan.speeds else ~factors.inverse[k]
+        left = block.add(left, block.mul(_square(block, rest[k]), weight))
+        size = _square(block, right[k])
+        if (k, k) in entries:
+            size = block.add(size, _square(block, block.mul(entries[(k, k)], x[k])))
+        total = block.add(total, block.mul(size, weight))
+    return rest, block.div(left, block.add(block.const(1e-300), total))
 
 
-def _own(block: Block, entries: Mapping[Entry, int], x: Sequence[int], k: int) -> list[int]:
-    """The diagonal's term of row k, if any."""
-    return [block.mul(entries[(k, k)], x[k])] if (k, k) in entries else []
+def refine(
+    block: Block,
+    plan: Elimination,
+    factors: Factors,
+    entries: Mapping[Entry, int],
+    right: Sequence[int],
+    x: Sequence[int],
+) -> list[int]:
+    """One step of iterative refinement of the solution `x`, which lowers its residual by about the
+    factor that the residual is below the right side."""
+    rest, _ = residual(block, plan, factors, entries, right, x)
+    return [block.add(a, da) for a, da in zip(x, substitute(block, plan, factors, rest))]
 
 
 def _rest(block: Block, right: int, products: Sequence[int]) -> int:
@@ -230,25 +207,8 @@ def _rest(block: Block, right: int, products: Sequence[int]) -> int:
     return right
 
 
-def _size(block: Block, terms: Sequence[int]) -> int:
-    """The sum of absolute values."""
-    total = block.zero
-    for term in terms:
-        total = block.add(total, _abs(block, term))
-    return total
-
-
-def _largest(block: Block, values: Sequence[int]) -> int:
-    """Of values that are not negative."""
-    largest = block.zero
-    for value in values:
-        if not block.is_zero(value):
-            largest = value if block.is_zero(largest) else block.apply("max", largest, value)
-    return largest
-
-
-def _positive(block: Block, sizes: Sequence[int]) -> int:
-    return block.add(block.const(1e-300), _largest(block, sizes))
+def _square(block: Block, a: int) -> int:
+    return block.mul(a, a)
 
 
 def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:
@@ -261,10 +221,6 @@ def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tu
     first = block.sub(block.mul(n, right[0]), block.mul(k, right[1]))
     second = block.sub(block.mul(m, right[1]), block.mul(k, right[0]))
     return [block.mul(inverse, first), block.mul(inverse, second)], block.div(determinant, whole)
-
-
-def _abs(block: Block, a: int) -> int:
-    return a if block.is_zero(a) else block.abs(a)
 
 
 def _entry(i: int, j: int) -> Entry:

@@ -82,7 +82,7 @@ def _functions(
         made.append(kkt.rhs(at, entries, plan, work))
     made.append(functions.system(at, seldom=plan is not None))
     if plan is not None and constrained:
-        made += [kkt.assemble(at, entries, plan), kkt.factorize(plan), kkt.solver(plan)]
+        made += [kkt.assemble(at, entries, plan), kkt.factorize(plan), kkt.solver(plan), kkt.refiner(plan)]
     made.append(functions.displace(at))
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]

@@ -49,7 +49,7 @@ class Function:
     formula or source line that starts there."""
 
     name: str
-    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam d w r
+    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam d w r s
     outputs: tuple[tuple[str, int], ...]  # (array, length), in signature order
     operations: tuple[Operation, ...]
     stores: tuple[Store, ...]
@@ -136,13 +136,14 @@ class Program:
     """The interface and its functions.
 
     (absent ones do not exist for the model):
-      rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only
+      rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only, not refined
       system      (p,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
                                      M packed by rows of the lower triangle, r = tau - h,
                                      G dense by rows
       assemble    (p,t,x)         -> w    KKT entries M and G into w       "straight" and nc > 0
       factor      (w)             -> w, health[2]   L and D after the entries
       solve       (w,r)           -> s[nv+nc]   r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
+      refine      (w,r,s)         -> s          one step of iterative refinement of what solve gave
       displace    (p,t,x,d)       -> dq[nq]     dq = N(t,q) d      where N is not the identity
       position    (p,t,x)         -> phi[nh]
       velocity    (p,t,x)         -> psi[nc]    rates of all rows
@@ -152,7 +153,7 @@ class Program:
       outputs     (p,t,x,a,lam)   -> y[ny]
       start       (p)             -> x[nx]      start values and guesses
       initial     (p,t,x)         -> c[ni], J[ni*(nq+nv)]   conditions of the initial section
-    health = (smallest pivot ratio |d_k|/|a_kk|, largest scaled residual after refinement).
+    health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 
     interface: Interface

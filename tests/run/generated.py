@@ -83,6 +83,15 @@ def pendulum(
         s = (r[2] - (w[1] * r[0] + w[2] * r[1]) / w[0]) / w[3]
         return (((r[0] + w[1] * s) / w[0], (r[1] + w[2] * s) / w[0], s, *((0.0,) * (nc - 1))),)
 
+    def refine(w: Any, r: Any, s: Any) -> Any:
+        rest = (
+            r[0] - (w[0] * s[0] - w[1] * s[2]),
+            r[1] - (w[0] * s[1] - w[2] * s[2]),
+            r[2] - (w[1] * s[0] + w[2] * s[1]),
+        )
+        d = solve(w, rest)[0]
+        return ((s[0] + d[0], s[1] + d[1], s[2] + d[2], *((0.0,) * (nc - 1))),)
+
     def factor(w: Any) -> Any:
         schur = (w[1] * w[1] + w[2] * w[2]) / w[0]
         return (w[0], w[1], w[2], schur), GOOD if nc == 1 else (0.0, 0.0)
@@ -109,6 +118,7 @@ def pendulum(
             trace("assemble", PTX, (("w", 4),), lambda p, t, x: ((p[0], *rows(p, t, x)[0][:2], 0.0),)),
             trace("factor", ("w",), (("w", 4), ("health", 2)), factor),
             trace("solve", ("w", "r"), (("s", 2 + nc),), solve),
+            trace("refine", ("w", "r", "s"), (("s", 2 + nc),), refine),
         ]
     return program(
         "pendulum", 2, 2, nc, nc, functions, {"m": 2.0, "l": 1.0, "g": 9.81},

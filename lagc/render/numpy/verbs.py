@@ -130,7 +130,7 @@ def rhs_many(t, x, p=None):
             _vectorised(fn_rhs)(list(p.T), t, list(x.T), columns, [0.0] * NC, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
-            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= LARGEST_RESIDUAL)
+            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= ROUNDING)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
         rest = numpy.flatnonzero(~sound)
     for i in rest:

@@ -9,7 +9,7 @@ static int lagc_assemble_(const lagc_params *p, double t, const double *x, lagc_
         double health[2];
         lagc_fn_assemble(p, t, x, w->entries);
         lagc_fn_factor(w->entries, health);
-        if (health[0] >= LAGC_LEAST_PIVOT && health[1] <= 1e-10) {
+        if (health[0] >= LAGC_LEAST_PIVOT && health[1] <= LAGC_LARGEST_RESIDUAL) {
             w->dense = 0;
             return LAGC_OK;
         }

@@ -8,6 +8,10 @@
 #define LAGC_LEAST_PIVOT 1e-13
 #endif
 
+/* Squares of a residual of a straight solve beyond rounding, to be refined; and beyond trust. */
+#define LAGC_ROUNDING 1e-28
+#define LAGC_LARGEST_RESIDUAL 1e-20
+
 #define LAGC_FAILED(status) ((status) != LAGC_OK && (status) != LAGC_REDUNDANT)
 
 static void lagc_system_(const lagc_params *p, double t, const double *x, lagc_work *w)
@@ -132,21 +136,50 @@ static int lagc_rhs_dense(const lagc_params *p, double t, const double *x, doubl
 }
 
 #if LAGC_STRAIGHT
+#if LAGC_NC
+/* The same once more with one step of iterative refinement. */
+static void lagc_rhs_refined(const lagc_params *p, double t, const double *x, double *xdot, double *lam,
+                             lagc_work *w)
+{
+    double health[2];
+    double *a = xdot + LAGC_NQ, *r = w->right, *s = w->left;
+    int i;
+    lagc_system_(p, t, x, w);
+    lagc_fn_assemble(p, t, x, w->entries);
+    lagc_fn_factor(w->entries, health);
+    for (i = 0; i < LAGC_NV; i++)
+        r[i] = w->force[i];
+    for (i = 0; i < LAGC_NC; i++)
+        r[LAGC_NV + i] = w->gamma[i];
+    lagc_fn_solve(w->entries, r, s);
+    lagc_fn_refine(w->entries, r, s);
+    for (i = 0; i < LAGC_NQ; i++)
+        xdot[i] = w->qdot[i];
+    for (i = 0; i < LAGC_NV; i++)
+        a[i] = s[i];
+    for (i = 0; i < LAGC_NC; i++)
+        lam[i] = s[LAGC_NV + i];
+#if LAGC_NZ
+    LAGC_POWER(xdot + LAGC_NQ + LAGC_NV);
+#endif
+}
+#endif
+
 static int lagc_rhs_(const lagc_params *p, double t, const double *x, double *xdot, double *lam,
                      lagc_work *w)
 {
     double health[2];
-    int i;
     if (w->lost)
         return lagc_rhs_dense(p, t, x, xdot, lam, w);
     lagc_fn_rhs(p, t, x, xdot, lam, health);
-    if (!(health[0] >= LAGC_LEAST_PIVOT && health[1] <= 1e-10))
+    if (!(health[0] >= LAGC_LEAST_PIVOT && health[1] <= LAGC_LARGEST_RESIDUAL))
         return lagc_rhs_dense(p, t, x, xdot, lam, w);
-    i = lagc_not_finite(xdot, LAGC_NX);
-    if (i >= 0) {
-        w->culprit = i;
-        return LAGC_NOT_FINITE;
-    }
+#if LAGC_NC
+    if (health[1] > LAGC_ROUNDING)
+        lagc_rhs_refined(p, t, x, xdot, lam, w);
+#endif
+    if (lagc_not_finite(xdot, LAGC_NX) >= 0)
+        return lagc_rhs_dense(p, t, x, xdot, lam, w); /* it tells why */
     return LAGC_OK;
 }
 #else

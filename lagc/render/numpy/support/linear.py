@@ -10,9 +10,10 @@ from lagc.render.numpy.support.fallback import Fallback
 
 # -- what follows is part of generated modules --
 
-LEAST_PIVOT = 1e-13  # pivot ratio and residual of a straight solve that is good enough
+LEAST_PIVOT = 1e-13  # pivot ratio of a straight solve that is good enough
 LEAST_PIVOT_OF_ROWS = 1e-10  # the same with constraints: the square of what counts as dependent
-LARGEST_RESIDUAL = 1e-10
+LARGEST_RESIDUAL = 1e-20  # square of one that is good enough
+ROUNDING = 1e-28  # the same, beyond which a straight solve is refined
 
 
 class Equations:
@@ -54,7 +55,10 @@ class Equations:
         if self._straight and not self._lost:
             self._fn_rhs(self.p, t, x, xdot, lam, health)  # type: ignore[misc]
             if health[0] >= self._least and health[1] <= LARGEST_RESIDUAL:
-                return self._finite(xdot, OK)
+                if health[1] > ROUNDING:
+                    self._refined(t, x, xdot, lam)
+                if not_finite(xdot) < 0:
+                    return OK
         return self._solve_dense(t, x, xdot, lam)
 
     def inspect(self, t: float, x: Sequence[float]) -> None:
@@ -192,6 +196,22 @@ class Equations:
             share = total * reach / size
             slight.append(share if share < 1.0 else 1.0)
         return miss, slight
+
+    def _refined(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> None:
+        """The right-hand side once more with one step of iterative refinement."""
+        nq, nv = self.nq, self.nv
+        self.system(t, x)
+        self._functions["assemble"](self.p, t, x, self._w)
+        self._functions["factor"](self._w, [1.0, 0.0])
+        r = self._force + self._gamma
+        s = [0.0] * len(r)
+        self._functions["solve"](self._w, r, s)
+        self._functions["refine"](self._w, r, s)
+        xdot[:nq] = self._qdot
+        xdot[nq : nq + nv] = s[:nv]
+        lam[:] = s[nv:]
+        if self.nz:
+            xdot[nq + nv] = self._power(t, x, s[:nv], lam)
 
     def _solve_dense(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         nq, nv = self.nq, self.nv

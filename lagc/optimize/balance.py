@@ -1,0 +1,180 @@
+"""Sums and products in the order in which their parts are ready.
+
+A processor works on several operations at once, as long as they do not wait for each other: how
+long a right-hand side takes is decided as much by its longest chain of operations as by their
+number.  In a sum of many terms whose partial sums nobody else uses, the terms that are known first
+are added first, and what is known last comes last; products likewise.
+
+The order that gives the shortest chain takes the two parts that are ready first, again and again
+(J.-L. Baer, D. P. Bovet, *Compilation of arithmetic expressions for parallel computations*, 1968).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from heapq import heapify, heappop, heappush
+
+from lagc.optimize.block import Block, Row
+from lagc.optimize.program import Function, Operation
+
+# About how many cycles until a result can be used; all others take `_FUNCTION`.
+_CYCLES = {
+    "const": 0, "load": 5, "neg": 1, "abs": 1, "add": 4, "sub": 4, "mul": 4, "div": 14, "sqrt": 18,
+    "min": 4, "max": 4, "lt": 4, "le": 4, "eq": 4, "and": 1, "or": 1, "not": 1, "select": 2,
+}  # fmt: skip
+_FUNCTION = 60
+_LARGEST = 1500  # operations that are put in order; more are divided into functions, each on its own
+_KIND = {"add": "sum", "sub": "sum", "neg": "sum", "mul": "product"}
+
+
+def balanced(function: Function) -> Function:
+    """`function` with its sums and products in the order that ends first, and the longest
+    chains of operations begun first."""
+    return _Balance(function).run()
+
+
+class _Balance:
+    def __init__(self, function: Function) -> None:
+        self.function = function
+        self.block = Block()
+        self.references: list[int] = []  # of each operation; of an inner one, not used
+        self.ready: dict[int, int] = {self.block.zero: 0, self.block.one: 0}  # value number -> cycles
+        self.inner = _inner(function)
+
+    def run(self) -> Function:
+        function, block = self.function, self.block
+        for k, o in enumerate(function.operations):
+            if self.inner[k]:
+                self.references.append(block.zero)
+            elif o.op in _KIND:
+                self.references.append(self._whole(k))
+            else:
+                self.references.append(self._plain(o))
+        first = len(function.operations)
+        for k, store in enumerate(function.stores):
+            comment = function.comments.get(first + k, "")
+            block.store(store.array, store.index, self.references[store.value], comment)
+        schedule = by_height if first <= _LARGEST else None
+        about = function.description
+        return block.function(function.name, function.inputs, function.outputs, about, schedule)
+
+    def _plain(self, o: Operation) -> int:
+        block = self.block
+        operands = [self.references[k] for k in o.operands]
+        if o.op == "const":
+            assert isinstance(o.payload, float | int)
+            found = block.const(o.payload)
+        elif o.op == "load":
+            assert isinstance(o.payload, tuple)
+            found = block.load(*o.payload)
+        elif o.op == "div":
+            found = block.div(*operands)
+        elif o.op == "abs":
+            found = block.abs(*operands)
+        else:
+            found = block.apply(o.op, *operands)
+        return self._timed(found, operands, _CYCLES.get(o.op, _FUNCTION))
+
+    def _timed(self, found: int, operands: Sequence[int], cycles: int) -> int:
+        start = max([self._when(a) for a in operands], default=0)
+        self.ready.setdefault(max(found, ~found), start + cycles)
+        return found
+
+    def _when(self, a: int) -> int:
+        return self.ready.get(max(a, ~a), 0)
+
+    def _whole(self, root: int) -> int:
+        """The sum or product at `root`, from its parts."""
+        block, product = self.block, _KIND[self.function.operations[root].op] == "product"
+        parts = self._parts(root)
+        heap = [(self._when(a), n, a) for n, a in enumerate(parts)]
+        heapify(heap)
+        count = len(heap)
+        while len(heap) > 1:
+            _, _, a = heappop(heap)
+            _, _, b = heappop(heap)
+            found = block.mul(a, b) if product else block.add(a, b)
+            self._timed(found, (a, b), 4)
+            heappush(heap, (self._when(found), count, found))
+            count += 1
+        return heap[0][2]
+
+    def _parts(self, root: int) -> list[int]:
+        """The references that the sum or product at `root` is of, from left to right."""
+        operations, found = self.function.operations, []
+        stack = [(root, False)]
+        while stack:
+            k, negative = stack.pop()
+            if k != root and not self.inner[k]:
+                found.append(~self.references[k] if negative else self.references[k])
+                continue
+            o = operations[k]
+            signs = (False, o.op == "sub") if len(o.operands) == 2 else (True,)
+            for operand, turned in reversed(list(zip(o.operands, signs))):
+                stack.append((operand, negative != turned))
+        return found
+
+
+def _inner(function: Function) -> list[bool]:
+    """Which operations are parts of a sum or product that is alike, and of nothing else."""
+    operations = function.operations
+    uses = [0] * len(operations)
+    by = [-1] * len(operations)
+    for k, o in enumerate(operations):
+        for operand in o.operands:
+            uses[operand] += 1
+            by[operand] = k
+    for store in function.stores:
+        uses[store.value] += 1
+        by[store.value] = -1
+    return [
+        uses[k] == 1 and by[k] >= 0 and o.op in _KIND and _KIND[o.op] == _KIND.get(operations[by[k]].op)
+        for k, o in enumerate(operations)
+    ]
+
+
+def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
+    """What is needed for `roots`: of the operations that could come next always the one that the
+    longest chain to an end begins with.  Loads and constants stand before their first use."""
+    needed = _needed(rows, roots)
+    height = [0] * len(rows)  # cycles from the start of an operation to the end of the function
+    users: dict[int, list[int]] = {v: [] for v in needed}
+    for v in reversed(needed):
+        height[v] += _CYCLES.get(rows[v][0], _FUNCTION)
+        for operand in rows[v][1]:
+            height[operand] = max(height[operand], height[v])
+            users[operand].append(v)
+    missing = {v: len(rows[v][1]) for v in needed}
+    order: list[int] = []
+    late = {v for v in needed if not rows[v][1]}
+    next_ones: list[tuple[int, int]] = []
+
+    def done(v: int) -> None:
+        for user in users[v]:
+            missing[user] -= 1
+            if not missing[user]:
+                heappush(next_ones, (-height[user], user))
+
+    for v in needed:
+        if v in late:
+            done(v)
+    while next_ones:
+        _, v = heappop(next_ones)
+        for operand in rows[v][1]:
+            if operand in late:
+                late.discard(operand)
+                order.append(operand)
+        order.append(v)
+        done(v)
+    return order + [v for v in needed if v in late]
+
+
+def _needed(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
+    found = set(roots)
+    stack = list(found)
+    while stack:
+        for operand in rows[stack.pop()][1]:
+            if operand not in found:
+                found.add(operand)
+                stack.append(operand)
+    return sorted(found)
