@@ -95,10 +95,10 @@ def _overview() -> str:
 
 
 def _similar(name: str) -> str:
-    import difflib
+    from lagc.diagnostics.suggest import closest
 
-    close = difflib.get_close_matches(name, COMMANDS, n=1)
-    return f" (did you mean `{close[0]}`?)" if close else ""
+    close = closest(name, COMMANDS)
+    return f" (did you mean `{close}`?)" if close else ""
 
 
 def _report(refused: Refused, words: list[str]) -> None:

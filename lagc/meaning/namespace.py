@@ -12,9 +12,9 @@ from collections.abc import Iterable, Iterator
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
+from lagc.library import LARGEST
 from lagc.meaning.values import Wrong
 
-LARGEST_FILE = 4_000_000
 Declared = (
     tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
 )
@@ -206,7 +206,7 @@ class Importer:
             return self.files[path]
         try:
             with open(path, "rb") as file:
-                data = file.read(LARGEST_FILE + 1)
+                data = file.read(LARGEST + 1)
             text = data.decode("utf-8-sig")
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"

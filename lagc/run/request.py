@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.diagnostics.suggest import closest
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
 
@@ -192,8 +192,7 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
 def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
     names = list(known)
     parts = [n for n in names if n.startswith((f"{name}[", f"{name}."))]
-    close = closest(name, names)
-    remedy = f"did you mean `{close}`?" if close else None
+    remedy = did_you_mean(name, names)
     if parts:
         remedy = f"`{name}` has parts: give " + ", ".join(f"`{n}`" for n in parts[:4])
     if remedy is None and 0 < len(names) <= 12:
