@@ -272,7 +272,7 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
             error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, w)
                                           : lagc_dop853_error(o->rtol, atol, h, s->x, w);
 #if LAGC_NH
-            if (error > 1.0 && method != LAGC_DOPRI5 && o->project)
+            if (error > 1.0 && rejected && method != LAGC_DOPRI5 && o->project) /* the second time */
                 error = lagc_second_look(p, s, t_new, h, o, atol, error, w);
 #endif
             if (error != error) {

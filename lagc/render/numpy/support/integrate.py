@@ -128,7 +128,7 @@ class Integrator:
                 status = self._arrive(t_new, y)
             if status not in FAILED and options.step == 0.0:
                 error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
-                if error > 1.0 and self.tangents is not None:
+                if error > 1.0 and rejected and self.tangents is not None:  # the second time
                     error, y = self._second_look(t_new, h, y, error)
                 if error != error:
                     status = NOT_FINITE
