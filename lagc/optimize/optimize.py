@@ -12,7 +12,7 @@ from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.ldlt import Elimination, Entry, flops
 from lagc.optimize.massless import refuse_massless
 from lagc.optimize.program import Function, Program
-from lagc.optimize.prune import independent, prune
+from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
@@ -49,16 +49,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
     """Every node that any function stores."""
-    found = [
-        *equations.qdot, *equations.mass_matrix.values(), *equations.bias_forces, *equations.given_forces,
-        equations.kinetic, equations.potential, equations.energy, equations.power,
-        *(s.value for s in (*equations.starts_q, *equations.starts_v)),
-        *(residual for residual, _ in equations.initial_conditions),
-        *(o.expression for o in equations.outputs),
-    ]  # fmt: skip
-    for row in equations.rows:
-        found += [row.residual, row.rate, row.gamma, *row.jacobian.values()]
-    return found
+    starts = [s.value for s in (*equations.starts_q, *equations.starts_v)]
+    return [*equations.qdot, *starts, *sources(equations)]
 
 
 def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:

@@ -29,7 +29,7 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
 
 def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Indices of the q and v that stay."""
-    reached = symbols(_sources(equations))
+    reached = symbols(sources(equations))
     moving = {j for entry in equations.mass_matrix for j in entry}
     moving.update(j for row in equations.rows for j in row.jacobian)
     forces = zip(equations.bias_forces, equations.given_forces)
@@ -64,7 +64,7 @@ def _groups(equations: EquationsOfMotion) -> list[tuple[int, ...]]:
             for k in range(len(equations.q)) if k not in inside or k in equations.quaternions]  # fmt: skip
 
 
-def _sources(equations: EquationsOfMotion) -> list[Node]:
+def sources(equations: EquationsOfMotion) -> list[Node]:
     """All that a coordinate can matter for, its own rate aside."""
     found = [
         *equations.mass_matrix.values(), *equations.bias_forces, *equations.given_forces,

@@ -8,7 +8,6 @@ MARK on), and the verbs of `verbs.py` that a caller uses.
 from __future__ import annotations
 
 import os
-import re
 from functools import cache
 
 from lagc.optimize.program import Field, Interface, Program
@@ -81,11 +80,11 @@ def _table(name: str, values: tuple[str, ...] | list[str]) -> list[str]:
 
 @cache
 def _support() -> tuple[str, ...]:
-    """The shared text; each file from MARK on, without what concerns type checkers only."""
+    """The shared text; each file from MARK on, without the protocol, which generated modules do not hold."""
     folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
     parts = []
     for name in SUPPORT:
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             text = file.read().partition(MARK)[2].strip("\n") + "\n"
-        parts.append(re.sub(r"  # type: ignore\[[^\]]*\]", "", text).replace(": Problem", ""))
+        parts.append(text.replace(": Problem", ""))
     return tuple(parts)

@@ -37,7 +37,7 @@ class Equations:
         self.redundant_rows: list[int] = []
         self._straight = bool(model["STRAIGHT"])
         self._functions = {k[3:]: v for k, v in model.items() if k.startswith("fn_")}
-        self._fn_rhs = self._functions.get("rhs")
+        self._fn_rhs: Any = self._functions.get("rhs")
         self._health = [1.0, 0.0]
         self._least = LEAST_PIVOT_OF_ROWS if self.nc else LEAST_PIVOT
         self._lost = False  # rows are known to be dependent
@@ -53,7 +53,7 @@ class Equations:
         """xdot[nx] and lam[nc] at (t, x); a status."""
         health = self._health
         if self._straight and not self._lost:
-            self._fn_rhs(self.p, t, x, xdot, lam, health)  # type: ignore[misc]
+            self._fn_rhs(self.p, t, x, xdot, lam, health)
             if health[0] >= self._least and health[1] <= LARGEST_RESIDUAL:
                 if health[1] > ROUNDING:
                     self._refined(t, x, xdot, lam)
