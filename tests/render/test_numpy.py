@@ -111,7 +111,7 @@ def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None
             assert bits(y) == bits(python.outputs(t, x, p))
 
 
-def _balance(rows: list[list[float]]) -> None:
+def assert_balance(rows: list[list[float]]) -> None:
     """Each row sums to zero.  A row of small terms only has its rounding from the largest one: factors
     are as good as the largest terms that passed through them."""
     largest = max((sum(map(abs, row)) for row in rows), default=0.0)
@@ -135,8 +135,8 @@ def test_accelerations_solve_the_equations(name: str) -> None:
             [m * b for m, b in zip(mass[i], a)] + [-r[i]] + [-row[i] * f for row, f in zip(g, lam)]
             for i in range(python.NV)
         ]
-        _balance(rows)
-        _balance([[c * b for c, b in zip(row, a)] + [-right] for row, right in zip(g, gamma)])
+        assert_balance(rows)
+        assert_balance([[c * b for c, b in zip(row, a)] + [-right] for row, right in zip(g, gamma)])
 
 
 @pytest.mark.parametrize("name", MODELS)
