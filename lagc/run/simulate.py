@@ -89,8 +89,14 @@ def begin(system: System, request: Request) -> Start:
     if start.missed:
         missed = "; ".join(str(m) for m in start.missed[:4])
         more = f"; and {len(start.missed) - 4} more" if len(start.missed) > 4 else ""
-        held = ", ".join(f"`{name}`" for name in start.held[:6])
-        remedy = f"{held} {'is' if len(start.held) == 1 else 'are'} held fixed: let one go" if held else None
+        firm = []
+        if start.held:
+            held = ", ".join(f"`{name}`" for name in start.held[:6])
+            firm.append(f"{held} {'is' if len(start.held) == 1 else 'are'} held fixed")
+        if system.interface.initial_places:
+            places = ", ".join(system.interface.initial_places[:6])
+            firm.append(f"the conditions of `initial` (at {places}) have to hold")
+        remedy = f"{' and '.join(firm)}: let one go" if firm else None
         raise Refused([Fault("LAG0610", f"no start meets all conditions: {missed}{more}", remedy=remedy)])
     if any(not abs(a) <= 1e300 for a in start.x):
         i = next(i for i, a in enumerate(start.x) if not abs(a) <= 1e300)
