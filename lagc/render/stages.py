@@ -182,9 +182,9 @@ def _python_at(tableau: Tableau) -> str:
 # -- C --
 
 
-def _c_combination(row: Row) -> str:
+def _c_combination(row: Row, base: str = "x") -> str:
     total = _sum(row, "w->k[{}][i]", " " * 12)
-    return f"    for (i = 0; i < LAGC_NX; i++)\n        w->y[i] = x[i] + h * ({total});\n"
+    return f"    for (i = 0; i < LAGC_NX; i++)\n        w->y[i] = {base}[i] + h * ({total});\n"
 
 
 def _c_evaluation(c: float, stage: int) -> str:
@@ -197,12 +197,14 @@ def _c_evaluation(c: float, stage: int) -> str:
 def _c_stages(tableau: Tableau) -> str:
     text = (
         f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x,\n"
-        "                              double h, lagc_work *w)\n{\n    int i, status;\n"
+        "                              double h, lagc_work *w)\n{\n"
+        "    double own[LAGC_NX]; /* of x: apart from w, so that loops run over several entries at once */\n"
+        "    int i, status;\n    for (i = 0; i < LAGC_NX; i++)\n        own[i] = x[i];\n"
     )
     for stage, (c, row) in enumerate(zip(tableau.c, tableau.a), start=1):
         if row:
-            text += _c_combination(row) + _c_evaluation(c, stage)
-    return text + _c_combination(tableau.b) + "    return LAGC_OK;\n}\n"
+            text += _c_combination(row, "own") + _c_evaluation(c, stage)
+    return text + _c_combination(tableau.b, "own") + "    return LAGC_OK;\n}\n"
 
 
 def _c_error(tableau: Tableau) -> str:
