@@ -22,6 +22,7 @@ SAFETY = 2.0  # on every estimate
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-14  # no tolerance is below this
+MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 LEAST = 1e-9  # SI: states of a kind that is smaller are taken for rounding noise
@@ -173,14 +174,24 @@ class _Search:
         if len(tols) < 2:
             return inf
         difference, _ = self._difference(tols[0], tols[1])
+        alike = self._alike(self.runs[tols[0]].steps, self.runs[tols[1]].steps)
         if len(tols) == 2:
-            return max(SAFETY * difference, SMALLEST)
+            return max(SAFETY * difference * max(1.0, alike), SMALLEST)
         before, _ = self._difference(tols[0], tols[2])
         slope, step = self._slope(), tols[1] / tols[2]
         if slope is None:
-            return max(SAFETY * max(difference, before * step * step), SMALLEST)
+            return max(SAFETY * max(difference, before * step * step) * max(1.0, alike), SMALLEST)
         gain: float = (tols[0] / tols[1]) ** (CAUTION * slope)
-        return max(SAFETY * max(difference, before * step) * gain, SMALLEST)
+        return max(SAFETY * max(difference, before * step) * max(gain, alike), SMALLEST)
+
+    def _alike(self, fine: int, coarse: int) -> float:
+        """The error of the finer run over the difference, as the numbers of steps let expect: an error
+        goes with the power -order of it, so that runs of like numbers differ by less than they err.  0
+        where they are as different as a decade makes them."""
+        ratio = (fine / max(coarse, 1)) ** (5 if self.method == "dopri5" else 8)
+        if ratio > 4.0:
+            return 0.0
+        return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
 
     def _slope(self) -> float | None:
         """p of C tol^p, from the three finest runs; None where two decades disagree."""
@@ -287,7 +298,7 @@ def _memory_name(
     interface = system.interface
     values = [repr(v) for v in (accuracy, system.parameters, list(x0), len(times), times[-1])]
     tool = cache.tool_fingerprint()
-    return cache.key("accuracy 3", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 4", tool, interface.model_hash, method, system.backend, *values)
 
 
 def _recall(name: str) -> tuple[float, float, float] | None:

@@ -151,7 +151,7 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
         return ""
     row, farthest = system.culprit, inf
     if status != REDUNDANT:
-        reach = max(1e-300, min(1.0, max(abs(a) for a in x[: system.nq])))
+        reach = min(1.0, max(abs(a) for a in x[: system.nq])) or 1.0
         row, farthest = -1, NEAR * reach
         for i, scale in enumerate(system.scales(t, x)):
             r = [0.0] * (system.nv + system.nc)

@@ -10,7 +10,12 @@ import pytest
 import lagc
 from lagc.api import Run
 from lagc.library import read as read_model
+from lagc.run.backends.compile import compiler
+from lagc.run.problem import OK, Options
+from lagc.run.simulate import verdict
 from tests.physics.references import read
+
+BACKEND = "c" if compiler() is not None else "numpy"
 
 
 def _run(
@@ -52,6 +57,25 @@ def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
         assert abs(run[f"ph[{i}]"]).max() <= 1e-6
     if away == 0.0:  # the rank is lost there, and it is said which rows
         assert any("hinge[" in note for note in run.notes), run.notes
+
+
+@pytest.mark.parametrize("windows", [1, 2, 4])
+def test_windows_pass_the_flat_posture_at_any_tolerance(windows: int) -> None:
+    # each passage meets it at other distances, down to where multipliers are nothing but rounding
+    model = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
+    system = model.load(BACKEND)
+    x = system.start()
+    start = system.energies(0.0, x)[2]
+    complete, tolerances = 0, [10.0 ** (-6.0 - k / 8.0) for k in range(40)]
+    for tolerance in tolerances[:: 1 if BACKEND == "c" else 5]:
+        done = system.integrate(Options("dop853", tolerance, tolerance, max_steps=5000), 0.0, x, [0.0, 10.0])
+        if done.status == OK:  # never on another branch, which needs other energy
+            complete += 1
+            assert abs(system.energies(10.0, done.x)[2] - start) <= 100.0 * tolerance * start + 5e-8
+            assert max(abs(done.x[windows + 1 + i]) for i in range(windows)) <= 1e-6
+        else:
+            assert "hinge[" in verdict(system, done, 10.0)[1]
+    assert complete >= 0.9 * len(tolerances[:: 1 if BACKEND == "c" else 5])
 
 
 FOUR_BAR = read_model("classic/four_bar").text

@@ -1,0 +1,153 @@
+"""The error that a run tells is not less than its true one, whatever the model and its size."""
+
+from __future__ import annotations
+
+from math import pi
+from random import Random
+
+import pytest
+
+import lagc
+from lagc.api import Run
+from lagc.library import library_models
+from lagc.run.accuracy import difference, kinds, scale
+from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
+from lagc.run.simulate import losing_rank, verdict
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+
+# through postures or saddles where 1e-9 of the states is beyond a reference in double precision
+SENSITIVE = {f"classic/{name}" for name in ("arenstorf_orbit", "double_well", "n_four_bar")}
+MODELS = Random(20).sample(sorted(set(library_models()) - SENSITIVE), 10)
+
+
+def true_error(model: lagc.CompiledModel, run: Run) -> float:
+    """Against a run at the finest tolerance; scaled as the estimate is."""
+    system, found = model.system, Trajectory(run.times, run.states, run.times[-1], run.states[-1])
+    size = min(1.0, *(scale(found, group) for group in kinds(system.interface)))
+    options = Options("dop853", 1e-13, 1e-13 * size)
+    reference = system.integrate(options, 0.0, run.states[0], run.times)
+    assert reference.status == OK
+    return difference(reference, found, system.interface, 1.0)[0]
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_models_of_the_library_are_as_good_as_they_say(name: str) -> None:
+    model = lagc.load(name).compile(backend="numpy")
+    stop = min(model.interface.simulate.get("stop", 1.0), 1.0)
+    for accuracy in (1e-4, 1e-7, 1e-9):
+        run = model.simulate(stop, accuracy=accuracy, points=21)
+        assert run.status == "ok", run.message
+        assert run.estimated is not None
+        assert run.estimated <= accuracy
+        # with a step or two in all, errors follow no law
+        assert true_error(model, run) <= min(1.5 * run.estimated, accuracy) + 3e-12
+
+
+KINK = """
+model Kink
+  coordinate Length x(start = 0.3 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential spring = 1/2*4 [N/m]*x^2;
+  force push = (3 [N]*abs(sin(2 [rad/s]*time)))*world.x at b;
+end Kink;
+"""
+STEP = """
+model StepForce
+  coordinate Length x(start = 0.3 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential spring = 1/2*4 [N/m]*x^2;
+  force push = (if time < 3.3 [s] then 3 [N] else -2 [N])*world.x at b;
+end StepForce;
+"""
+TWO_SCALES = """
+model TwoScales
+  coordinate Length x(start = 1 [m]), y(start = 1e-6 [m]);
+  body a = Particle(mass = 1 [kg], at = {x, 0, 0});
+  body b = Particle(mass = 1e-4 [kg], at = {0, y, 0});
+  potential s = 1/2*1 [N/m]*x^2 + 1/2*1 [N/m]*y^2;
+end TwoScales;
+"""
+MICRO = """
+model Micro
+  parameter Length l = 1e-6 [m];
+  coordinate Length x(start = 0.6e-6 [m]), y(start = -0.8e-6 [m]);
+  body bob = Particle(mass = 1e-9 [kg], at = {x, y, 0});
+  constraint string: x^2 + y^2 = l^2;
+  effect gravity Gravity field(direction = {0, -1, 0}); end gravity;
+  scene lab uses gravity;
+end Micro;
+"""
+ATOM = """
+model Atom
+  coordinate Length x(start = 1e-10 [m]), y(start = 0.5e-10 [m]);
+  body bob = Particle(mass = 1e-26 [kg], at = {x, y, 0});
+  potential s = 1/2*10 [N/m]*(x^2 + 3*y^2) + 1e10 [N/m2]*x^2*y;
+end Atom;
+"""
+EARTH = """
+model Earth
+  parameter Mass M = 1.989e30 [kg], m = 5.97e24 [kg];
+  parameter Real[m3/(kg.s2)] G = 6.674e-11;
+  coordinate Length x(start = 1.47e11 [m]), y(rate = 30290 [m/s]), X, Y;
+  body earth = Particle(mass = m, at = {x, y, 0});
+  body sun = Particle(mass = M, at = {X, Y, 0});
+  potential g = -G*M*m/sqrt((x - X)^2 + (y - Y)^2);
+end Earth;
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "stop"),
+    [(KINK, 10.0), (TWO_SCALES, 2.0), (MICRO, 0.003), (ATOM, 1e-12), (EARTH, 1e7)],
+    ids=["kink", "two scales", "micro", "atom", "earth"],
+)
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-7])
+def test_forces_with_kinks_and_any_sizes(text: str, stop: float, accuracy: float) -> None:
+    model = lagc.loads(text).compile(backend="numpy")
+    run = model.simulate(stop, accuracy=accuracy, points=51)
+    assert run.status == "ok", run.message
+    assert run.estimated is not None
+    assert true_error(model, run) <= run.estimated <= accuracy
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-7, 1e-9])
+def test_force_that_jumps(accuracy: float) -> None:
+    # a step across the jump errs by any part of its tolerance: what two runs tell is within a factor
+    model = lagc.loads(STEP).compile(backend="numpy")
+    run = model.simulate(10.0, accuracy=accuracy, points=51)
+    assert run.status == "ok", run.message
+    assert run.estimated is not None
+    assert true_error(model, run) <= min(2.0 * run.estimated, accuracy)
+
+
+def test_rest_stays_rest() -> None:
+    run = lagc.load("course/simple_pendulum").compile(backend="numpy").simulate(
+        5.0, accuracy=1e-8, starts={"theta": 0.0}
+    )  # fmt: skip
+    assert run.status == "ok" and run.estimated is not None and run.estimated <= 1e-13
+    assert all(x[0] == 0.0 for x in run.states)
+
+
+def test_what_is_estimated_belongs_to_what_is_returned() -> None:
+    run = lagc.load("classic/double_pendulum").compile("chaotic").simulate(60.0, accuracy=1e-6)
+    assert run.status == "failed" and run.times[-1] < 60.0
+    assert run.estimated is not None and run.estimated <= 1e-6
+
+
+def test_posture_that_loses_rank_is_named() -> None:
+    model = lagc.load("classic/n_four_bar").compile(backend="numpy")
+    system = model.load("numpy")
+    upright = system.start()
+    assert losing_rank(system, 0.0, upright) == ""
+    for away in (1e-6, 0.0):
+        flat = [pi / 2.0 + away, pi / 2.0 + away, *upright[2:]]
+        assert "`hinge[1][1]`" in losing_rank(system, 0.0, flat)
+
+
+def test_where_a_run_ended_for_want_of_rank_its_message_says_so() -> None:
+    system = lagc.load("classic/n_four_bar").compile(backend="numpy").load("numpy")
+    flat = [pi / 2.0 + 1e-6, pi / 2.0 + 1e-6, *system.start()[2:]]
+    for status in (STEP_UNDERFLOW, MAX_STEPS):
+        told = verdict(system, Trajectory([], [], 0.7, flat, status), 1.0)
+        assert told[0] == "failed" and "hinge[1][1]" in told[1] and "t = 0.7 s" in told[1]
