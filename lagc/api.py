@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
     from lagc.run.solution import Array
+    from lagc.view.matrices import Matrices
 
 Value: TypeAlias = float | tuple[float, str] | Quantity
 Progress: TypeAlias = Callable[[float], None]
@@ -256,6 +257,12 @@ class CompiledModel:
         system.parameters = self._bound(parameters)
         found = begin(system, Request(starts=bound_starts(self.interface, starts)))
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
+
+    def matrices(self) -> Matrices:
+        """M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError where SymPy is missing."""
+        from lagc.view.matrices import matrices
+
+        return matrices(self.equations)
 
     @property
     def state_names(self) -> tuple[str, ...]:
