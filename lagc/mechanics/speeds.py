@@ -187,7 +187,7 @@ def _names(speeds: Iterable[Speed]) -> str:
 def _too_many(declared: Sequence[Speed], count: int) -> Fault:
     return Fault(
         "LAG0403",
-        f"{len(declared)} speeds are declared, but the coordinates have only {count} rates",
+        f"{len(declared)} speeds are declared, but the coordinates have only {count} rate{'' if count == 1 else 's'}",
         declared[count].span,
         remedy=f"remove {len(declared) - count} of {_names(declared)}",
     )
