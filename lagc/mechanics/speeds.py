@@ -185,9 +185,10 @@ def _names(speeds: Iterable[Speed]) -> str:
 
 
 def _too_many(declared: Sequence[Speed], count: int) -> Fault:
+    rates = f"{count} rate{'' if count == 1 else 's'}"
     return Fault(
         "LAG0403",
-        f"{len(declared)} speeds are declared, but the coordinates have only {count} rate{'' if count == 1 else 's'}",
+        f"{len(declared)} speeds are declared, but the coordinates have only {rates}",
         declared[count].span,
         remedy=f"remove {len(declared) - count} of {_names(declared)}",
     )
