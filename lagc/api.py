@@ -11,19 +11,20 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.once import RLock
 from lagc.records import dataclass, names
 from lagc.run.problem import System
 from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
 from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
+    from lagc.artifact import Artifact
     from lagc.meaning.model import Model
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
@@ -103,16 +104,51 @@ class Run(Solution):
 class CompiledModel:
     """One scene of a model: equations, program, and what simulates it.
 
-    What was compiled before comes out of the cache, stages that nobody asks for are not run.
+    What was compiled before comes out of the cache, stages that nobody asks for are not run.  Nothing
+    that is done with it changes its answers: parameters belong to a run, or are bound by `bind`.  Any
+    number of threads may use one at the same time, and it pickles.
     """
 
     def __init__(self, compilation: Compilation, backend: str = "auto"):
-        self.compilation = compilation
-        self.asked_backend = backend
-        began = perf_counter()
-        self._systems: dict[str, System] = {}
-        self.artifact = compilation.artifact(self._preferred)
-        self.compile_s = perf_counter() - began
+        self._loaded = _Loaded(compilation, backend)
+        self._given = compilation.choice.parameters
+        self._recent: System | None = None
+
+    def bind(self, parameters: Mapping[str, Value]) -> CompiledModel:
+        """This model with other values of parameters, for every run that does not give its own; nothing is
+        compiled again.  Raises Refused where one is unknown or out of its bounds."""
+        bound = CompiledModel.__new__(CompiledModel)
+        bound._loaded = self._loaded
+        bound._given = {**self._given, **quantities(parameters)}
+        bound._recent = None
+        bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
+        return bound
+
+    def __getstate__(self) -> dict[str, object]:
+        return {"_loaded": self._loaded, "_given": dict(self._given), "_recent": None}
+
+    def __copy__(self) -> CompiledModel:
+        return self
+
+    def __deepcopy__(self, _: object) -> CompiledModel:
+        return self
+
+    @property
+    def compilation(self) -> Compilation:
+        return self._loaded.compilation
+
+    @property
+    def asked_backend(self) -> str:
+        return self._loaded.asked
+
+    @property
+    def artifact(self) -> Artifact:
+        return self._loaded.artifact
+
+    @property
+    def compile_s(self) -> float:
+        """What compiling has taken so far, s."""
+        return self._loaded.seconds
 
     @property
     def model(self) -> Model:
@@ -141,25 +177,22 @@ class CompiledModel:
     @property
     def backend(self) -> str:
         """The backend that is loaded, or will be first."""
-        return next(reversed(self._systems), self._preferred)
+        return self._loaded.backend
 
     @property
     def system(self) -> System:
-        """The loaded system; with the parameters of the last run."""
+        """The loaded system, with the parameters of this model; NaN for those without a value."""
         return self.load(self.backend)
 
     def load(self, backend: str) -> System:
-        """The system of `backend`, compiled where it is not yet."""
-        system = self._systems.get(backend)
-        if system is None:
-            from lagc.run.backends import load
+        """The system of `backend`, compiled where it is not yet, with the parameters of this model."""
+        return self._with(self._bound(None, demanding=False), backend)
 
-            began = perf_counter()
-            artifact = self.compilation.artifact(backend)
-            system = load(artifact.interface, artifact.sources, backend, artifact.code)
-            self.compile_s += perf_counter() - began
-            self._systems[backend] = system
-        return system
+    def _with(self, values: list[float], backend: str) -> System:
+        recent = self._recent
+        if recent is None or recent.backend != backend or repr(recent.parameters) != repr(tuple(values)):
+            recent = self._recent = self._loaded.system(backend).bind(values)
+        return recent
 
     def simulate(
         self,
@@ -195,7 +228,7 @@ class CompiledModel:
             return self._run(self.asked_backend, request, parameters, progress)
         from lagc.run.backends.compile import CannotCompile
 
-        if self._preferred == "c" or "c" in self._systems:
+        if self.backend == "c":
             try:
                 return self._run("c", request, parameters, progress, "compiled before")
             except CannotCompile as error:
@@ -205,7 +238,7 @@ class CompiledModel:
             return self._run("numpy", request, parameters, patience, "done sooner than C compiles")
         except TakesLong:
             try:
-                self.load("c")
+                self._loaded.system("c")
             except CannotCompile as error:
                 return self._run("numpy", request, parameters, progress, str(error))
             return self._run("c", request, parameters, progress, "a long run")
@@ -220,8 +253,7 @@ class CompiledModel:
     ) -> Run:
         from lagc.run.simulate import simulate
 
-        system = self.load(backend)
-        system.parameters = list(parameters)
+        system = self._loaded.system(backend).bind(parameters)
         found = simulate(system, request, self.compile_s, progress)
         found.backend_reason = reason
         return Run(**{name: getattr(found, name) for name in names(Solution)})
@@ -234,12 +266,11 @@ class CompiledModel:
         """
         import numpy
 
-        interface, system = self.interface, self.system
+        interface, system = self.interface, self._with(self._bound(parameters), self.backend)
         state = [float(a) for a in x]
         wanted = interface.nq + interface.nv
         if len(state) not in (wanted, interface.nx):
             raise ValueError(f"x has {len(state)} entries, not {wanted}: {', '.join(self.state_names)}")
-        system.parameters = self._bound(parameters)
         xdot, lam = [0.0] * interface.nx, [0.0] * interface.nc
         full = state + [0.0] * (interface.nx - len(state))
         status = system.rhs(float(t), full, xdot, lam)
@@ -253,8 +284,7 @@ class CompiledModel:
 
         from lagc.run.simulate import begin
 
-        system = self.system
-        system.parameters = self._bound(parameters)
+        system = self._with(self._bound(parameters), self.backend)
         found = begin(system, Request(starts=bound_starts(self.interface, starts)))
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
 
@@ -262,31 +292,76 @@ class CompiledModel:
         """M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError where SymPy is missing."""
         from lagc.view.matrices import matrices
 
-        return matrices(self.equations)
+        with self.compilation.lock:
+            return matrices(self.equations)
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """What x = (q, v) holds."""
         return (*self.interface.q_names, *self.interface.v_names)
 
-    def _bound(self, parameters: Mapping[str, Value] | None) -> list[float]:
-        given = {**self.compilation.choice.parameters, **quantities(parameters or {})}
-        return bound_parameters(self.interface, given, self.artifact.unused)
-
-    @cached_property
-    def _preferred(self) -> str:
-        """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
-        if self.asked_backend != "auto":
-            return self.asked_backend
-        from lagc.run.backends.compile import cached_library
-
-        artifact = self.compilation.cached_artifact("c")
-        return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
+    def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
+        given = {**self._given, **quantities(parameters)} if parameters else self._given
+        return bound_parameters(self.interface, given, self.artifact.unused, demanding)
 
     def _repr_latex_(self) -> str:
         from lagc.view.latex import equations_latex
 
-        return equations_latex(self.equations)
+        with self.compilation.lock:
+            return equations_latex(self.equations)
+
+
+class _Loaded:
+    """What is compiled and loaded of a model, for all that is bound to it.
+
+    `artifact` is the one of the backend that comes first; `seconds` is what compiling took.
+    """
+
+    def __init__(self, compilation: Compilation, backend: str):
+        self.compilation, self.asked = compilation, backend
+        self.lock = RLock()
+        self.systems: dict[str, System] = {}
+        began = perf_counter()
+        self.preferred = self._preferred()
+        self.artifact = compilation.artifact(self.preferred)
+        self.seconds = perf_counter() - began
+
+    def __getstate__(self) -> dict[str, object]:
+        return {**vars(self), "systems": dict(self.systems), "lock": None}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        vars(self).update(state, lock=RLock())
+
+    @property
+    def backend(self) -> str:
+        """The backend that is loaded, C before NumPy; else the one that will be first."""
+        if self.asked != "auto":
+            return self.asked
+        return next((b for b in ("c", "numpy") if b in self.systems), self.preferred)
+
+    def system(self, backend: str) -> System:
+        """With the model's own values."""
+        found = self.systems.get(backend)
+        if found is not None:
+            return found
+        with self.lock:
+            if backend not in self.systems:
+                from lagc.run.backends import load
+
+                began = perf_counter()
+                artifact = self.artifact if backend == self.preferred else self.compilation.artifact(backend)
+                self.systems[backend] = load(artifact.interface, artifact.sources, backend, artifact.code)
+                self.seconds += perf_counter() - began
+            return self.systems[backend]
+
+    def _preferred(self) -> str:
+        """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
+        if self.asked != "auto":
+            return self.asked
+        from lagc.run.backends.compile import cached_library
+
+        artifact = self.compilation.cached_artifact("c")
+        return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
 
 
 class TakesLong(Exception):

@@ -43,6 +43,10 @@ class Artifact:
     unused: tuple[Field, ...] = ()
     code: CodeType | None = None
 
+    def __getstate__(self) -> dict[str, object]:
+        """Without `code`, which belongs to one version of Python: it can be made from the text."""
+        return {**vars(self), "code": None}
+
 
 def fingerprint(path: str) -> str | None:
     """The SHA-256 of a file; None where it cannot be read."""

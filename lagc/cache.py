@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import os
 import sys
+from _thread import get_ident
 from functools import lru_cache
 
 _MAGIC = b"lagc-cache-1 "
@@ -78,7 +79,7 @@ def store(name: str, body: bytes) -> None:
     path = _path(name)
     if path is None:
         return
-    temporary = f"{path}.{os.getpid()}.tmp"
+    temporary = temporary_name(path)
     try:
         os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
         with open(temporary, "wb") as file:
@@ -89,6 +90,11 @@ def store(name: str, body: bytes) -> None:
             os.unlink(temporary)
         except OSError:
             return
+
+
+def temporary_name(path: str) -> str:
+    """A name beside `path` that no other thread writes to."""
+    return f"{path}.{os.getpid()}.{get_ident()}.tmp"
 
 
 def _path(name: str) -> str | None:

@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from functools import cached_property
+from collections.abc import Mapping
+from contextlib import ContextDecorator
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.once import RLock, once
 from lagc.optimize.program import Field
 from lagc.records import dataclass, field, replace
 from lagc.run.request import Given, Quantity
@@ -44,26 +44,43 @@ class Choice:
     parameters: Given = field(default_factory=dict)
 
 
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Without looking for garbage: stages make a great many objects that all stay."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
+class _Uncollected(ContextDecorator):
+    """Without looking for garbage: stages make a great many objects that all stay.
+
+    Collecting is one switch for all threads: the first that comes turns it off, the last that
+    leaves turns it on again, where it was on.
+    """
+
+    def __init__(self) -> None:
+        self.lock = RLock()
+        self.inside = 0
+        self.was_on = False
+
+    def __enter__(self) -> None:
+        with self.lock:
+            if self.inside == 0:
+                self.was_on = gc.isenabled()
+                gc.disable()
+            self.inside += 1
+
+    def __exit__(self, *_: object) -> None:
+        with self.lock:
+            self.inside -= 1
+            if self.inside == 0 and self.was_on:
+                gc.enable()
 
 
-@_uncollected()
+_uncollected = _Uncollected()
+
+
+@_uncollected
 def parse(source: Source) -> Tree:
     from lagc.frontend.parse import parse as run
 
     return run(source)
 
 
-@_uncollected()
+@_uncollected
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
     """The model that is meant.  Of `choice.parameters`, it holds the values of those that are
     built in only: the others are given to each run."""
@@ -105,21 +122,21 @@ def _in_si(name: str, given: float | Quantity) -> float:
         raise Refused([Fault("LAG0605", f"`{name}`: {error.reason}", remedy=error.remedy)]) from None
 
 
-@_uncollected()
+@_uncollected
 def derive(model: Model) -> EquationsOfMotion:
     from lagc.mechanics.derive import derive as run
 
     return run(model)
 
 
-@_uncollected()
+@_uncollected
 def optimize(equations: EquationsOfMotion, work: bool) -> Program:
     from lagc.optimize.optimize import optimize as run
 
     return run(equations, work=work)
 
 
-@_uncollected()
+@_uncollected
 def render(program: Program, target: str) -> dict[str, str]:
     """File name -> text."""
     if target == "c":
@@ -176,33 +193,39 @@ def _faults(tree: Tree, choice: Choice, roots: tuple[str, ...]) -> dict[tuple[ob
 
 
 class Compilation:
-    """One choice of one source, compiled as far as it is asked for; each stage at most once."""
+    """One choice of one source, compiled as far as it is asked for; each stage at most once, whatever
+    the number of threads.  It pickles as its source and choice."""
 
     def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = ()):
         self.source, self.choice, self.roots = source, choice, roots
+        self.lock = RLock()
 
-    @cached_property
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.source, self.choice, self.roots)
+
+    @once
     def model(self) -> Model:
         return resolve(parse(self.source), self.choice, self.roots)
 
-    @cached_property
+    @once
     def equations(self) -> EquationsOfMotion:
         return derive(self.model)
 
-    @cached_property
+    @once
     def program(self) -> Program:
         """For a run: the work of the given actions is integrated too."""
         return optimize(self.equations, work=True)
 
     def artifact(self, target: str) -> Artifact:
         """What runs, from the cache or compiled now (and then kept there)."""
-        return self.cached_artifact(target) or self._compiled(target)
+        with self.lock:
+            return self.cached_artifact(target) or self._compiled(target)
 
     def cached_artifact(self, target: str) -> Artifact | None:
         head = load_head(self._head_name)
         return None if head is None else load_artifact(self._artifact_name(target, head))
 
-    @cached_property
+    @once
     def _head_name(self) -> str:
         choice = self.choice
         chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))

@@ -79,3 +79,6 @@ class Refused(Exception):
     def __init__(self, faults: list[Fault] | tuple[Fault, ...]):
         self.faults = tuple(faults)
         super().__init__("; ".join(f"{f.code}: {f.message}" for f in self.faults))
+
+    def __reduce__(self) -> tuple[type[Refused], tuple[tuple[Fault, ...]]]:
+        return type(self), (self.faults,)

@@ -296,7 +296,7 @@ def _memory_name(
 ) -> str:
     """The same question has the same answer, whether it is remembered or not; so all of it counts."""
     interface = system.interface
-    values = [repr(v) for v in (accuracy, system.parameters, list(x0), len(times), times[-1])]
+    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), len(times), times[-1])]
     tool = cache.tool_fingerprint()
     return cache.key("accuracy 4", tool, interface.model_hash, method, system.backend, *values)
 

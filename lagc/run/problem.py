@@ -32,16 +32,35 @@ __all__ = [
 ]  # fmt: skip
 
 
-class System(Problem, Protocol):
-    """A compiled model with its parameters bound: a Problem with names, energies, outputs.
+class System(Protocol):
+    """A compiled model with its parameters bound: the functions of a Problem, names, energies, outputs.
 
-    Backends (`lagc.run.backends`): NumPy module, C library.  `parameters` is the array p and may
-    be changed between calls.
+    Backends (`lagc.run.backends`): NumPy module, C library.  Nothing of it changes: its functions
+    depend on their arguments alone, any number of threads may call them, and it pickles.  Of `assemble`
+    then `solve`, and of `culprit`, each thread sees its own.
     """
 
     interface: Interface
-    parameters: list[float]
     backend: str
+    nq: int
+    nv: int
+    nz: int
+    nc: int
+    nh: int
+    nx: int
+    quaternions: tuple[int, ...]
+
+    @property
+    def culprit(self) -> int: ...
+
+    @property
+    def parameters(self) -> Sequence[float]:
+        """The array p: parameters, then inputs."""
+        ...
+
+    def bind(self, values: Sequence[float]) -> System:
+        """The same model with other values of p."""
+        ...
 
     def integrate(
         self,
@@ -56,6 +75,20 @@ class System(Problem, Protocol):
         KeyboardInterrupt raised in `progress` ends it with what was computed (status INTERRUPTED).
         """
         ...
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
+
+    def position(self, t: float, x: Vector) -> list[float]: ...
+
+    def velocity(self, t: float, x: Vector) -> list[float]: ...
+
+    def scales(self, t: float, x: Vector) -> list[float]: ...
+
+    def assemble(self, t: float, x: Vector) -> int: ...
+
+    def solve(self, r: Vector) -> list[float]: ...
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]: ...
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         """(a[nv], lam[nc])."""

@@ -66,7 +66,7 @@ def simulate(
     if trajectory.redundant_rows:
         notes.append(_redundant(system, trajectory))
     return Solution(
-        system=system, parameters=list(system.parameters),
+        system=system,
         times=trajectory.times, states=trajectory.states, status=status, message=message,
         method=options.method, rtol=0.0 if options.step else options.rtol,
         atol=0.0 if options.step else options.atol, step=options.step,

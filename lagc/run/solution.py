@@ -57,12 +57,12 @@ class Solution:
 
     `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a
     coordinate, or an output.  All in SI.  `status` is "ok", "terminated" or "failed"; what was
-    computed before a failure is kept.  `accuracy` is the global relative error, asked (None: by
-    hand) and estimated (None: not verified); see `lagc.run.accuracy` for its norm.
+    computed before a failure is kept.  `system` holds the parameters of the run; nothing that is done
+    with the model since changes what is computed from it.  `accuracy` is the global relative error,
+    asked (None: by hand) and estimated (None: not verified); see `lagc.run.accuracy` for its norm.
     """
 
     system: System
-    parameters: list[float]
     times: list[float]
     states: list[list[float]]
     status: str
@@ -82,6 +82,11 @@ class Solution:
     interrupted: bool = False
     backend_reason: str = ""  # why `auto` took this backend
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
+
+    @property
+    def parameters(self) -> list[float]:
+        """The array p of the run: parameters, then inputs."""
+        return list(self.system.parameters)
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -227,31 +232,15 @@ class Solution:
         system = self.system
         nq = system.nq
         rows: list[list[float]] = []
-        with _Bound(system, self.parameters):
-            for t, x in zip(self.times, self.states):
-                xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-                system.rhs(t, x, xdot, lam)
-                rows.append(xdot[:nq])
+        for t, x in zip(self.times, self.states):
+            xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+            system.rhs(t, x, xdot, lam)
+            rows.append(xdot[:nq])
         for i, name in enumerate(system.interface.q_names):
             self._columns.setdefault(f"der({name})", [row[i] for row in rows])
 
     def _fill_outputs(self) -> None:
         system = self.system
-        with _Bound(system, self.parameters):
-            rows = [system.outputs(t, x) for t, x in zip(self.times, self.states)]
+        rows = [system.outputs(t, x) for t, x in zip(self.times, self.states)]
         for i, output in enumerate(system.interface.outputs):
             self._columns.setdefault(output.name, [row[i] for row in rows])
-
-
-class _Bound:
-    """The system with the parameters of the run, for as long as it lasts."""
-
-    def __init__(self, system: System, parameters: list[float]):
-        self.system, self.parameters = system, parameters
-        self.before = system.parameters
-
-    def __enter__(self) -> None:
-        self.system.parameters = list(self.parameters)
-
-    def __exit__(self, *_: object) -> None:
-        self.system.parameters = self.before

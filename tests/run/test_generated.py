@@ -19,9 +19,8 @@ from lagc.render.numpy.render import render as render_python
 from lagc.render.numpy.support import stages
 from lagc.render.stages import python_file
 from lagc.render.tableaus import TABLEAUS, Tableau
-from lagc.run.backends.c import CSystem
+from lagc.run.backends import load
 from lagc.run.backends.compile import compiler
-from lagc.run.backends.numpy import NumpySystem, compiled
 from lagc.run.integrate import METHODS
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, Options, System
 from tests.run.generated import body_on_a_pivot, double_pendulum, masses, pendulum
@@ -40,9 +39,8 @@ BACKENDS = pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=
 
 
 def build(program: Program, backend: str) -> System:
-    if backend == "c":
-        return CSystem(program.interface, render_c(program))
-    return NumpySystem(program.interface, compiled(render_python(program)))
+    sources = render_c(program) if backend == "c" else render_python(program)
+    return load(program.interface, sources, backend)
 
 
 @cache

@@ -41,7 +41,7 @@ def verbs(program: Program) -> list[Verb]:
             "x[NX] as the model gives it: start values, and guesses that the constraints and the\n"
             " * initial conditions may still have to move.",
             "void lagc_start(const lagc_params *p, double *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
-    found.append(_rhs())
+    found.append(_rhs(interface))
     if "system" in functions:
         found += _system(interface)
     found += [verb for name, verb in _DIRECT.items() if name in functions]
@@ -86,6 +86,9 @@ _DIRECT = {
 }
 
 
+_AFRESH = "    w->lost = 0; /* whatever was found before */\n"
+
+
 def _default_params(interface: Interface) -> Verb:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
@@ -100,11 +103,12 @@ def _default_params(interface: Interface) -> Verb:
         "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
 
 
-def _rhs() -> Verb:
+def _rhs(interface: Interface) -> Verb:
     return Verb(
         "xdot[NX] at (t, x), and the multipliers lambda[NC] where lambda is not NULL.",
         f"lagc_status lagc_rhs({_POINT}, double *xdot, double *lambda, lagc_work *w)",
-        "    return (lagc_status)lagc_rhs_(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+        (_AFRESH if interface.nc else "")
+        + "    return (lagc_status)lagc_rhs_(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
 
 def _system(interface: Interface) -> list[Verb]:
@@ -161,7 +165,7 @@ def _linear() -> list[Verb]:
         Verb(
             "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
-            "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
+            _AFRESH + "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
         Verb(
             "s[NV+NC] = (s1, s2) with M s1 - G^T s2 = r1 and G s1 = r2 for r[NV+NC] = (r1, r2).",
             "void lagc_solve(const double *r, double *s, lagc_work *w)",

@@ -12,15 +12,19 @@ from lagc.run.problem import System
 def load(
     interface: Interface, sources: Mapping[str, str], backend: str, code: CodeType | None = None
 ) -> System:
-    """The system that `sources` (file name -> text, as rendered for `backend`) describe.
+    """The system that `sources` (file name -> text, as rendered for `backend`) describe, with the
+    model's own values; `bind` gives it others.
 
     `code` is the compiled text of the NumPy module, where it is at hand.  Raises CannotCompile
     (`lagc.run.backends.compile`) where the C compiler is missing or fails.
     """
     if backend == "c":
-        from lagc.run.backends.c import CSystem
+        from lagc.run.backends.c import CModel
 
-        return CSystem(interface, sources)
-    from lagc.run.backends.numpy import NumpySystem, compiled
+        library = CModel(interface, sources)
+        library.functions  # noqa: B018  compiled now
+        return library.bind(library.defaults())
+    from lagc.run.backends.numpy import NumpyModel
 
-    return NumpySystem(interface, compiled(sources) if code is None else code)
+    module = NumpyModel(interface, sources, code)
+    return module.bind(module.defaults())

@@ -1,20 +1,70 @@
-"""What the systems of all backends share."""
+"""What the backends share: a compiled model without values, and the same with parameters bound."""
 
 from __future__ import annotations
 
+from _thread import _local
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+from lagc.once import RLock
 from lagc.optimize.program import Interface
-from lagc.run.problem import Vector
+from lagc.run.problem import System, Vector
+
+
+class Compiled(ABC):
+    """A compiled model: nothing of it changes, and any number of threads may use it.
+
+    It pickles as its interface and its text; what runs is loaded when it is first needed.
+    """
+
+    def __init__(self, interface: Interface, sources: Mapping[str, str]):
+        self.interface, self.sources = interface, sources
+        self.lock = RLock()
+
+    @abstractmethod
+    def bind(self, values: Sequence[float]) -> System:
+        """The system with the array p = `values`."""
+
+    def defaults(self) -> list[float]:
+        """The model's own values of p; NaN where it gives none."""
+        fields = (*self.interface.parameters, *self.interface.inputs)
+        return [float("nan") if f.value is None else f.value for f in fields]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.interface, dict(self.sources))
+
+    def __copy__(self) -> Compiled:
+        return self
+
+    def __deepcopy__(self, _: object) -> Compiled:
+        return self
 
 
 class CompiledSystem(ABC):
-    """The sizes of a System, and those of its functions that give one array."""
+    """A compiled model with its parameters, which never change.
 
-    def __init__(self, interface: Interface):
-        self.interface = interface
+    Every function is one of its arguments alone.  Any number of threads may call them: each has a
+    desk of its own, made when it first calls.  Of `assemble` then `solve`, and of `culprit`, a thread
+    sees its own.
+    """
+
+    def __init__(self, compiled: Compiled, values: Sequence[float], desk: Callable[..., Any], *given: Any):
+        interface = compiled.interface
+        self.compiled, self.interface = compiled, interface
         self.nq, self.nv, self.nz, self.nx = interface.nq, interface.nv, interface.nz, interface.nx
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        self._values = tuple(values)
+        self._own = _Own(desk, compiled, *given)
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """The array p: parameters, then inputs."""
+        return self._values
+
+    def bind(self, values: Sequence[float]) -> System:
+        """The same model with other values of p."""
+        return self.compiled.bind(values)
 
     def position(self, t: float, x: Vector) -> list[float]:
         return self._ask("position", self.nh, t, x)
@@ -34,3 +84,29 @@ class CompiledSystem(ABC):
     @abstractmethod
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """The array of `length` that the function `name` of the Program gives at (t, x)."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _bound, (self.compiled, self._values)
+
+    def __copy__(self) -> CompiledSystem:
+        return self
+
+    def __deepcopy__(self, _: object) -> CompiledSystem:
+        return self
+
+
+def _bound(compiled: Compiled, values: Sequence[float]) -> System:
+    return compiled.bind(values)
+
+
+class _Own(_local):
+    """What a thread calls with: its `desk`, made when it first asks for it."""
+
+    def __init__(self, make: Callable[..., Any], *given: Any):
+        self.make, self.given = make, given
+
+    def __getattr__(self, name: str) -> Any:
+        if name != "desk":
+            raise AttributeError(name)
+        self.desk = self.make(*self.given)
+        return self.desk

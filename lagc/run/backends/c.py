@@ -9,9 +9,9 @@ from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any
 
-from lagc.optimize.program import Interface
+from lagc.once import once
 from lagc.render.names import prefix
-from lagc.run.backends.base import CompiledSystem
+from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.compile import CannotCompile, build_library
 from lagc.run.problem import INTERRUPTED, OK, Options, Trajectory, Vector
 
@@ -29,95 +29,127 @@ class _Options(ctypes.Structure):
     )  # fmt: skip
 
 
-class CSystem(CompiledSystem):
-    """One library with parameters of its own, and a workspace: for one thread at a time."""
+# The functions of the header, where a model has them, and what they return.
+_RESULTS: dict[str, Any] = {
+    **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
+    **dict.fromkeys(("work_size", "state_size"), c_size_t),
+    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "initial", "displace"), None),
+    **dict.fromkeys(("solve", "begin"), None),
+}
 
+
+class CModel(Compiled):
+    """The library; compiled, where it is not in the cache, when it is first needed."""
+
+    @once
+    def functions(self) -> dict[str, Any]:
+        """By their names in the header, without the prefix.  Raises CannotCompile."""
+        library, own = _open(self.sources), prefix(self.interface.model)
+        found = {}
+        for name, result in _RESULTS.items():
+            function = getattr(library, f"{own}_{name}", None)
+            if function is not None:
+                function.restype = result
+                found[name] = function
+        if found["state_size"]() != ctypes.sizeof(self.state):
+            raise CannotCompile("the compiled library does not fit this version of lagc")
+        return found
+
+    @once
+    def state(self) -> type[Any]:
+        return _state_type(self.interface.nx)
+
+    @once
+    def head(self) -> type[Any]:
+        return _head_type(self.interface.nc)
+
+    def bind(self, values: Sequence[float]) -> CSystem:
+        return CSystem(self, values)
+
+    def work(self) -> Any:
+        """A new workspace."""
+        return ctypes.create_string_buffer(self.functions["work_size"]())
+
+
+class _Desk:
+    """The workspace and arrays of one thread."""
+
+    __slots__ = ("call", "head", "lam", "rhs", "work", "x", "xdot")
+
+    def __init__(self, model: CModel):
+        interface = model.interface
+        self.call = model.functions
+        self.rhs = self.call["rhs"]
+        self.work = model.work()
+        self.head = model.head.from_buffer(self.work)
+        self.x = (c_double * interface.nx)()
+        self.xdot = (c_double * interface.nx)()
+        self.lam = (c_double * max(interface.nc, 1))()
+
+
+class CSystem(CompiledSystem):
     backend = "c"
 
-    def __init__(self, interface: Interface, sources: Mapping[str, str]):
-        super().__init__(interface)
-        self.prefix = prefix(interface.model)
-        self.library = _open(sources)
-        self._functions: dict[str, Any] = {}
-        self._state_type = _state_type(self.nx)
-        work_size = self._plain("work_size", c_size_t)()
-        if self._plain("state_size", c_size_t)() != ctypes.sizeof(self._state_type):
-            raise CannotCompile("the compiled library does not fit this version of lagc")
-        self._work = ctypes.create_string_buffer(work_size)
-        self._head = _head_type(self.nc).from_buffer(self._work)
-        self._x = (c_double * self.nx)()
-        self._xdot = (c_double * self.nx)()
-        self._lam = (c_double * max(self.nc, 1))()
-        self.parameters = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
-
-    @property
-    def parameters(self) -> list[float]:
-        return self._values
-
-    @parameters.setter
-    def parameters(self, values: Sequence[float]) -> None:
-        self._values = list(values)
+    def __init__(self, model: CModel, values: Sequence[float]):
+        super().__init__(model, values, _Desk)
+        self.model = model
         self._p = (c_double * max(len(values), 1))(*values)
-        ctypes.memset(self._work, 0, len(self._work))
 
     @property
     def culprit(self) -> int:
-        return int(self._head.culprit)
-
-    @culprit.setter
-    def culprit(self, value: int) -> None:
-        self._head.culprit = value
+        return int(self._own.desk.head.culprit)
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        status = self._rhs(t, x)
-        xdot[:] = self._xdot
-        lam[:] = self._lam[: self.nc]
+        desk = self._own.desk
+        desk.x[:] = x
+        status: int = desk.rhs(self._p, c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
+        xdot[:] = desk.xdot[:]
+        lam[:] = desk.lam[: self.nc]
         return status
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        self._rhs(t, x)
-        return self._xdot[self.nq : self.nq + self.nv], self._lam[: self.nc]
+        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
+        self.rhs(t, x, xdot, lam)
+        return xdot[self.nq : self.nq + self.nv], lam
 
     def outputs(self, t: float, x: Vector) -> list[float]:
         n = len(self.interface.outputs)
         if n == 0:
             return []
-        y = (c_double * n)()
-        self._x[:] = list(x)
-        self._plain("outputs", c_int)(self._p, c_double(t), self._x, y, self._work)
+        y, desk = (c_double * n)(), self._own.desk
+        desk.x[:] = x
+        desk.call["outputs"](self._p, c_double(t), desk.x, y, desk.work)
         return y[:]
 
     def start(self) -> list[float]:
         x = (c_double * self.nx)()
-        self._plain("start", None)(self._p, x)
+        self.model.functions["start"](self._p, x)
         return x[:]
 
     def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         ni = len(self.interface.initial_places)
         if ni == 0:
             return [], []
-        c, jacobian = (c_double * ni)(), (c_double * (ni * (self.nq + self.nv)))()
-        self._x[:] = list(x)
-        self._plain("initial", None)(self._p, c_double(t), self._x, c, jacobian)
+        c, jacobian, desk = (c_double * ni)(), (c_double * (ni * (self.nq + self.nv)))(), self._at(x)
+        desk.call["initial"](self._p, c_double(t), desk.x, c, jacobian)
         return c[:], jacobian[:]
 
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         if "displace" not in self.interface.functions:
             return list(d)
-        moved = (c_double * self.nq)()
-        self._x[:] = list(x)
-        self._plain("displace", None)(self._p, c_double(t), self._x, (c_double * self.nv)(*d), moved)
+        moved, desk = (c_double * self.nq)(), self._at(x)
+        desk.call["displace"](self._p, c_double(t), desk.x, (c_double * self.nv)(*d), moved)
         return moved[:]
 
     def assemble(self, t: float, x: Vector) -> int:
-        self._x[:] = list(x)
-        status: int = self._plain("assemble", c_int)(self._p, c_double(t), self._x, self._work)
+        desk = self._at(x)
+        status: int = desk.call["assemble"](self._p, c_double(t), desk.x, desk.work)
         return status
 
     def solve(self, r: Vector) -> list[float]:
-        n = self.nv + self.nc
+        n, desk = self.nv + self.nc, self._own.desk
         s = (c_double * n)()
-        self._plain("solve", None)((c_double * n)(*r), s, self._work)
+        desk.call["solve"]((c_double * n)(*r), s, desk.work)
         return s[:]
 
     def integrate(
@@ -128,23 +160,19 @@ class CSystem(CompiledSystem):
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
-        nx, n = self.nx, len(times)
-        state = self._state_type()
-        begin = self._plain("begin", None)
-        self._x[:] = list(x0)
-        begin(ctypes.byref(state), c_double(t0), self._x)
+        nx, n, call = self.nx, len(times), self.model.functions
+        state, work = self.model.state(), self.model.work()
+        call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
         asked = _Options(METHODS[options.method], options.project, options.max_steps, options.rtol,
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
-        record = self._plain("record", c_int)
-        fallbacks = self._head.fallbacks
-        self._head.culprit = -1
+        record, head = call["record"], self.model.head.from_buffer(work)
         budget, status = FIRST_BUDGET, INTERRUPTED
         try:
             while status == INTERRUPTED:
                 began = perf_counter()
                 status = record(self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
-                                ctypes.byref(done), c_long(budget), self._work)  # fmt: skip
+                                ctypes.byref(done), c_long(budget), work)  # fmt: skip
                 if progress is not None:
                     progress(state.t)
                 if perf_counter() - began < 0.5 * SLICE:
@@ -152,39 +180,30 @@ class CSystem(CompiledSystem):
         except KeyboardInterrupt:
             status = INTERRUPTED
         flat = states[: done.value * nx]
-        rows = self._head.redundant if self.nc else ()
+        rows = head.redundant if self.nc else ()
         return Trajectory(
             times=list(times[: done.value]),
             states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
             t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
             steps=state.steps, rejected=state.rejected, rhs=state.rhs,
-            fallbacks=self._head.fallbacks - fallbacks,
+            fallbacks=head.fallbacks,
             redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
         )  # fmt: skip
 
-    def _rhs(self, t: float, x: Vector) -> int:
-        self._x[:] = list(x)
-        function = self._plain("rhs", c_int)
-        status: int = function(self._p, c_double(t), self._x, self._xdot, self._lam, self._work)
-        return status
+    def _at(self, x: Vector) -> _Desk:
+        """The desk of this thread, with x on it."""
+        desk: _Desk = self._own.desk
+        desk.x[:] = x
+        return desk
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         if length == 0:
             return []
-        values = (c_double * length)()
-        self._x[:] = list(x)
-        self._plain(name, None)(self._p, c_double(t), self._x, values)
+        values, desk = (c_double * length)(), self._own.desk
+        desk.x[:] = x
+        desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
-
-    def _plain(self, name: str, result: Any) -> Any:
-        """The public function `name` of the header."""
-        found = self._functions.get(name)
-        if found is None:
-            found = getattr(self.library, f"{self.prefix}_{name}")
-            found.restype = result
-            self._functions[name] = found
-        return found
 
 
 def _open(sources: Mapping[str, str]) -> ctypes.CDLL:
@@ -220,6 +239,6 @@ def _head_type(nc: int) -> type[Any]:
     """The first members of lagc_work."""
 
     class Head(ctypes.Structure):
-        _fields_ = (("culprit", c_int), ("lost", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
+        _fields_ = (("culprit", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
 
     return Head

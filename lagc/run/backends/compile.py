@@ -131,7 +131,7 @@ def _keep(built: str, name: str) -> str | None:
         return None
     import shutil
 
-    temporary = f"{path}.{os.getpid()}.tmp"
+    temporary = cache.temporary_name(path)
     try:
         os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
         shutil.copyfile(built, temporary)

@@ -10,8 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from types import CodeType
 from typing import Any
 
+from lagc.once import once
 from lagc.optimize.program import Interface
-from lagc.run.backends.base import CompiledSystem
+from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.problem import Options, Trajectory, Vector
 
 
@@ -21,67 +22,86 @@ def compiled(sources: Mapping[str, str]) -> CodeType:
     return compile(text, name, "exec", dont_inherit=True)
 
 
-class NumpySystem(CompiledSystem):
-    """`module` is the namespace that the generated text makes."""
+class NumpyModel(Compiled):
+    """The module; `code` is its compiled text, where it is at hand."""
 
+    def __init__(self, interface: Interface, sources: Mapping[str, str], code: CodeType | None = None):
+        super().__init__(interface, sources)
+        self.code = code
+
+    @once
+    def module(self) -> dict[str, Any]:
+        """The namespace that the text makes."""
+        space: dict[str, Any] = {"__name__": __name__}
+        exec(compiled(self.sources) if self.code is None else self.code, space)
+        return space
+
+    def bind(self, values: Sequence[float]) -> NumpySystem:
+        return NumpySystem(self, values)
+
+
+class _Desk:
+    """The equations of one thread, and the functions of the Program with what they read."""
+
+    __slots__ = ("equations", "functions", "rhs")
+
+    def __init__(self, model: NumpyModel, p: list[float]):
+        module = model.module
+        self.equations: Any = module["Equations"](module, p)
+        self.functions: dict[str, tuple[Any, tuple[str, ...]]] = {}
+        self.rhs: Any = self.equations.afresh if model.interface.nc else self.equations.rhs
+
+
+class NumpySystem(CompiledSystem):
     backend = "numpy"
 
-    def __init__(self, interface: Interface, code: CodeType):
-        super().__init__(interface)
-        self.module: dict[str, Any] = {"__name__": __name__}
-        exec(code, self.module)
-        self._p: list[float] = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
-        self.inner: Any = self._equations()
-
-    @property
-    def parameters(self) -> list[float]:
-        return self._p
-
-    @parameters.setter
-    def parameters(self, values: Sequence[float]) -> None:
+    def __init__(self, model: NumpyModel, values: Sequence[float]):
         self._p = list(values)
-        self.inner = self._equations()
+        super().__init__(model, values, _Desk, self._p)
+        self.model = model
+
+    def equations(self) -> Any:
+        """The equations for one trajectory, which remember which rows depended on others."""
+        return self.model.module["Equations"](self.model.module, self._p[:])
 
     @property
     def culprit(self) -> int:
-        found: int = self.inner.culprit
+        found: int = self._own.desk.equations.culprit
         return found
 
-    @culprit.setter
-    def culprit(self, value: int) -> None:
-        self.inner.culprit = value
-
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        status: int = self.inner.rhs(t, x, xdot, lam)
+        status: int = self._own.desk.rhs(t, x, xdot, lam)
         return status
 
     def assemble(self, t: float, x: Vector) -> int:
-        status: int = self.inner.assemble(t, x)
+        equations = self._own.desk.equations
+        equations.lost = False
+        status: int = equations.assemble(t, x)
         return status
 
     def solve(self, r: Vector) -> list[float]:
-        found: list[float] = self.inner.solve(r)
+        found: list[float] = self._own.desk.equations.solve(r)
         return found
 
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
-        found: list[float] = self.inner.displace(t, x, d)
+        found: list[float] = self._own.desk.equations.displace(t, x, d)
         return found
 
     def start(self) -> list[float]:
         x = [0.0] * self.nx
-        self.module["fn_start"](self._p, x)
+        self.model.module["fn_start"](self._p, x)
         return x
 
     def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         ni = len(self.interface.initial_places)
         c, jacobian = [0.0] * ni, [0.0] * (ni * (self.nq + self.nv))
         if ni:
-            self.module["fn_initial"](self._p, t, x, c, jacobian)
+            self.model.module["fn_initial"](self._p, t, x, c, jacobian)
         return c, jacobian
 
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         xdot, lam = [0.0] * self.nx, [0.0] * self.nc
-        self.inner.rhs(t, x, xdot, lam)
+        self.rhs(t, x, xdot, lam)
         return xdot[self.nq : self.nq + self.nv], lam
 
     def integrate(
@@ -92,21 +112,22 @@ class NumpySystem(CompiledSystem):
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
-        own = self.module["Options"](**vars(options))
-        done: Trajectory = self.module["_integrate"](self.inner, own, t0, list(x0), list(times), progress)
+        module = self.model.module
+        own = module["Options"](**vars(options))
+        done: Trajectory = module["_integrate"](self.equations(), own, t0, list(x0), list(times), progress)
         return done
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """The function `name` of the Program, with those of p t x a lam that it reads."""
         result = [0.0] * length
         if length:
-            function = self.module[f"fn_{name}"]
-            names = function.__code__.co_varnames[: function.__code__.co_argcount - 1]
+            desk = self._own.desk
+            if name not in desk.functions:
+                found = self.model.module[f"fn_{name}"]
+                desk.functions[name] = found, found.__code__.co_varnames[: found.__code__.co_argcount - 1]
+            function, names = desk.functions[name]
             given: dict[str, Any] = {"p": self._p, "t": t, "x": x}
             if "a" in names or "lam" in names:
                 given["a"], given["lam"] = self.accelerations(t, x)
             function(*(given[n] for n in names), result)
         return result
-
-    def _equations(self) -> Any:
-        return self.module["Equations"](self.module, self._p)

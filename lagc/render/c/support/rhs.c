@@ -169,8 +169,10 @@ static int lagc_rhs_(const lagc_params *p, double t, const double *x, double *xd
                      lagc_work *w)
 {
     double health[2];
+#if LAGC_NC
     if (w->lost)
         return lagc_rhs_dense(p, t, x, xdot, lam, w);
+#endif
     lagc_fn_rhs(p, t, x, xdot, lam, health);
     if (!(health[0] >= LAGC_LEAST_PIVOT && health[1] <= LAGC_LARGEST_RESIDUAL))
         return lagc_rhs_dense(p, t, x, xdot, lam, w);

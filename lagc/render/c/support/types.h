@@ -1,10 +1,10 @@
 /* Room for the calls below; fill it with zeros before its first use. */
 typedef struct {
     int culprit;        /* what a status refers to: an index of v or x, or a row */
-    int lost;           /* rows of G are known to depend on others */
     long fallbacks;     /* linear solves that took the slower, safer way */
 #if LAGC_NC
     int redundant[LAGC_NC]; /* 1: this row was found to depend on others */
+    int lost;               /* rows of G are known to depend on others */
     double lam[LAGC_NC];
 #else
     double lam[1];

@@ -20,7 +20,9 @@ class Equations:
     """The equations of motion with parameters `p`.
 
     `model` maps NQ, NV, NZ, NC, NH, NWORK, STRAIGHT, QUATERNIONS and fn_... to what a generated
-    module calls so (its `globals()`).  `redundant_rows`: rows met so far that depended on others.
+    module calls so (its `globals()`).  `redundant_rows`: rows met so far that depended on others;
+    `lost`: those of the last state did, and at the next less will do to call them so.  For one
+    thread at a time.
     """
 
     def __init__(self, model: Mapping[str, Any], p: list[float]):
@@ -40,7 +42,7 @@ class Equations:
         self._fn_rhs: Any = self._functions.get("rhs")
         self._health = [1.0, 0.0]
         self._least = LEAST_PIVOT_OF_ROWS if self.nc else LEAST_PIVOT
-        self._lost = False  # rows are known to be dependent
+        self.lost = False
         self._w = [0.0] * model["NWORK"]
         self._dense = False  # the last `assemble` is in the fallback
         self._fallback: Fallback | None = None
@@ -52,7 +54,7 @@ class Equations:
     def rhs(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         """xdot[nx] and lam[nc] at (t, x); a status."""
         health = self._health
-        if self._straight and not self._lost:
+        if self._straight and not self.lost:
             self._fn_rhs(self.p, t, x, xdot, lam, health)
             if health[0] >= self._least and health[1] <= LARGEST_RESIDUAL:
                 if health[1] > ROUNDING:
@@ -60,6 +62,11 @@ class Equations:
                 if not_finite(xdot) < 0:
                     return OK
         return self._solve_dense(t, x, xdot, lam)
+
+    def afresh(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
+        """`rhs` of its arguments alone, whatever rows were found to be dependent before."""
+        self.lost = False
+        return self.rhs(t, x, xdot, lam)
 
     def inspect(self, t: float, x: Sequence[float]) -> None:
         """See whether rows are dependent at a start, where straight factors need not show it."""
@@ -78,7 +85,7 @@ class Equations:
 
     def assemble(self, t: float, x: Sequence[float]) -> int:
         """Factors of [M G^T; G 0] at (t, x) for `solve`; a status."""
-        if self._straight and not self._lost:
+        if self._straight and not self.lost:
             self._functions["assemble"](self.p, t, x, self._w)
             self._functions["factor"](self._w, self._health)
             if self._health[0] >= self._least and self._health[1] <= LARGEST_RESIDUAL:
@@ -102,7 +109,7 @@ class Equations:
         """Take from errors of states near x what lies along the constraints in their speeds, in the
         metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
         nq, nv, nc = self.nq, self.nv, self.nc
-        lost, culprit, rows = self._lost, self.culprit, self.redundant_rows[:]
+        lost, culprit, rows = self.lost, self.culprit, self.redundant_rows[:]
         self.system(t, x)
         status = self.assemble(t, x)
         for part in parts:
@@ -117,7 +124,7 @@ class Equations:
             s = self.solve(r)
             for j in range(nv):
                 part[nq + j] += s[j]
-        self._lost, self.culprit, self.redundant_rows = lost, culprit, rows
+        self.lost, self.culprit, self.redundant_rows = lost, culprit, rows
         return status not in FAILED
 
     def displace(self, t: float, x: Sequence[float], d: Sequence[float]) -> list[float]:
@@ -167,11 +174,11 @@ class Equations:
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
-        status = fallback.factor(mass, g, self._lost, *self._trust(t, x, g) if self.nc else ())
-        self._lost = status == REDUNDANT
+        status = fallback.factor(mass, g, self.lost, *self._trust(t, x, g) if self.nc else ())
+        self.lost = status == REDUNDANT
         if status != OK:
             self.culprit = fallback.culprit
-        for row in sorted(fallback.order[fallback.rank :]) if self._lost else ():
+        for row in sorted(fallback.order[fallback.rank :]) if self.lost else ():
             if row not in self.redundant_rows:
                 self.redundant_rows.append(row)
         return status
