@@ -191,9 +191,9 @@ class CSystem(CompiledSystem):
             position_drift=state.position_drift, velocity_drift=state.velocity_drift,
         )  # fmt: skip
 
-    def _at(self, x: Vector) -> _Desk:
+    def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""
-        desk: _Desk = self._own.desk
+        desk = self._own.desk
         desk.x[:] = x
         return desk
 
