@@ -15,6 +15,7 @@ from lagc.expr.vectors import Vector, matvec, transpose
 from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Frame, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
+from lagc.mechanics.smoothness import jumps_in_time
 from lagc.mechanics.states import States, seeds
 from lagc.records import dataclass
 
@@ -61,7 +62,8 @@ def _potential(states: States, name: str, effect: str | None, energy: Node, kind
     graph, model = states.graph, states.model
     slopes = gradient(graph, {energy: graph.one}, states.q)
     power = -tangent(graph, [energy], dict(zip(states.q, states.qdot)))[0]
-    conservative = not depends([energy], [given.symbol for given in model.inputs])
+    driven = depends([energy], [given.symbol for given in model.inputs])
+    conservative = not driven and not jumps_in_time(states, energy)
     forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
     return Acting(Contribution(name, kind, effect, forces, power, conservative), power, stored)

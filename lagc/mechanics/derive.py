@@ -15,6 +15,7 @@ from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.redundancy import drop_redundant
+from lagc.mechanics.smoothness import refuse_breaks
 from lagc.mechanics.states import build_states
 
 Key = TypeVar("Key", bound=Hashable)
@@ -27,6 +28,7 @@ def derive(model: Model) -> EquationsOfMotion:
     """
     graph = model.graph
     states = build_states(model)
+    refuse_breaks(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)

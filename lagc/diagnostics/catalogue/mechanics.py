@@ -85,4 +85,37 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  constraint c: x = y;\n  constraint d: x = y + 1 [m];\n"),
         _on_particle("  constraint c: x = y;\n  constraint d: x + y = 1 [m];\n"),
     ),
+    "LAG0421": Entry(
+        "a constraint with a kink or a jump",
+        "Where a row bends or jumps, in the coordinates or in time, the speeds that it allows jump: that "
+        "is an impact, which no equation of motion holds.  Pieces that agree in value and slope where one "
+        "follows the other are accepted, and so are conditions on parameters alone.  Forces and potentials "
+        "may bend; forces may jump.",
+        _on_particle("  constraint c: y = abs(x);\n"),
+        _on_particle("  parameter Length e = 0.01 [m];\n  constraint c: y = sqrt(x^2 + e^2);\n"),
+    ),
+    "LAG0422": Entry(
+        "a body whose place has a kink or a jump",
+        "The velocity of the body would jump there, as by an impact.  This holds for its centre of mass and "
+        "for the frame of a solid, as functions of the coordinates and of time.",
+        "model M\n  coordinate Length x;\n  body p = Particle(mass = 1 [kg], at = {x, 0, abs(x)});\nend M;\n",
+        "model M\n  coordinate Length x;\n  parameter Length e = 0.01 [m];\n"
+        "  body p = Particle(mass = 1 [kg], at = {x, 0, sqrt(x^2 + e^2)});\nend M;\n",
+    ),
+    "LAG0423": Entry(
+        "an energy that jumps",
+        "A force is the slope of an energy.  Where the energy jumps there is no finite one, and its slope, "
+        "zero on both sides, does not show the step that a motion would have to climb.  An energy may bend, "
+        "and it may change with time in any way.  An added kinetic energy must not bend in the rates: "
+        "momentum would jump.",
+        _on_particle("  potential step = if x > 0 then 1 [J] else 0;\n"),
+        _on_particle("  potential ramp = if x > 0 then 1 [N]*x else 0;\n"),
+    ),
+    "LAG0424": Entry(
+        "a declared speed that jumps",
+        "A declared speed is a state of the motion.  Where its definition jumps in the coordinates or in "
+        "time the state would have to jump, though nothing moves faster.",
+        _on_particle("  speed Velocity u = der(x)*sign(y);\n"),
+        _on_particle("  speed Velocity u = der(x)*(2 + sin(y/(1 [m])));\n"),
+    ),
 }
