@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -179,17 +179,20 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
 
 
 def _faults(tree: Tree, choice: Choice, roots: tuple[str, ...]) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice, by code and place."""
+    """The faults of one choice, by code and place, and the warnings where there are none."""
+    faults: Sequence[Fault]
     try:
-        optimize(derive(resolve(tree, choice, roots)), work=False)
+        equations = derive(resolve(tree, choice, roots))
+        faults = equations.warnings
+        optimize(equations, work=False)
     except Refused as refused:
-        found: dict[tuple[object, ...], Fault] = {}
-        for fault in refused.faults:
-            span = fault.span
-            at = (span.source.name, span.start, span.end) if span else ()
-            found.setdefault((fault.code, *at), fault)
-        return found
-    return {}
+        faults = refused.faults
+    found: dict[tuple[object, ...], Fault] = {}
+    for fault in faults:
+        span = fault.span
+        at = (span.source.name, span.start, span.end) if span else ()
+        found.setdefault((fault.code, *at), fault)
+    return found
 
 
 class Compilation:

@@ -27,5 +27,6 @@ def interface(model: str = "m", nq: int = 1, nv: int = 1, nc: int = 0, **more: A
         "quaternions": (), "parameters": (), "inputs": (), "outputs": (),
         "start_fixed": (False,) * (nq + nv), "initial_places": (), "solve": "straight", "work_size": 0,
         "operations": 1, "functions": (), "effects": (), "simulate": {}, "notes": (),
+        "warnings": (), "dropped": (),
     }  # fmt: skip
     return Interface(model=model, nq=nq, nv=nv, nc=nc, **{**plain, **more})

@@ -40,9 +40,13 @@ def run(options: argparse.Namespace) -> int:
                 "target": options.target,
                 "files": paths,
                 "operations": interface.operations,
+                "warnings": interface.warnings,
+                "dropped": interface.dropped,
             }
         )
     elif not options.quiet:
+        for warning in program.interface.warnings:
+            say(f"warning: {warning}")
         for note in program.interface.notes:
             say(note)
         print("\n".join(paths))

@@ -11,7 +11,7 @@ import argparse
 
 from lagc.cli.exits import DONE
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_json, say
+from lagc.cli.output import print_faults, print_json, say
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +35,8 @@ def run(options: argparse.Namespace) -> int:
                     "effects": [e.name for e in model.effects if e.used],
                     "format": options.format, "equations": text})  # fmt: skip
         return DONE
+    if equations.warnings and not options.quiet:
+        print_faults(equations.warnings, color=False if options.no_color else None)
     for note in equations.model.notes:
         say(note, options.quiet)
     print(text)

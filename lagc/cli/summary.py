@@ -17,6 +17,9 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     chosen = " (the first of the file)" if scene_chosen and interface.scene != "default" else ""
     reason = f" ({run.backend_reason})" if run.backend_reason else ""
     lines = [f"{interface.model}, scene {interface.scene}{chosen}{effects}"]
+    lines += [f"  {'warning':9} {warning}" for warning in interface.warnings]
+    if interface.dropped:
+        lines.append(f"  {'dropped':9} {', '.join(interface.dropped)}: nothing depends on them")
     lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
     lines.append(f"  {'ended':9} {run.message}")
     final = _final(run, verbose)

@@ -50,6 +50,10 @@ class Span:
     def column(self) -> int:
         return self.source.place(self.start)[1]
 
+    @property
+    def text(self) -> str:
+        return self.source.text[self.start : self.end]
+
     def to(self, other: Span) -> Span:
         return Span(self.source, self.start, max(self.end, other.end))
 

@@ -165,7 +165,8 @@ class Builder(Expressions):
         return tree.Construct(kind, name.text, self._span(name), index or (), value, unless, shown, span)
 
     def force(self, c: Children, span: Span) -> tree.Load:
-        return self._load("force", c, span)
+        name, index, value, body, *rest = c
+        return replace(self._load("force", [name, index, value, *rest], span), body=body)
 
     def torque(self, c: Children, span: Span) -> tree.Load:
         return self._load("torque", c, span)

@@ -244,7 +244,10 @@ class Construct:
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """`force F = vec at point` / `torque M = vec on body [from other]`.  kind: force, torque."""
+    """`force F = vec [on body] at point [from other]` / `torque M = vec on body [from other]`.
+
+    kind: force, torque.  `target` is the point of a force, the body of a torque.
+    """
 
     kind: str
     name: str
@@ -256,6 +259,7 @@ class Load:
     unless: tuple[Name, ...]
     description: str | None
     span: Span
+    body: Expression | None = None  # that a force is `on`
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Graph, Node
+from lagc.expr.vectors import Vector
 from lagc.frontend import tree
 from lagc.meaning.clock import Clock
 from lagc.meaning.model import Frame
@@ -54,6 +55,7 @@ class Context:
         self.mentioned: list[
             tuple[tree.Name, str]
         ] = []  # effects named by `unless`, with the instance's path
+        self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []

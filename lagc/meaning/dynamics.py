@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
+from lagc.expr.vectors import Vector, sub
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of, unit_remedy
@@ -12,7 +13,7 @@ from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
 from lagc.meaning.functions import Argument
 from lagc.meaning.model import Body, Frame
-from lagc.meaning.motion import velocity_of
+from lagc.meaning.motion import material_velocity, velocity_of
 from lagc.meaning.scope import Entry, Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import ENERGY, FORCE, NONE, POWER, Dimension, M, si_text
@@ -125,35 +126,67 @@ def declare_dissipation(context: Context, entry: Entry) -> Value:
 
 
 def declare_load(context: Context, entry: Entry) -> Value:
-    """`force F = vector at point` and `torque M = vector on body from other`."""
+    """`force F = vector on body at point` and `torque M = vector on body from other`."""
     source = entry.source
     assert isinstance(source, tree.Load)
     _no_modifiers(entry)
     is_force = source.kind == "force"
     meant = FORCE if is_force else ENERGY
-    written = [source.value, source.target] + ([] if source.reaction is None else [source.reaction])
-    value, target, *reaction = each(
-        context, lambda e: evaluate_as(context, e, entry.environment, meant), written
+    context.mentioned_velocities = []
+    written = [(source.value, meant), (source.target, M)]
+    written += [(part, M) for part in (source.body, source.reaction) if part is not None]
+    value, target, *others = each(
+        context, lambda part: evaluate_as(context, part[0], entry.environment, part[1]), written
     )
+    body = others.pop(0) if source.body is not None else None
+    reaction = others.pop(0) if source.reaction is not None else None
+    mentioned = tuple(context.mentioned_velocities)
     vector, found = vector_of(value, source.value.span, f"a {source.kind}")
     named = "Force [N]" if is_force else "Torque [N.m]"
     expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
     for node in vector:
         _timely(context, node, source.value.span, f"a {source.kind}")
     if is_force:
+        place = Argument(target, source.target.span)
+        velocity, at = _where_applied(context, source, place, body, reaction)
+        entry.nouns.append(
+            nouns.Force(
+                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
+            )
+        )
+    else:
+        frame = _frame_of(target, source.target)
+        opposite = _frame_of(reaction, source.reaction) if reaction and source.reaction else None
+        entry.nouns.append(
+            nouns.Torque(
+                entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
+            )
+        )
+    return Thing(entry)
+
+
+def _where_applied(
+    context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
+) -> tuple[Vector, Vector | None]:
+    """The velocity on which a force acts, and its point where that is one without a body.
+
+    With `from` it is the velocity relative to the material point of the other body.
+    """
+    if body is None or source.body is None:
         if source.reaction is not None:
             raise Wrong(
                 "LAG0221",
-                "`from` belongs to a torque; the opposite force is another `force`",
+                "`from` belongs to a torque, or to a force `on` a body",
                 source.reaction.span,
+                "write `on body at point from other`; any other opposite force is another `force`",
             )
-        velocity = velocity_of(context, Argument(target, source.target.span), None)
-        entry.nouns.append(nouns.Force(entry.path, vector, velocity, entry.span, entry.effect))
-    else:
-        frame = _frame_of(target, source.target)
-        opposite = _frame_of(reaction[0], source.reaction) if reaction and source.reaction else None
-        entry.nouns.append(nouns.Torque(entry.path, vector, frame, opposite, entry.span, entry.effect))
-    return Thing(entry)
+        at = None if isinstance(place.value, Body) else vector_of(place.value, place.span, "a point")[0]
+        return velocity_of(context, place, None), at
+    velocity = material_velocity(context, Argument(body, source.body.span), place)
+    if reaction is None or source.reaction is None:
+        return velocity, None
+    other = material_velocity(context, Argument(reaction, source.reaction.span), place)
+    return sub(velocity, other), None
 
 
 def _frame_of(value: Value, written: tree.Expression) -> Frame:

@@ -170,18 +170,29 @@ class Potential:
 
 @dataclass(frozen=True, slots=True)
 class Force:
-    """`vector` (world) applied at a point whose velocity is `velocity` (world, in rates)."""
+    """`vector` (world) applied at a point whose velocity is `velocity` (world, in rates); with `from`
+    that is a relative one.
+
+    `at` is the point where it was given without a body; `mentioned` are the velocities that the
+    vector was written with, and where; `target` is where the point is written.
+    """
 
     name: str
     vector: Vector
     velocity: Vector
     span: Span
     effect: str | None = None
+    target: Span | None = None
+    mentioned: tuple[tuple[Vector, Span], ...] = ()
+    at: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Torque:
-    """`vector` (world) on `frame`, its opposite on `reaction` where not None (None: the ground)."""
+    """`vector` (world) on `frame`, its opposite on `reaction` where not None (None: the ground).
+
+    `mentioned` and `target` as for a force.
+    """
 
     name: str
     vector: Vector
@@ -189,6 +200,8 @@ class Torque:
     reaction: Frame | None
     span: Span
     effect: str | None = None
+    target: Span | None = None
+    mentioned: tuple[tuple[Vector, Span], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

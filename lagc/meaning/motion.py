@@ -69,25 +69,43 @@ def _position(context: Context, span: Span, of: Argument) -> Value:
 
 def velocity_of(context: Context, of: Argument, at: Argument | None) -> vectors.Vector:
     """Of a point or a centre of mass; with `at`, of the body's material point that is there."""
-    if isinstance(of.value, Body) and at is None:
+    if at is not None:
+        return material_velocity(context, of, at)
+    if isinstance(of.value, Body):
         return of.value.velocity
     vector, found = vector_of(of.value, of.span, "what has a velocity")
     expect(found, M, of.span, "a position")
-    if at is None:
-        x, y, z = (derivative(context, node, of.span) for node in vector)
-        return (x, y, z)
+    x, y, z = (derivative(context, node, of.span) for node in vector)
+    return (x, y, z)
+
+
+def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.Vector:
+    """Of the point of a body that is at a place now: v + w x r.  A particle has only its own place."""
     body = of.value
-    if not isinstance(body, Body) or body.frame is None:
-        raise Wrong("LAG0221", "`at` names a point of a solid, this is no solid", of.span)
+    if not isinstance(body, Body):
+        has = ", which has no place" if isinstance(body, Frame) else ""
+        raise Wrong("LAG0221", f"`at` names a point of a body, this is {kind(body)}{has}", of.span)
     place, there = vector_of(at.value, at.span, "a point")
     expect(there, M, at.span, "a point")
-    spin = vectors.matvec(body.frame.axes, body.frame.angular_velocity)
-    return vectors.add(body.velocity, vectors.cross(spin, vectors.sub(place, body.position)))
+    if body.frame is not None:
+        spin = vectors.matvec(body.frame.axes, body.frame.angular_velocity)
+        return vectors.add(body.velocity, vectors.cross(spin, vectors.sub(place, body.position)))
+    if place != body.position:
+        raise Wrong(
+            "LAG0221",
+            f"`{body.name}` is a particle, and it is not at this point",
+            at.span,
+            f"write `at {body.name}`, or make it a `Solid`, which has more points than one",
+            ((body.span, "declared here"),),
+        )
+    return body.velocity
 
 
 @TABLE.enter("velocity", "of", "at", required=1)
 def _velocity(context: Context, span: Span, of: Argument, at: Argument | None) -> Value:
-    return vector_value(velocity_of(context, of, at), SPEED)
+    found = velocity_of(context, of, at)
+    context.mentioned_velocities.append((found, span))
+    return vector_value(found, SPEED)
 
 
 @TABLE.enter("acceleration", "of")
@@ -103,7 +121,9 @@ def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
         raise Wrong(
             "LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span
         )
-    return vector_value(vectors.matvec(frame.axes, frame.angular_velocity), TURN)
+    found = vectors.matvec(frame.axes, frame.angular_velocity)
+    context.mentioned_velocities.append((found, span))
+    return vector_value(found, TURN)
 
 
 # -- quantities that only a run knows ------------------------------------------------------------

@@ -13,6 +13,8 @@ from lagc.mechanics.energy import energies
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
+from lagc.mechanics.opposing import feeding_loads
+from lagc.mechanics.points import points_of_their_own
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.redundancy import drop_redundant
 from lagc.mechanics.smoothness import refuse_breaks
@@ -39,6 +41,9 @@ def derive(model: Model) -> EquationsOfMotion:
     bias = _sum(graph, [bias_forces(states, parts), free.bias])
     given = _sum(graph, [x.contribution.forces for x in acting])
     zero = graph.zero
+    rows = tuple([x.row for x in classified])
+    contributions = tuple([x.contribution for x in acting])
+    warnings = (*points_of_their_own(states, rows), *feeding_loads(states, rows, contributions))
     return EquationsOfMotion(
         model=model,
         graph=graph,
@@ -56,8 +61,8 @@ def derive(model: Model) -> EquationsOfMotion:
         mass_matrix=matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
-        rows=tuple([x.row for x in classified]),
-        contributions=tuple([x.contribution for x in acting]),
+        rows=rows,
+        contributions=contributions,
         kinetic=totals.kinetic,
         potential=totals.potential,
         energy=totals.energy,
@@ -73,6 +78,7 @@ def derive(model: Model) -> EquationsOfMotion:
         outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),
+        warnings=warnings,
     )
 
 

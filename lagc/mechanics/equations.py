@@ -10,7 +10,7 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Model
@@ -103,6 +103,7 @@ class EquationsOfMotion:
     outputs: tuple[OutputEquation, ...]
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
+    warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
 
     def verify(self) -> None:
         """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Parameter
@@ -13,7 +13,8 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.program import Field, Function, Interface
 from lagc.records import names, replace
 
-_UNHASHED = ("source_name", "model_hash", "notes", "initial_places")  # of no bearing on the numbers
+# Of no bearing on the numbers.
+_UNHASHED = ("source_name", "model_hash", "notes", "warnings", "dropped", "initial_places")
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -31,10 +32,11 @@ def interface(
     straight: bool,
     work_size: int,
     operations: int,
+    dropped: tuple[str, ...] = (),
     remarks: tuple[str, ...] = (),
 ) -> Interface:
     """What the run needs to know of `functions`, the functions of the model of `equations`.
-    `remarks` go to the notes."""
+    `dropped` are the names that `equations` are without, `remarks` go to the notes."""
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
@@ -68,9 +70,16 @@ def interface(
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
+        warnings=tuple([_warning(fault) for fault in equations.warnings]),
+        dropped=dropped,
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
+
+
+def _warning(fault: Fault) -> str:
+    where = f" ({place(fault.span)})" if fault.span else ""
+    return f"{fault.code}: {fault.message}{where}" + (f"; {fault.remedy}" if fault.remedy else "")
 
 
 def place(span: Span) -> str:

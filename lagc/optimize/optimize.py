@@ -41,7 +41,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
             straight=plan is not None,
             work_size=kkt.work_size(plan) if plan and equations.rows else 0,
             operations=_operations(equations, found, plan),
-            remarks=(*left_out, *independent(equations)),
+            dropped=left_out,
+            remarks=independent(equations),
         ),
         found,
     )

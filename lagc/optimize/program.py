@@ -125,6 +125,8 @@ class Interface:
     effects: tuple[str, ...]
     simulate: dict[str, float]
     notes: tuple[str, ...]
+    warnings: tuple[str, ...]  # what may not be meant as it is written
+    dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
 
     @property
     def nx(self) -> int:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.states import position_symbols
 from lagc.records import replace
 
 _MOST_NAMED = 8  # independent parts that a note lists
@@ -15,16 +16,14 @@ _MOST_NAMED = 8  # independent parts that a note lists
 
 def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, ...]]:
     """`equations` without the coordinates and speeds that no inertia, force, constraint, output
-    or condition speaks of, and a note for each.  Where that is all of them, none is left out."""
+    or condition speaks of, and their names.  Where that is all of them, none is left out."""
     q, v = _kept(equations)
     if (len(q) == len(equations.q) and len(v) == len(equations.v)) or not v:
         return equations, ()
-    notes = [
-        f"coordinate `{name}` is used by nothing and left out"
-        for i, name in enumerate(equations.q_names)
-        if i not in q
-    ]
-    return _restricted(equations, q, v), tuple(notes)
+    kept = {equations.q[i] for i in q} | {equations.v[j] for j in v}
+    names = [c.name for c in equations.model.coordinates if kept.isdisjoint(position_symbols(c))]
+    names += [speed.name for speed in equations.model.speeds if speed.symbol not in kept]
+    return _restricted(equations, q, v), tuple(names)
 
 
 def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterable
 from typing import Any
 
+from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
-from lagc.meaning.model import Orientation
-from lagc.mechanics.analysis import Analysis, RowKind, analyse
+from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue
-from lagc.optimize.program import Program
+from lagc.optimize.program import Interface, Program
 from lagc.view.expression import Expressions
 from lagc.view.names import where
 
@@ -24,6 +24,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
     written = Expressions(equations)
     interface = program.interface
     kinetic = analysis.kinetic_parts
+    idle = analysis.speeds - interface.nv
     facts: Facts = {
         "model": model.name,
         "scene": model.scene,
@@ -42,9 +43,10 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
-        "count": _count(analysis),
-        "degrees_of_freedom": analysis.degrees_of_freedom,
-        "positional_freedom": analysis.positional_freedom,
+        "count": _count(interface),
+        "dropped": list(interface.dropped),
+        "degrees_of_freedom": analysis.degrees_of_freedom - idle,
+        "positional_freedom": analysis.positional_freedom - idle,
         "actions": [
             {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
             for c in equations.contributions
@@ -63,6 +65,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
             "functions": {name: function.cost for name, function in program.functions.items()},
         },
         "notes": list(model.notes),
+        "warnings": as_json(equations.warnings),
     }
     facts["short_names"] = dict(where(written.seen))
     return facts
@@ -114,26 +117,24 @@ def _constraint(equations: EquationsOfMotion, kind: RowKind) -> Facts:
     }
 
 
-def _count(analysis: Analysis) -> Facts:
-    """n accelerations and p multipliers against n equations of motion and p rows."""
+def _count(interface: Interface) -> Facts:
+    """n accelerations and p multipliers against n equations of motion and p rows; what is dropped
+    is counted apart."""
     return {
-        "coordinates": analysis.coordinates,
-        "speeds": analysis.speeds,
-        "rows": analysis.rows,
-        "unknowns": analysis.unknowns,
-        "equations": analysis.speeds + analysis.rows,
+        "coordinates": interface.nq,
+        "speeds": interface.nv,
+        "rows": interface.nc,
+        "unknowns": interface.nv + interface.nc,
+        "equations": interface.nv + interface.nc,
+        "dropped": len(interface.dropped),
     }
 
 
 def _pruned(equations: EquationsOfMotion, program: Program) -> list[str]:
-    model = equations.model
-    orientations = sum(isinstance(c, Orientation) for c in model.coordinates)
-    states = len(model.coordinates) + 3 * orientations
+    model, interface = equations.model, program.interface
     lines = [f"effect `{e.name}` is left out" for e in model.effects if not e.used]
-    lines += [note for note in program.interface.notes if note not in model.notes]
-    if states != len(equations.q):
-        lines.append(f"{states - len(equations.q)} coordinates on which nothing depends")
-    return lines
+    lines += [f"`{name}` is dropped: nothing depends on it" for name in interface.dropped]
+    return lines + [note for note in interface.notes if note not in model.notes]
 
 
 # -- as text -------------------------------------------------------------------
@@ -145,6 +146,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
     blocks = [
         [title + (f": {facts['description']}" if facts["description"] else "")],
         [f"note: {note}" for note in facts["notes"]],
+        [f"warning: {fault['message']}; {fault['remedy']}" for fault in facts["warnings"]],
         _effects_text(facts),
         _section("coordinates", map(_coordinate_line, facts["coordinates"]), verbose),
         _section("speeds", _speed_lines(facts), verbose),
@@ -228,6 +230,8 @@ def _count_text(facts: Facts) -> list[str]:
     if facts["positional_freedom"] != facts["degrees_of_freedom"]:
         freedom += f" of the velocities, {facts['positional_freedom']} of the positions"
     lines.append(f"degrees of freedom: {freedom}")
+    if facts["dropped"]:
+        lines.append(f"dropped, as nothing depends on them: {', '.join(facts['dropped'])}")
     if facts["redundant"]:
         lines.append(f"redundant rows: {', '.join(facts['redundant'])}; their multipliers are not unique")
     return _section("count", lines)

@@ -59,7 +59,7 @@ MISTAKES = [
     ("potential V = (a + b;", "(", "LAG0114", "`)`"),
     ("potential V = (a + b];", "]", "LAG0114", "`)`"),
     ("force F = v;", ";", "LAG0127", "at"),
-    ("force F = v on b;", "on", "LAG0127", "write `at`"),
+    ("force F = v on b;", ";", "LAG0127", "at"),
     ("torque M = v at b;", "at", "LAG0127", "write `on`"),
     ("for i in 1:n point P[i] = x; end for;", "point", "LAG0128", "loop"),
     ("for i = 1:n loop point P[i] = x; end for;", "=", "LAG0128", "in"),

@@ -198,7 +198,7 @@ CASES = [
     ("a power of a number", "LAG0221", "output Power N = power(«m»);"),
     ("a momentum of a parameter", "LAG0221", "output Momentum N = momentum(«m»);"),
     ("an angular velocity of a particle", "LAG0221", "output AngularVelocity N = angular_velocity(«b»).x;"),
-    ("a material point of a particle", "LAG0221", "output Velocity N = velocity(«b», at = {0, 0, 0}).x;"),
+    ("a material point of a particle", "LAG0221", "output Velocity N = velocity(b, at = «{0, 0, 0}»).x;"),
     ("a kinetic energy of a point", "LAG0221", "point P = {x, 0, 0}; output Energy K = kinetic(«P»);"),
     ("a potential of a body", "LAG0221", "output Energy K = potential(«b»);"),
     ("an array of orientations", "LAG0221", "coordinate Orientation «o[2]»;"),

@@ -16,6 +16,22 @@ def _on_particle(lines: str) -> str:
     return f"{_PARTICLE}{lines}end M;\n"
 
 
+_DISC = """\
+model M
+  parameter Mass m = 1 [kg];
+  parameter Length R = 0.1 [m];
+  coordinate Length x;
+  coordinate Angle phi;
+  frame B = rotate_y(world, phi);
+  point G = {x, 0, R};
+  body disc = Solid(mass = m, inertia = m*R^2*{1/4, 1/2, 1/4}, frame = B, com = G);
+"""
+
+
+def _on_disc(lines: str) -> str:
+    return f"{_DISC}{lines}end M;\n"
+
+
 ENTRIES: dict[str, Entry] = {
     "LAG0401": Entry(
         "a speed that is not linear in the rates",
@@ -84,6 +100,24 @@ ENTRIES: dict[str, Entry] = {
         "with them: on every state tried that meets the others it is violated.",
         _on_particle("  constraint c: x = y;\n  constraint d: x = y + 1 [m];\n"),
         _on_particle("  constraint c: x = y;\n  constraint d: x + y = 1 [m];\n"),
+    ),
+    "LAG0411": Entry(
+        "a force at a point that belongs to no body",
+        "A warning.  `force F at P` acts on the point P with the velocity of P itself.  The place where "
+        "a disc touches the ground, or where something slides along a rod, is at each time another point "
+        "of the body, and that point moves otherwise.  `on body at P` means the point of the body, with "
+        "the torque about its centre that this brings; a body of mass 0 at P means the point itself.",
+        _on_disc("  force F = 1 [N]*world.x at G - R*world.z;\n"),
+        _on_disc("  force F = 1 [N]*world.x on disc at G - R*world.z;\n"),
+    ),
+    "LAG0412": Entry(
+        "a friction that can bring energy",
+        "A warning.  What a force does depends on the velocity that it acts on.  A force that opposes one "
+        "velocity and acts on a point of another, a torque between two bodies that acts on one of them "
+        "only, or a dissipation that falls with the rates may drive the system where it was meant to "
+        "brake it.",
+        _on_disc("  force F = -2 [kg/s]*velocity(disc) on disc at G - R*world.z;\n"),
+        _on_disc("  force F = -2 [kg/s]*velocity(disc, at = G - R*world.z) on disc at G - R*world.z;\n"),
     ),
     "LAG0421": Entry(
         "a constraint with a kink or a jump",

@@ -1,0 +1,125 @@
+"""Random motions at which velocities are compared: bare ones, or those that the constraints allow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.meaning.model import Frame
+from lagc.mechanics.equations import Row
+from lagc.mechanics.manifold import onto
+from lagc.mechanics.samples import Chance, samples
+from lagc.mechanics.states import States
+from lagc.records import dataclass
+
+_STATES = 4  # positions that are tried
+_MOTIONS = 16  # from each of them
+_LARGEST = 60  # speeds and rows beyond which motions on the constraints are not looked for
+_NEAR_REST = 1e-9  # of the rates, where a law has no value at rest
+KEPT = 1e-7  # what is left, relative, of what vanishes on states that meet the rows to 1e-12
+
+Numbers = tuple[float, float, float]
+State = dict[Node, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A state of the motion and the same at rest; both give rates and declared speeds."""
+
+    state: State
+    rest: State
+    near: tuple[State, State]  # all but at rest, forth and back
+
+    def change(self, find: Callable[[State], Numbers]) -> Numbers:
+        """What the rates bring of a vector."""
+        moving, still = find(self.state), find(self.rest)
+        if not all(map(math.isfinite, still)):  # a law such as that of dry friction: its mean
+            forth, back = (find(state) for state in self.near)
+            still = _halfway(forth, back)
+        return less(moving, still)
+
+    def towards(self, other: Motion, share: float) -> Motion:
+        """That share of the way to another motion from the same place."""
+
+        def part(a: State, b: State) -> State:
+            return {x: value + share * (b[x] - value) for x, value in a.items()}
+
+        near = part(self.near[0], other.near[0]), part(self.near[1], other.near[1])
+        return Motion(part(self.state, other.state), self.rest, near)
+
+
+def random_motions(
+    states: States, rows: Sequence[Row] = (), sizes: Mapping[Node, float] | None = None
+) -> Iterator[Motion]:
+    """Random motions, with speeds up to `sizes` (1 where none is given): those that `rows` allow,
+    where they are not too many to tell."""
+    chance = Chance(77003)
+    bound = rows if len(rows) + len(states.v) <= _LARGEST else ()
+    for sample in samples(states.model, _STATES):
+        for _ in range(_MOTIONS):
+            speeds = {v: (sizes or {}).get(v, 1.0) * chance.draw() for v in states.v}
+            state: State | None = {**sample, **speeds}
+            if bound:
+                state = onto(states, bound, state or {})
+            if state is None:
+                break
+            sample = {**sample, **{q: state[q] for q in states.q}}
+            yield _motion(states, state)
+
+
+def equal_speeds(states: States, vectors: Sequence[Callable[[State], Numbers]]) -> dict[Node, float]:
+    """For each speed the size at which alone it brings 1 to the largest of `vectors`."""
+    found: dict[Node, float] = {}
+    still = dict.fromkeys(states.v, 0.0)
+    for sample in samples(states.model, 1):
+        for v in states.v:
+            alone = _motion(states, {**sample, **still, v: 1.0})
+            size = max(length(alone.change(vector)) for vector in vectors)
+            if size > 0.0:
+                found[v] = 1.0 / size
+    return found
+
+
+def _motion(states: States, state: State) -> Motion:
+    rates = dict(zip(states.rates, evaluate(list(states.rates.values()), state)))
+
+    def at(factor: float) -> State:
+        scaled = {**state, **{rate: factor * x for rate, x in rates.items()}}
+        spelt = states.spelt
+        return {**scaled, **dict(zip(spelt, evaluate(list(spelt.values()), scaled)))}
+
+    return Motion(at(1.0), at(0.0), (at(_NEAR_REST), at(-_NEAR_REST)))
+
+
+def values(vector: Sequence[Node], state: State) -> Numbers:
+    x, y, z = evaluate(vector, state)
+    return x, y, z
+
+
+def turned(frame: Frame, x: Numbers, state: State) -> Numbers:
+    """Components in `frame` to those in the world."""
+    axes = evaluate([entry for row in frame.axes for entry in row], state)
+    a, b, c = (sum(axes[3 * i + k] * x[k] for k in range(3)) for i in range(3))
+    return a, b, c
+
+
+def less(a: Numbers, b: Numbers) -> Numbers:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _halfway(a: Numbers, b: Numbers) -> Numbers:
+    return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2
+
+
+def dot(a: Numbers, b: Numbers) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Numbers, b: Numbers) -> Numbers:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def length(a: Numbers) -> float:
+    return math.hypot(*a)

@@ -1,0 +1,260 @@
+"""Loads that oppose one velocity and act on another: warnings, the equations stay as written.
+
+Where friction was meant, such a load can bring energy.  What a load does that depends on the rates,
+its vector less that at rest, opposes a velocity where its power on it is never positive.  That is
+asked at random motions, first of the bare coordinates, then of those that the constraints allow:
+velocities that are the same on the constraints are the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain, combinations, pairwise
+
+from lagc.diagnostics.faults import Fault, Span
+from lagc.expr.evaluate import evaluate
+from lagc.expr.vectors import Vector
+from lagc.expr.walk import depends
+from lagc.meaning.model import Force, Frame, Torque
+from lagc.mechanics.equations import Contribution, Row
+from lagc.mechanics.magnitude import VANISHES
+from lagc.mechanics.motions import (
+    KEPT,
+    Motion,
+    Numbers,
+    State,
+    dot,
+    equal_speeds,
+    length,
+    random_motions,
+    turned,
+    values,
+)
+from lagc.mechanics.states import States
+from lagc.records import dataclass
+
+Load = Force | Torque
+_MOST = 40  # loads that are looked at
+
+
+@dataclass(frozen=True, slots=True)
+class _Velocity:
+    """The sum of `sign` * axes . components (world axes where `axes` is None), and its words."""
+
+    terms: tuple[tuple[float, Frame | None, Vector], ...]
+    words: str
+    span: Span | None = None
+
+    def less(self, other: _Velocity) -> _Velocity:
+        opposite = tuple([(-sign, frame, vector) for sign, frame, vector in other.terms])
+        return _Velocity((*self.terms, *opposite), f"{self.words} - {other.words}", self.span)
+
+    def value(self, state: State) -> Numbers:
+        total = [0.0, 0.0, 0.0]
+        for sign, frame, vector in self.terms:
+            x = values(vector, state)
+            if frame is not None:
+                x = turned(frame, x, state)
+            for k in range(3):
+                total[k] += sign * x[k]
+        return total[0], total[1], total[2]
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """Loads of one vector, forth and back, and the velocity that their power is taken on."""
+
+    load: Load
+    acted: _Velocity
+
+    def vector(self, state: State) -> Numbers:
+        return values(self.load.vector, state)
+
+    def power(self, motion: Motion, velocity: _Velocity) -> tuple[float, float]:
+        """Of what the rates bring of the vector, on what they bring of a velocity; and its size."""
+        force, moved = motion.change(self.vector), motion.change(velocity.value)
+        return dot(force, moved), length(force) * length(moved)
+
+
+def feeding_loads(
+    states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
+) -> Iterator[Fault]:
+    """LAG0412 of loads that oppose another velocity than that which they act on, and of dissipations
+    that bring energy in every motion."""
+    yield from _feeding_dissipations(states, contributions)
+    loads = [load for load in _moved(states) if not _is_plain(load)][:_MOST]
+    pairs = _paired(loads, list(random_motions(states))) if loads else []
+    for pair in pairs:
+        candidates = list(_candidates(states, pair))
+        sizes = equal_speeds(states, [pair.acted.value, *(c.value for c in candidates)])
+        opposed = _opposed(pair, pairs, candidates, list(random_motions(states, (), sizes)))
+        if opposed and rows:
+            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
+        if opposed:
+            yield _opposes_another(pair, opposed)
+
+
+def _moved(states: States) -> list[Load]:
+    """The loads that depend on the rates."""
+    loads = [x for x in states.model.actions if isinstance(x, Load)]
+    rates = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
+    moving = depends(chain.from_iterable(x.vector for x in loads), rates)
+    return [x for x in loads if not moving.isdisjoint(x.vector)]
+
+
+def _is_plain(load: Load) -> bool:
+    """Whether it is written with the velocity that it acts on, and with no other."""
+    return (
+        isinstance(load, Force)
+        and bool(load.mentioned)
+        and all(vector == load.velocity for vector, _ in load.mentioned)
+    )
+
+
+def _opposed(
+    pair: _Pair, pairs: Sequence[_Pair], candidates: Sequence[_Velocity], motions: Sequence[Motion]
+) -> _Velocity | None:
+    """A velocity on which the power is never positive, where on that which is acted on it may be;
+    None where all loads together bring none."""
+    motions = [*motions, *_strongest(pair, motions)]
+    if not any(p > KEPT * size for p, size in (pair.power(m, pair.acted) for m in motions)):
+        return None
+    if _take_together(pairs, motions):
+        return None
+    return next((c for c in candidates if _takes(pair, c, motions)), None)
+
+
+def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
+    """Between motions from one place, that of the largest power, for a law that is linear in the rates."""
+
+    def power(motion: Motion) -> float:
+        return pair.power(motion, pair.acted)[0]
+
+    for one, other in pairwise(motions):
+        if one.rest == other.rest:
+            start, middle, end = power(one), power(one.towards(other, 0.5)), power(other)
+            bend = start + end - 2.0 * middle
+            if bend < 0.0:
+                yield one.towards(other, 0.5 - 0.25 * (end - start) / bend)
+
+
+def _takes(pair: _Pair, velocity: _Velocity, motions: Sequence[Motion]) -> bool:
+    """Whether the power is never positive, and not zero throughout."""
+    powers = [pair.power(motion, velocity) for motion in motions]
+    known = [(p, size) for p, size in powers if math.isfinite(p)]
+    return any(p < -KEPT * size for p, size in known) and all(p <= KEPT * size for p, size in known)
+
+
+def _take_together(pairs: Sequence[_Pair], motions: Sequence[Motion]) -> bool:
+    for motion in motions:
+        powers = [pair.power(motion, pair.acted) for pair in pairs]
+        if sum(p for p, _ in powers) > KEPT * sum(size for _, size in powers):
+            return False
+    return True
+
+
+def _paired(loads: Sequence[Load], motions: Sequence[Motion]) -> list[_Pair]:
+    """Loads with the vectors of others, or their opposites, taken together with these."""
+    found: list[_Pair] = []
+    for load in loads:
+        velocity = _acted(load)
+        for k, pair in enumerate(found):
+            sign = _ratio(load, pair.load, motions) if type(load) is type(pair.load) else 0
+            if sign:
+                terms = tuple([(sign * s, frame, vector) for s, frame, vector in velocity.terms])
+                acted = _Velocity((*pair.acted.terms, *terms), pair.acted.words)
+                found[k] = _Pair(pair.load, acted)
+                break
+        else:
+            found.append(_Pair(load, velocity))
+    return found
+
+
+def _acted(load: Load) -> _Velocity:
+    words = load.target.text if load.target else ""
+    if isinstance(load, Force):
+        return _Velocity(((1.0, None, load.velocity),), words)
+    terms = [(1.0, load.frame, load.frame.angular_velocity)]
+    if load.reaction is not None:
+        terms.append((-1.0, load.reaction, load.reaction.angular_velocity))
+    return _Velocity(tuple(terms), words)
+
+
+def _ratio(one: Load, other: Load, motions: Sequence[Motion]) -> int:
+    """1 or -1 where the vectors are equal or opposite, else 0."""
+    signs = {1, -1}
+    for motion in motions:
+        a, b = values(one.vector, motion.state), values(other.vector, motion.state)
+        size = VANISHES * (length(a) + length(b))
+        signs -= {s for s in signs if not length((a[0] - s * b[0], a[1] - s * b[1], a[2] - s * b[2])) <= size}
+    return max(signs, default=0)
+
+
+def _candidates(states: States, pair: _Pair) -> Iterator[_Velocity]:
+    """What a load may be meant to oppose: velocities that it was written with, their differences,
+    those of bodies or frames, and those of frames in the frames that they turn in."""
+    load, model = pair.load, states.model
+    written = [_Velocity(((1.0, None, v),), span.text, span) for v, span in load.mentioned]
+    yield from written
+    for a, b in combinations(written, 2):
+        yield a.less(b)
+    if isinstance(load, Force):
+        for body in model.bodies:
+            yield _Velocity(((1.0, None, body.velocity),), f"velocity({body.name})")
+        return
+    turns = {
+        frame.name: _Velocity(((1.0, frame, frame.angular_velocity),), f"angular_velocity({frame.name})")
+        for frame in model.frames
+    }
+    yield from turns.values()
+    for frame in model.frames:
+        if frame.parent in turns:
+            yield turns[frame.name].less(turns[frame.parent])
+
+
+def _opposes_another(pair: _Pair, opposed: _Velocity) -> Fault:
+    load = pair.load
+    kind = "force" if isinstance(load, Force) else "torque"
+    acts = f"acts {'at' if kind == 'force' else 'on'} `{pair.acted.words}`, which moves otherwise"
+    remedy = (
+        "a friction acts on the velocity that it opposes: write both alike, "
+        + (
+            "`velocity(b, at = P)` with `on b at P`, or `velocity(P)` with `at P`"
+            if kind == "force"
+            else "`angular_velocity(B) - angular_velocity(A)` with `on B from A`"
+        )
+        + ", and its opposite on the other body; a drive or a control may stay as it is"
+    )
+    return Fault(
+        "LAG0412",
+        f"`{load.name}` opposes the velocity `{opposed.words}` and {acts}: "
+        "it can bring energy into the system",
+        load.target,
+        () if opposed.span is None else ((opposed.span, "the velocity that it opposes"),),
+        remedy,
+        "warning",
+    )
+
+
+def _feeding_dissipations(states: States, contributions: Sequence[Contribution]) -> Iterator[Fault]:
+    """Those that bring energy in every motion: their sign is not that of a dissipation."""
+    spans: Mapping[str, Span] = {x.name: x.span for x in states.model.actions}
+    for c in contributions:
+        if c.kind == "dissipation":
+            powers = [_brought(states, c, motion) for motion in random_motions(states)]
+            if powers and all(p > 0.0 for p in powers):
+                yield Fault(
+                    "LAG0412",
+                    f"the dissipation `{c.name}` brings energy into the system: "
+                    "its force points along the motion",
+                    spans.get(c.name),
+                    remedy="a dissipation grows with the rates, such as `1/2*c*der(x)^2` with c > 0",
+                    severity="warning",
+                )
+
+
+def _brought(states: States, c: Contribution, motion: Motion) -> float:
+    forces, columns = list(c.forces.values()), [states.v[j] for j in c.forces]
+    moving, still = (evaluate(forces, state) for state in (motion.state, motion.rest))
+    return sum((a - b) * (motion.state[v] - motion.rest[v]) for a, b, v in zip(moving, still, columns))
