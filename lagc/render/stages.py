@@ -45,11 +45,11 @@ def c_functions(tableau: Tableau) -> list[str]:
 def c_parts(tableau: Tableau) -> str:
     """For models with constraints on positions: the rows of the error as vectors, in w->parts."""
     text = (
-        f"static void lagc_{tableau.name}_parts(lagc_work *w)\n{{\n    int i;\n"
+        f"static void lagc_{tableau.name}_parts(const lagc_state *s, lagc_work *w)\n{{\n    int i;\n"
         "    for (i = 0; i < LAGC_NX; i++) {\n"
     )
     for i, row in enumerate(tableau.errors):
-        text += f"        w->parts[{i}][i] = {_sum(row, 'w->k[{}][i]', ' ' * 12)};\n"
+        text += f"        w->parts[{i}][i] = {_sum(row, 's->k[{}][i]', ' ' * 12)};\n"
     return text + "    }\n}\n"
 
 
@@ -162,12 +162,12 @@ def _python_dense(tableau: Tableau) -> str:
     return text + f"    return OK, [x, r1, r2, r3, {', '.join(names)}]\n"
 
 
-def _nested(tableau: Tableau, term: str) -> str:
+def _nested(tableau: Tableau, term: str, share: str = "s") -> str:
     count = 4 + len(tableau.dense)
     text = term.format(count - 1)
     for i in range(count - 2, -1, -1):
         factor = text if i == count - 2 else f"({text})"
-        text = f"{term.format(i)} + {'s' if i % 2 == 0 else 'u'} * {factor}"
+        text = f"{term.format(i)} + {share if i % 2 == 0 else 'u'} * {factor}"
     return text
 
 
@@ -183,13 +183,13 @@ def _python_at(tableau: Tableau) -> str:
 
 
 def _c_combination(row: Row, base: str = "x") -> str:
-    total = _sum(row, "w->k[{}][i]", " " * 12)
-    return f"    for (i = 0; i < LAGC_NX; i++)\n        w->y[i] = {base}[i] + h * ({total});\n"
+    total = _sum(row, "s->k[{}][i]", " " * 12)
+    return f"    for (i = 0; i < LAGC_NX; i++)\n        s->y[i] = {base}[i] + h * ({total});\n"
 
 
 def _c_evaluation(c: float, stage: int) -> str:
     return (
-        f"    status = lagc_rhs_(p, {_time(c, 't')}, w->y, w->k[{stage - 1}], w->lam, w);\n"
+        f"    status = lagc_rhs_(p, {_time(c, 't')}, s->y, s->k[{stage - 1}], w->lam, w);\n"
         "    if (LAGC_FAILED(status))\n        return status;\n"
     )
 
@@ -197,8 +197,8 @@ def _c_evaluation(c: float, stage: int) -> str:
 def _c_stages(tableau: Tableau) -> str:
     text = (
         f"static int lagc_{tableau.name}_stages(const lagc_params *p, double t, const double *x,\n"
-        "                              double h, lagc_work *w)\n{\n"
-        "    double own[LAGC_NX]; /* of x: apart from w, so that loops run over several entries at once */\n"
+        "                              double h, lagc_state *s, lagc_work *w)\n{\n"
+        "    double own[LAGC_NX]; /* of x: apart from s, so that loops run over several entries at once */\n"
         "    int i, status;\n    for (i = 0; i < LAGC_NX; i++)\n        own[i] = x[i];\n"
     )
     for stage, (c, row) in enumerate(zip(tableau.c, tableau.a), start=1):
@@ -210,47 +210,48 @@ def _c_stages(tableau: Tableau) -> str:
 def _c_error(tableau: Tableau) -> str:
     text = (
         f"static double lagc_{tableau.name}_error(double rtol, double atol, double h, const double *x,\n"
-        "                                 const lagc_work *w)\n{\n    const int n = LAGC_NQ + LAGC_NV;\n"
+        "                                 const lagc_state *s)\n{\n    const int n = LAGC_NQ + LAGC_NV;\n"
         "    int i;\n    double e, scale, u, v"
     )
     text += "".join(f", sum{i} = 0.0" for i in range(len(tableau.errors)))
     text += ", total;\n" if len(tableau.errors) > 1 else ";\n"
-    text += "    for (i = 0; i < n; i++) {\n        u = fabs(x[i]);\n        v = fabs(w->y[i]);\n"
+    text += "    for (i = 0; i < n; i++) {\n        u = fabs(x[i]);\n        v = fabs(s->y[i]);\n"
     text += "        scale = atol + rtol * (v > u ? v : u);\n"
     for i, row in enumerate(tableau.errors):
-        text += f"        e = ({_sum(row, 'w->k[{}][i]', ' ' * 12)}) / scale;\n        sum{i} += e * e;\n"
+        text += f"        e = ({_sum(row, 's->k[{}][i]', ' ' * 12)}) / scale;\n        sum{i} += e * e;\n"
     return text + "    }\n    h = fabs(h);\n" + _error_result(tableau, ";") + "}\n"
 
 
 def _c_dense(tableau: Tableau) -> str:
     text = (
         f"static int lagc_{tableau.name}_dense(const lagc_params *p, double t, const double *x,\n"
-        "                             const double *z, double h, lagc_work *w)\n{\n    int i;\n"
+        "                             const double *z, double h, lagc_state *s, lagc_work *w)\n"
+        "{\n    int i;\n"
     )
     if tableau.extra_c:
         text += "    int status;\n"
     for stage, (c, row) in enumerate(zip(tableau.extra_c, tableau.extra_a), start=tableau.stages + 2):
         text += _c_combination(row) + _c_evaluation(c, stage)
     if not tableau.extra_c:
-        text += "    (void)p;\n    (void)t;\n"
+        text += "    (void)p;\n    (void)t;\n    (void)w;\n"
     last = tableau.stages
     text += f"""\
     for (i = 0; i < LAGC_NX; i++) {{
-        w->r[0][i] = x[i];
-        w->r[1][i] = z[i] - x[i];
-        w->r[2][i] = h * w->k[0][i] - w->r[1][i];
-        w->r[3][i] = w->r[1][i] - h * w->k[{last}][i] - w->r[2][i];
+        s->r[0][i] = x[i];
+        s->r[1][i] = z[i] - x[i];
+        s->r[2][i] = h * s->k[0][i] - s->r[1][i];
+        s->r[3][i] = s->r[1][i] - h * s->k[{last}][i] - s->r[2][i];
 """
     for i, row in enumerate(tableau.dense):
-        text += f"        w->r[{i + 4}][i] = h * ({_sum(row, 'w->k[{}][i]', ' ' * 12)});\n"
+        text += f"        s->r[{i + 4}][i] = h * ({_sum(row, 's->k[{}][i]', ' ' * 12)});\n"
     return text + "    }\n    return LAGC_OK;\n}\n"
 
 
 def _c_at(tableau: Tableau) -> str:
     return (
-        f"static void lagc_{tableau.name}_at(double s, const lagc_work *w, double *x)\n{{\n"
-        "    const double u = 1.0 - s;\n    int i;\n    for (i = 0; i < LAGC_NX; i++)\n"
-        f"        x[i] = {_nested(tableau, 'w->r[{}][i]')};\n}}\n"
+        f"static void lagc_{tableau.name}_at(double v, const lagc_state *s, double *x)\n{{\n"
+        "    const double u = 1.0 - v;\n    int i;\n    for (i = 0; i < LAGC_NX; i++)\n"
+        f"        x[i] = {_nested(tableau, 's->r[{}][i]', 'v')};\n}}\n"
     )
 
 

@@ -51,8 +51,6 @@ class CModel(Compiled):
             if function is not None:
                 function.restype = result
                 found[name] = function
-        if found["state_size"]() != ctypes.sizeof(self.state):
-            raise CannotCompile("the compiled library does not fit this version of lagc")
         return found
 
     @once
@@ -161,7 +159,9 @@ class CSystem(CompiledSystem):
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
         nx, n, call = self.nx, len(times), self.model.functions
-        state, work = self.model.state(), self.model.work()
+        work = self.model.work()
+        room = ctypes.create_string_buffer(call["state_size"]())
+        state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
         asked = _Options(METHODS[options.method], options.project, options.max_steps, options.rtol,
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
@@ -221,15 +221,13 @@ def _open(sources: Mapping[str, str]) -> ctypes.CDLL:
 
 
 def _state_type(nx: int) -> type[Any]:
-    """lagc_state"""
+    """The first members of lagc_state."""
 
     class State(ctypes.Structure):
         _fields_ = (
-            ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("x_old", c_double * nx),
-            ("h_old", c_double), ("h", c_double), ("error_old", c_double), ("grid", c_double),
-            ("position_drift", c_double), ("velocity_drift", c_double), ("on_grid", c_long),
-            ("steps", c_long), ("rejected", c_long), ("rhs", c_long), ("arrived", c_int),
-            ("has_dense", c_int), ("culprit", c_int),
+            ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
+            ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
+            ("culprit", c_int),
         )  # fmt: skip
 
     return State

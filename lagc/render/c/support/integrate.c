@@ -2,6 +2,11 @@
  * Step control and first step: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
  * Equations I, Springer 1993, sections II.4 and II.10. */
 
+/* Where a rate, or the dense output, is to be found. */
+#define LAGC_NOWHERE 0
+#define LAGC_STAGES 1 /* a rate: the first of them */
+#define LAGC_READY 2  /* a rate: the last of the stages */
+
 lagc_options lagc_default_options(void)
 {
     lagc_options o;
@@ -25,23 +30,73 @@ void lagc_begin(lagc_state *s, double t, const double *x)
     int i;
     s->t = t;
     s->t_old = t;
+    s->t_seen = t;
     for (i = 0; i < LAGC_NX; i++) {
         s->x[i] = x[i];
         s->x_old[i] = x[i];
+        s->x_seen[i] = x[i];
     }
     s->h_old = 0.0;
     s->h = 0.0;
     s->error_old = 1e-4;
     s->grid = t;
+    s->stride = 0.0;
     s->position_drift = 0.0;
     s->velocity_drift = 0.0;
     s->on_grid = 0;
     s->steps = 0;
     s->rejected = 0;
     s->rhs = 0;
-    s->arrived = 0;
-    s->has_dense = 0;
+    s->called = 1;
+    s->method = LAGC_DOP853;
+    s->rate = LAGC_NOWHERE;
+    s->dense = LAGC_NOWHERE;
+#if LAGC_NC
+    s->lost = 0;
+#endif
     s->culprit = -1;
+}
+
+/* What a call finds: the workspace as this state left its own. */
+static void lagc_enter(lagc_state *s, lagc_work *w)
+{
+    s->called = 1;
+#if LAGC_NC
+    w->lost = s->lost;
+#else
+    (void)w;
+#endif
+}
+
+/* What a call leaves: where the last step ended. */
+static lagc_status lagc_leave(lagc_state *s, int status, const lagc_work *w)
+{
+    int i;
+    if (status != LAGC_OK && status != LAGC_INTERRUPTED)
+        s->rate = LAGC_NOWHERE;
+    if (!s->called) {
+        s->t_seen = s->t;
+        for (i = 0; i < LAGC_NX; i++)
+            s->x_seen[i] = s->x[i];
+    }
+#if LAGC_NC
+    s->lost = w->lost;
+#else
+    (void)w;
+#endif
+    return (lagc_status)status;
+}
+
+/* What the caller has changed since the last step: 0 nothing, 1 parameters, 2 the state. */
+static int lagc_changed(const lagc_params *p, const lagc_state *s)
+{
+    int i;
+    if (s->h == 0.0 || s->t != s->t_seen)
+        return 2;
+    for (i = 0; i < LAGC_NX; i++)
+        if (!(s->x[i] == s->x_seen[i]))
+            return 2;
+    return s->rate == LAGC_NOWHERE || memcmp(p, &s->p, sizeof *p) != 0;
 }
 
 static int lagc_stop(lagc_state *s, int status, const lagc_work *w)
@@ -57,7 +112,7 @@ static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, do
     const int n = LAGC_NQ + LAGC_NV;
     const double order = o->method == LAGC_DOPRI5 ? 5.0 : 8.0;
     const double largest = o->max_step > 0.0 ? o->max_step : fabs(t1 - s->t);
-    const double *f = w->k[0];
+    const double *f = s->k[0];
     double of_f = 0.0, of_x = 0.0, change = 0.0, h, step, size, other;
     int i, status;
     for (i = 0; i < n; i++) {
@@ -70,14 +125,14 @@ static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, do
         h = largest;
     step = h * direction;
     for (i = 0; i < LAGC_NX; i++)
-        w->y[i] = s->x[i] + step * f[i];
-    status = lagc_rhs_(p, s->t + step, w->y, w->k[1], w->lam, w);
+        s->y[i] = s->x[i] + step * f[i];
+    status = lagc_rhs_(p, s->t + step, s->y, s->k[1], w->lam, w);
     s->rhs++;
     if (LAGC_FAILED(status) || h == 0.0)
         return h > 0.0 ? h : 1e-6;
     for (i = 0; i < n; i++) {
         const double scale = atol + o->rtol * fabs(s->x[i]);
-        const double e = (w->k[1][i] - f[i]) / scale;
+        const double e = (s->k[1][i] - f[i]) / scale;
         change += e * e;
     }
     size = sqrt(change) / h;
@@ -100,7 +155,7 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
 #if LAGC_NC || LAGC_NQUAT
     if (o->project) {
         double position, velocity;
-        const int status = lagc_project(p, t, w->y, &position, &velocity, w);
+        const int status = lagc_project(p, t, s->y, &position, &velocity, w);
         if (LAGC_FAILED(status))
             return status;
         if (position > s->position_drift)
@@ -112,13 +167,13 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
     (void)o;
 #endif
     s->rhs++;
-    return lagc_rhs_(p, t, w->y, rate, w->lam, w);
+    return lagc_rhs_(p, t, s->y, rate, w->lam, w);
 }
 
 #if LAGC_NH
 /* The norm of an error with such parts; see lagc_dop853_error. */
 static double lagc_parts_norm(const lagc_state *s, const lagc_options *o, double atol, double h,
-                              double parts[2][LAGC_NX], const lagc_work *w)
+                              double parts[2][LAGC_NX])
 {
     double sums[2], e, u, v, total;
     int i, k;
@@ -126,7 +181,7 @@ static double lagc_parts_norm(const lagc_state *s, const lagc_options *o, double
         sums[k] = 0.0;
         for (i = 0; i < LAGC_NX; i++) {
             u = fabs(s->x[i]);
-            v = fabs(w->y[i]);
+            v = fabs(s->y[i]);
             e = parts[k][i] / (atol + o->rtol * (v > u ? v : u));
             sums[k] += e * e;
         }
@@ -149,8 +204,8 @@ static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, do
     if (!lagc_nudge(p, s->t, s->x, w))
         return error;
     for (i = 0; i < LAGC_NQ; i++) {
-        if (fabs(w->y[i] - s->x[i]) > moved)
-            moved = fabs(w->y[i] - s->x[i]);
+        if (fabs(s->y[i] - s->x[i]) > moved)
+            moved = fabs(s->y[i] - s->x[i]);
         if (fabs(w->nudged[i] - s->x[i]) > left)
             left = fabs(w->nudged[i] - s->x[i]);
         if (fabs(s->x[i]) > reach)
@@ -160,27 +215,27 @@ static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, do
         reach = 1.0;
     if (!(left * moved > 3e-15 * reach * reach || left > 1e-12 * reach))
         return error; /* it is a long way to where rows become dependent */
-    lagc_dop853_parts(w);
+    lagc_dop853_parts(s, w);
     for (k = 0; k < 2; k++)
         for (i = 0; i < LAGC_NX; i++)
             w->other[k][i] = w->parts[k][i];
     s->rhs += 11;
-    status = lagc_dop853_stages(p, s->t, w->nudged, h, w);
+    status = lagc_dop853_stages(p, s->t, w->nudged, h, s, w);
     if (LAGC_FAILED(status))
         return error;
-    lagc_dop853_parts(w);
+    lagc_dop853_parts(s, w);
     for (k = 0; k < 2; k++)
         for (i = 0; i < LAGC_NX; i++)
             w->other[k][i] -= w->parts[k][i];
-    change = lagc_parts_norm(s, o, atol, h, w->other, w);
-    if (!(change > 0.1 * lagc_parts_norm(s, o, atol, h, w->parts, w)))
+    change = lagc_parts_norm(s, o, atol, h, w->other);
+    if (!(change > 0.1 * lagc_parts_norm(s, o, atol, h, w->parts)))
         return error;
     s->rhs += 11;
-    (void)lagc_dop853_stages(p, s->t, s->x, h, w); /* the step as it was */
-    lagc_dop853_parts(w);
-    if (!lagc_tangents(p, t, w->y, w))
+    (void)lagc_dop853_stages(p, s->t, s->x, h, s, w); /* the step as it was */
+    lagc_dop853_parts(s, w);
+    if (!lagc_tangents(p, t, s->y, w))
         return error;
-    return lagc_parts_norm(s, o, atol, h, w->parts, w);
+    return lagc_parts_norm(s, o, atol, h, w->parts);
 }
 #endif
 
@@ -208,35 +263,49 @@ static void lagc_adapt(lagc_state *s, int method, double size, double error, int
     s->h = following;
 }
 
-lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
-                      lagc_work *w)
+static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o, lagc_work *w)
 {
     const int method = o->method, last = method == LAGC_DOPRI5 ? 6 : 12;
     const double atol = o->atol > 1e-200 ? o->atol : 1e-200;
     const double direction = t1 >= s->t ? 1.0 : -1.0, rest = fabs(t1 - s->t);
+    const int change = s->called ? lagc_changed(p, s) : 0;
     double size, h, t_new, error = 0.0;
     int i, status, cause = LAGC_OK, rejected = 0, lands;
-    if (s->h == 0.0) {
+    if (s->dense == LAGC_STAGES)
+        s->dense = LAGC_NOWHERE; /* other stages take their place */
+    if (change) {
+        if (change == 2) {
+            s->stride = 0.0;
 #if LAGC_NC
+            w->lost = 0;
 #if LAGC_STRAIGHT
-        (void)lagc_factor_dense(p, s->t, s->x, w); /* straight factors need not show dependent rows */
-        w->fallbacks--;
+            (void)lagc_factor_dense(p, s->t, s->x, w); /* straight factors need not show dependent rows */
+            w->fallbacks--;
 #endif
 #endif
-        status = lagc_rhs_(p, s->t, s->x, w->k[0], w->lam, w);
+        }
+        status = lagc_rhs_(p, s->t, s->x, s->k[0], w->lam, w);
         s->rhs++;
         if (LAGC_FAILED(status))
-            return (lagc_status)lagc_stop(s, status, w);
+            return lagc_stop(s, status, w);
+    } else if (s->rate == LAGC_READY) {
+        const double *reached = s->k[s->method == LAGC_DOPRI5 ? 6 : 12];
+        for (i = 0; i < LAGC_NX; i++)
+            s->k[0][i] = reached[i];
+    }
+    s->rate = LAGC_STAGES;
+    if (s->h == 0.0) {
         if (o->step > 0.0)
             s->h = o->step;
         else if (o->first_step > 0.0)
             s->h = o->first_step;
         else
             s->h = lagc_first_step(p, s, t1, direction, o, atol, w);
-    } else if (s->arrived) {
-        for (i = 0; i < LAGC_NX; i++)
-            w->k[0][i] = w->k[last][i];
-        s->arrived = 0;
+    }
+    if (o->step > 0.0 && s->stride != o->step * direction) { /* the grid begins here */
+        s->stride = o->step * direction;
+        s->grid = s->t;
+        s->on_grid = 0;
     }
     size = s->h;
     if (o->max_step > 0.0 && size > o->max_step)
@@ -261,30 +330,30 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
                 t_new = s->t + h;
         }
         if ((rejected || !lands) && 0.1 * size <= 2.3e-16 * fabs(s->t) + 1e-40)
-            return (lagc_status)lagc_stop(s, cause != LAGC_OK ? cause : LAGC_STEP_UNDERFLOW, w);
-        status = method == LAGC_DOPRI5 ? lagc_dopri5_stages(p, s->t, s->x, h, w)
-                                       : lagc_dop853_stages(p, s->t, s->x, h, w);
+            return lagc_stop(s, cause != LAGC_OK ? cause : LAGC_STEP_UNDERFLOW, w);
+        status = method == LAGC_DOPRI5 ? lagc_dopri5_stages(p, s->t, s->x, h, s, w)
+                                       : lagc_dop853_stages(p, s->t, s->x, h, s, w);
         s->rhs += last - 1;
         error = 0.0;
         if (!LAGC_FAILED(status) && (method == LAGC_DOPRI5 || o->step > 0.0))
-            status = lagc_arrive(p, s, t_new, o, w->k[last], w);
+            status = lagc_arrive(p, s, t_new, o, s->k[last], w);
         if (!LAGC_FAILED(status) && !(o->step > 0.0)) {
-            error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, w)
-                                          : lagc_dop853_error(o->rtol, atol, h, s->x, w);
+            error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, s)
+                                          : lagc_dop853_error(o->rtol, atol, h, s->x, s);
 #if LAGC_NH
             if (error > 1.0 && rejected && method != LAGC_DOPRI5 && o->project) /* the second time */
                 error = lagc_second_look(p, s, t_new, h, o, atol, error, w);
 #endif
             if (error != error) {
                 status = LAGC_NOT_FINITE;
-                w->culprit = lagc_not_finite(w->y, LAGC_NX);
+                w->culprit = lagc_not_finite(s->y, LAGC_NX);
             } else if (error <= 1.0 && method != LAGC_DOPRI5) {
-                status = lagc_arrive(p, s, t_new, o, w->k[last], w);
+                status = lagc_arrive(p, s, t_new, o, s->k[last], w);
             }
         }
         if (LAGC_FAILED(status)) {
             if (o->step > 0.0)
-                return (lagc_status)lagc_stop(s, status, w);
+                return lagc_stop(s, status, w);
             cause = status;
             size *= 0.25;
         } else if (error <= 1.0) {
@@ -302,17 +371,23 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
         s->grid = lands ? t1 : s->grid;
         s->on_grid = lands ? 0 : s->on_grid + 1;
     } else {
+        s->stride = 0.0;
         lagc_adapt(s, method, size, error, lands, rejected);
     }
+    if (s->called) {
+        s->p = *p;
+        s->called = 0;
+    }
+    s->method = method;
     s->steps++;
     s->t_old = s->t;
     s->h_old = h;
     s->t = t_new;
     for (i = 0; i < LAGC_NX; i++) {
         s->x_old[i] = s->x[i];
-        s->x[i] = w->y[i];
+        s->x[i] = s->y[i];
     }
-    s->arrived = 1;
-    s->has_dense = 0;
+    s->rate = LAGC_READY;
+    s->dense = LAGC_STAGES;
     return LAGC_OK;
 }

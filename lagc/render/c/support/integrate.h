@@ -5,15 +5,21 @@ size_t lagc_state_size(void);
 /* A new trajectory from (t, x); x meets the constraints. */
 void lagc_begin(lagc_state *s, double t, const double *x);
 
+/* Between two of the calls below the caller may change anything in *p, such as inputs, any option, and
+ * s->t and s->x: the next step begins with what is there then, at the cost of one evaluation where p, t
+ * or x is another, and with the size of step that was found before.  What is not changed costs nothing:
+ * the motion is that of one call, where t1 is the same. */
+
 /* One step towards t1, at most to it, and then exactly. */
 lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
                       lagc_work *w);
 
-/* x[NX] at a time t within the last step. */
+/* x[NX] at a time t within the last step, which was made with the parameters of then. */
 lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
                        double *x, lagc_work *w);
 
-/* To t1 exactly, with error control and projection onto the constraints. */
+/* To t1 exactly, with error control and projection onto the constraints.  A step that is short only
+ * to end at t1 does not make the next one short. */
 lagc_status lagc_advance(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
                          lagc_work *w);
 

@@ -1,7 +1,38 @@
 /* -- trajectories -- */
 
-lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
-                       double *x, lagc_work *w)
+/* The stages of the last step once more: those of an attempt that failed have taken their place. */
+static int lagc_repeat(lagc_state *s, double t, const double *x, lagc_work *w)
+{
+    const int last = s->method == LAGC_DOPRI5 ? 6 : 12;
+    int status = lagc_rhs_(&s->p, s->t_old, s->x_old, s->k[0], w->lam, w);
+    s->rate = LAGC_NOWHERE;
+    s->rhs += last + 1;
+    if (!LAGC_FAILED(status))
+        status = last == 6 ? lagc_dopri5_stages(&s->p, s->t_old, s->x_old, s->h_old, s, w)
+                           : lagc_dop853_stages(&s->p, s->t_old, s->x_old, s->h_old, s, w);
+    if (!LAGC_FAILED(status))
+        status = lagc_rhs_(&s->p, t, x, s->k[last], w->lam, w);
+    return status;
+}
+
+/* The coefficients of dense output of the last step, with its parameters and its end, whatever the
+ * caller has changed since. */
+static int lagc_interpolate(lagc_state *s, lagc_work *w)
+{
+    const double t = s->called ? s->t_seen : s->t;
+    const double *x = s->called ? s->x_seen : s->x;
+    int status = LAGC_OK;
+    if (s->dense == LAGC_NOWHERE)
+        status = lagc_repeat(s, t, x, w);
+    if (LAGC_FAILED(status))
+        return status;
+    if (s->method == LAGC_DOPRI5)
+        return lagc_dopri5_dense(&s->p, s->t_old, s->x_old, x, s->h_old, s, w);
+    s->rhs += 3;
+    return lagc_dop853_dense(&s->p, s->t_old, s->x_old, x, s->h_old, s, w);
+}
+
+static int lagc_dense_(lagc_state *s, double t, const lagc_options *o, double *x, lagc_work *w)
 {
     int i, status;
     if (t == s->t || s->h_old == 0.0) {
@@ -9,66 +40,84 @@ lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc
             x[i] = s->x[i];
         return LAGC_OK;
     }
-    if (!s->has_dense) {
-        if (o->method == LAGC_DOPRI5) {
-            status = lagc_dopri5_dense(p, s->t_old, s->x_old, s->x, s->h_old, w);
-        } else {
-            status = lagc_dop853_dense(p, s->t_old, s->x_old, s->x, s->h_old, w);
-            s->rhs += 3;
-        }
+    if (s->dense != LAGC_READY) {
+        status = lagc_interpolate(s, w);
         if (LAGC_FAILED(status))
-            return (lagc_status)lagc_stop(s, status, w);
-        s->has_dense = 1;
+            return lagc_stop(s, status, w);
+        s->dense = LAGC_READY;
     }
-    if (o->method == LAGC_DOPRI5)
-        lagc_dopri5_at((t - s->t_old) / s->h_old, w, x);
+    if (s->method == LAGC_DOPRI5)
+        lagc_dopri5_at((t - s->t_old) / s->h_old, s, x);
     else
-        lagc_dop853_at((t - s->t_old) / s->h_old, w, x);
+        lagc_dop853_at((t - s->t_old) / s->h_old, s, x);
 #if LAGC_NC || LAGC_NQUAT
     if (o->project) {
         double position, velocity;
-        status = lagc_project(p, t, x, &position, &velocity, w);
+        status = lagc_project(&s->p, t, x, &position, &velocity, w);
         if (LAGC_FAILED(status))
-            return (lagc_status)lagc_stop(s, status, w);
+            return lagc_stop(s, status, w);
     }
+#else
+    (void)o;
 #endif
     return LAGC_OK;
+}
+
+lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
+                       double *x, lagc_work *w)
+{
+    int status;
+    (void)p;
+    lagc_enter(s, w);
+    status = lagc_dense_(s, t, o, x, w);
+#if LAGC_NC
+    s->lost = w->lost;
+#endif
+    return (lagc_status)status;
+}
+
+lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
+                      lagc_work *w)
+{
+    lagc_enter(s, w);
+    return lagc_leave(s, lagc_step_(p, s, t1, o, w), w);
 }
 
 lagc_status lagc_advance(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
                          lagc_work *w)
 {
-    lagc_status status = LAGC_OK;
+    int status = LAGC_OK;
+    lagc_enter(s, w);
     while (status == LAGC_OK && s->t != t1)
-        status = lagc_step(p, s, t1, o, w);
-    return status;
+        status = lagc_step_(p, s, t1, o, w);
+    return lagc_leave(s, status, w);
 }
 
 lagc_status lagc_record(const lagc_params *p, lagc_state *s, const lagc_options *o,
                         const double *times, size_t n, double *states, size_t *done, long budget,
                         lagc_work *w)
 {
-    lagc_status status;
+    int status = LAGC_OK;
     double t1, direction;
     long count = 0;
     if (n == 0)
         return LAGC_OK;
     t1 = times[n - 1];
     direction = t1 >= s->t ? 1.0 : -1.0;
-    for (;;) {
-        while (*done < n && (times[*done] - s->t) * direction <= 0.0) {
-            status = lagc_dense(p, s, times[*done], o, states + *done * LAGC_NX, w);
-            if (status != LAGC_OK)
-                return status;
-            *done += 1;
+    lagc_enter(s, w);
+    while (status == LAGC_OK) {
+        while (status == LAGC_OK && *done < n && (times[*done] - s->t) * direction <= 0.0) {
+            status = lagc_dense_(s, times[*done], o, states + *done * LAGC_NX, w);
+            if (status == LAGC_OK)
+                *done += 1;
         }
-        if (*done == n)
-            return LAGC_OK;
+        if (status != LAGC_OK || *done == n)
+            break;
         if (budget > 0 && count == budget)
-            return LAGC_INTERRUPTED;
-        status = lagc_step(p, s, t1, o, w);
-        if (status != LAGC_OK)
-            return status;
+            status = LAGC_INTERRUPTED;
+        else
+            status = lagc_step_(p, s, t1, o, w);
         count++;
     }
+    return lagc_leave(s, status, w);
 }

@@ -1,4 +1,5 @@
-/* Room for the calls below; fill it with zeros before its first use. */
+/* Room for the calls below; fill it with zeros before its first use.  Between calls it holds nothing
+ * that another needs, but for lagc_solve after lagc_assemble: it may serve any states, in any order. */
 typedef struct {
     int culprit;        /* what a status refers to: an index of v or x, or a row */
     long fallbacks;     /* linear solves that took the slower, safer way */
@@ -10,9 +11,6 @@ typedef struct {
     double lam[1];
 #endif
     double xdot[LAGC_NX];
-    double y[LAGC_NX];
-    double k[16][LAGC_NX];  /* rates at the stages */
-    double r[8][LAGC_NX];   /* coefficients of the dense output */
     double qdot[LAGC_NQ];
     double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
     double force[LAGC_NV];
@@ -64,23 +62,36 @@ typedef struct {
     double max_step;   /* 0: no limit */
 } lagc_options;
 
-/* A state on its way: t and x now, the rest is kept by the functions below. */
+/* A state on its way: t and x now, and the last step, with all that dense output of it and the next
+ * step need.  A copy is a state of its own. */
 typedef struct {
     double t;
     double x[LAGC_NX];
-    double t_old;
-    double x_old[LAGC_NX];
-    double h_old;
-    double h;
-    double error_old;
-    double grid;
+    double t_old;          /* where the last step began */
     double position_drift; /* largest scaled residuals after a step */
     double velocity_drift;
-    long on_grid;
     long steps;
     long rejected;
     long rhs; /* evaluations */
-    int arrived;
-    int has_dense;
     int culprit;
+    int called; /* from here on for the functions below: no step was made since the caller had it */
+    int method; /* of the last step */
+    int rate;   /* at (t, x): k[0], the last of k, or to be found */
+    int dense;  /* of the last step: r, k, or to be found */
+#if LAGC_NC
+    int lost;
+#endif
+    long on_grid;
+    double grid;
+    double stride;
+    double h;
+    double error_old;
+    double h_old;
+    double x_old[LAGC_NX];
+    double t_seen;
+    double x_seen[LAGC_NX];  /* where the last step ended */
+    lagc_params p;           /* of the last step */
+    double y[LAGC_NX];       /* where the next may end */
+    double k[16][LAGC_NX];   /* rates at the stages */
+    double r[8][LAGC_NX];    /* coefficients of the dense output */
 } lagc_state;

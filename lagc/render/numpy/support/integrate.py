@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import pow, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lagc.render.numpy.support.base import (
     FAILED,
@@ -62,10 +62,17 @@ METHODS = {
     "dopri5": Method(*_DOPRI5, 6, 0, 5, True, 0.17, 0.04, 0.2, 10.0),
 }
 SAFETY = 0.9
+NOWHERE, STAGES, READY = 0, 1, 2  # where a rate, or the dense output, is to be found
 
 
 class Integrator:
-    """A state on its way.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: the start and size of the last step."""
+    """A state on its way.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: the start and size of the last step.
+
+    Between two calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the
+    options but for the method, and parameters and inputs (`problem.p`, where it has them): the next step
+    begins with what is there then, at the cost of one evaluation where t, x or p is another, and with the
+    size of step that was found before.  One problem may serve several of these in turn.
+    """
 
     def __init__(self, problem: Problem, options: Options, t: float, x: Sequence[float]):
         self.problem, self.options = problem, options
@@ -77,8 +84,14 @@ class Integrator:
         self.h = 0.0  # the next step, > 0; 0 before the first
         self.error_old = 1e-4
         self.grid, self.on_grid = t, 0  # fixed steps: t = grid + on_grid * step
-        self.arrived = False  # k[count] is the rate at (t, x)
-        self.has_dense = False
+        self.stride = 0.0  # fixed steps: the signed step of that grid
+        self.called = True  # no step was made since the caller had the state
+        self.rate = NOWHERE  # at (t, x): k[0], k[method.rates], or to be found
+        self.dense = NOWHERE  # of the last step: r, k, or to be found
+        self.t_seen, self.x_seen = t, self.x[:]  # where the last step ended
+        self.p: list[float] | None = None  # of the last step
+        self.lost = False
+        self.memory: Any = problem if hasattr(problem, "lost") else None
         self.r: list[list[float]] = []
         self.steps = self.rejected = self.rhs = 0
         self.position_drift = self.velocity_drift = 0.0
@@ -90,15 +103,73 @@ class Integrator:
 
     def step(self, t1: float) -> int:
         """One accepted step towards `t1`, at most to it, and then exactly; a status."""
+        self.enter()
+        return self.leave(self.step_(t1))
+
+    def advance(self, t1: float) -> int:
+        """To `t1` exactly; a status.  A step that is short only to end there does not make the next
+        one short."""
+        self.enter()
+        status = OK
+        while status == OK and self.t != t1:
+            status = self.step_(t1)
+        return self.leave(status)
+
+    def at(self, t: float) -> tuple[int, list[float]]:
+        """A status and the state at `t` within the last step, which was made with the parameters of then."""
+        self.enter()
+        problem: Any = self.problem
+        if self.p is None:
+            found = self.at_(t)
+        else:
+            now, problem.p = problem.p, self.p
+            try:
+                found = self.at_(t)
+            finally:
+                problem.p = now
+        if self.memory is not None:
+            self.lost = self.memory.lost
+        return found
+
+    def enter(self) -> None:
+        """What a call finds: the problem as this state left it."""
+        self.called = True
+        if self.memory is not None:
+            self.memory.lost = self.lost
+
+    def leave(self, status: int) -> int:
+        """What a call leaves: where the last step ended."""
+        if status not in (OK, INTERRUPTED):
+            self.rate = NOWHERE
+        if not self.called:
+            self.t_seen, self.x_seen = self.t, self.x[:]
+        if self.memory is not None:
+            self.lost = self.memory.lost
+        return status
+
+    def changed(self) -> int:
+        """What the caller has changed since the last step: 0 nothing, 1 parameters, 2 the state."""
+        if self.h == 0.0 or self.t != self.t_seen or self.x != self.x_seen:
+            return 2
+        return int(self.rate == NOWHERE or getattr(self.problem, "p", None) != self.p)
+
+    def step_(self, t1: float) -> int:
         method, options, t, x, k = self.method, self.options, self.t, self.x, self.k
         direction = 1.0 if t1 >= t else -1.0
-        if self.h == 0.0:
-            status = self._begin(t1, direction)
+        change = self.changed() if self.called else 0
+        if self.dense == STAGES:
+            self.dense = NOWHERE  # other stages take their place
+        if change:
+            status = self._evaluate(change == 2)
             if status in FAILED:
                 return status
-        elif self.arrived:
+        elif self.rate == READY:
             k[0], k[method.rates] = k[method.rates], k[0]
-            self.arrived = False
+        self.rate = STAGES
+        if self.h == 0.0:
+            self._choose(t1, direction)
+        if options.step > 0.0 and self.stride != options.step * direction:  # the grid begins here
+            self.stride, self.grid, self.on_grid = options.step * direction, t, 0
         rest = abs(t1 - t)
         cause, rejected = OK, False
         size = self.h
@@ -151,25 +222,26 @@ class Integrator:
         if options.step > 0.0:
             self.grid, self.on_grid = (t1, 0) if lands else (self.grid, self.on_grid + 1)
         else:
+            self.stride = 0.0
             self._adapt(size, error, lands, rejected)
+        if self.called:
+            p = getattr(self.problem, "p", None)
+            self.p = None if p is None else p[:]
+            self.called = False
         self.steps += 1
         self.t_old, self.x_old, self.h_old = t, x, h
         self.t, self.x = t_new, y
-        self.arrived, self.has_dense = True, False
+        self.rate, self.dense = READY, STAGES
         return OK
 
-    def at(self, t: float) -> tuple[int, list[float]]:
-        """A status and the state at `t` within the last step."""
+    def at_(self, t: float) -> tuple[int, list[float]]:
         if t == self.t or self.h_old == 0.0:
             return OK, self.x[:]
-        if not self.has_dense:
-            status, self.r = self.method.dense(
-                self.problem, self.t_old, self.x_old, self.x, self.h_old, self.k, self.lam
-            )
-            self.rhs += self.method.extra
+        if self.dense != READY:
+            status = self._interpolate()
             if status in FAILED:
                 return self._stop(status), []
-            self.has_dense = True
+            self.dense = READY
         x = self.method.at((t - self.t_old) / self.h_old, self.r)
         if self.constrained:
             status, _, _ = project(self.problem, t, x)
@@ -182,15 +254,47 @@ class Integrator:
             self.culprit = self.problem.culprit
         return status
 
-    def _begin(self, t1: float, direction: float) -> int:
-        """The first evaluation and the size of the first step."""
-        inspect = getattr(self.problem, "inspect", None)
-        if inspect is not None:
-            inspect(self.t, self.x)
+    def _interpolate(self) -> int:
+        """The coefficients of dense output of the last step, with its end, whatever the caller has
+        changed since."""
+        t, x = (self.t_seen, self.x_seen) if self.called else (self.t, self.x)
+        if self.dense == NOWHERE:
+            status = self._repeat(t, x)
+            if status in FAILED:
+                return status
+        self.rhs += self.method.extra
+        status, self.r = self.method.dense(
+            self.problem, self.t_old, self.x_old, x, self.h_old, self.k, self.lam
+        )
+        return status
+
+    def _repeat(self, t: float, x: list[float]) -> int:
+        """The stages of the last step once more: those of an attempt that failed have taken their place."""
+        method, problem, k = self.method, self.problem, self.k
+        status = problem.rhs(self.t_old, self.x_old, k[0], self.lam)
+        self.rate = NOWHERE
+        self.rhs += method.rates + 1
+        if status not in FAILED:
+            status, _ = method.stages(problem, self.t_old, self.x_old, self.h_old, k, self.lam)
+        if status not in FAILED:
+            status = problem.rhs(t, x, k[method.rates], self.lam)
+        return status
+
+    def _evaluate(self, moved: bool) -> int:
+        """The rate at (t, x), which is `moved` by the caller or the first."""
+        if moved:
+            self.stride = 0.0
+            if self.memory is not None:
+                self.memory.lost = False
+            inspect = getattr(self.problem, "inspect", None)
+            if inspect is not None:
+                inspect(self.t, self.x)
         status = self.problem.rhs(self.t, self.x, self.k[0], self.lam)
         self.rhs += 1
-        if status in FAILED:
-            return self._stop(status)
+        return self._stop(status)
+
+    def _choose(self, t1: float, direction: float) -> None:
+        """The size of the first step."""
         options = self.options
         if options.step > 0.0:
             self.h = options.step
@@ -198,7 +302,6 @@ class Integrator:
             self.h = options.first_step
         else:
             self.h = self._first_step(t1, direction)
-        return OK
 
     def _first_step(self, t1: float, direction: float) -> float:
         n, options, order = self.problem.nq + self.problem.nv, self.options, self.method.order
@@ -357,10 +460,11 @@ def _record(
     run: Integrator, times: Sequence[float], result: Trajectory, progress: Callable[[float], None] | None
 ) -> int:
     done, n = 0, len(times)
+    run.enter()
     direction = 1.0 if not n or times[-1] >= run.t else -1.0
     while True:
         while done < n and (times[done] - run.t) * direction <= 0.0:
-            status, x = run.at(times[done])
+            status, x = run.at_(times[done])
             if status != OK:
                 return status
             result.times.append(times[done])
@@ -368,7 +472,7 @@ def _record(
             done += 1
         if done == n:
             return OK
-        status = run.step(times[-1])
+        status = run.step_(times[-1])
         if status != OK:
             return status
         if progress is not None:

@@ -11,9 +11,11 @@ Vector = Sequence[float]
 class Problem(Protocol):
     """States are plain lists of floats, x = (q, v, z).
 
-    A compiled model is one implementation, a hand-written class in a test another.  One that
-    counts its `fallbacks` and knows its `redundant_rows` may have them as attributes.  One with a
-    method `tangents` (see `Equations`) has errors of steps judged without what projection removes.
+    The equations of a compiled model are one implementation, a hand-written class in a test another.
+    One that counts its `fallbacks` and knows its `redundant_rows` may have them as attributes; so may
+    one whose parameters `p` may change between steps, or that remembers that rows were `lost` at the
+    last state.  One with a method `tangents` (see `Equations`) has errors of steps judged without what
+    projection removes.
     """
 
     nq: int
