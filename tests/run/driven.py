@@ -168,5 +168,9 @@ class InC:
 def stepper(name: str, backend: str, options: Options, work: Any = None) -> Any:
     """A state of the model `name` on its way from its start."""
     system = model(name, backend).load(backend)
-    kind = InC if backend == "c" else InPython
-    return kind(system, Options(**vars(options)), 0.0, consistent(name, system), work)
+    return stepper_of(system, options, consistent(name, system), work)
+
+
+def stepper_of(system: System, options: Options, x: list[float], work: Any = None) -> Any:
+    kind = InC if system.backend == "c" else InPython
+    return kind(system, Options(**vars(options)), 0.0, x, work)
