@@ -23,7 +23,7 @@ STATUSES = (
 
 def banner(interface: Interface, file: str) -> str:
     about = ("SI units throughout.  Nothing here allocates, prints or keeps a state of its own; any",
-             "number of threads may call, each with its own workspace.")  # fmt: skip
+             "number of threads may call, each with a workspace and states of its own.")  # fmt: skip
     lines = [SPDX, *LICENCE, "", *(f"    {line}" for line in equation(interface)), "", *about]
     return (
         f"/* {origin(interface, file)}\n *\n"
@@ -37,7 +37,7 @@ USE = """\
  *     static lagc_work w;                     zeros; one for each thread
  *     lagc_params p = lagc_default_params();
  *     lagc_options o = lagc_default_options();
- *     lagc_state s;
+ *     static lagc_state s;                    one for each trajectory
  *     double x[LAGC_NX];
  *     lagc_start(&p, x);
  *     lagc_begin(&s, 0.0, x);
