@@ -20,13 +20,11 @@ def solution_html(solution: Solution) -> str:
 def picture(solution: Solution) -> str:
     import io
 
-    from lagc.view.plot import STYLE, plot
+    from lagc.view.plot import plot, styled
 
     figure = plot(solution)
-    import matplotlib
-
     text = io.StringIO()
-    with matplotlib.rc_context(STYLE):
+    with styled():
         figure.savefig(text, format="svg", metadata={"Date": None})
     svg = text.getvalue()
     return f'<div style="max-width: 60em">{svg[svg.index("<svg") :]}</div>'

@@ -8,8 +8,11 @@ from __future__ import annotations
 import math
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+
+from lagc.once import RLock
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,6 +37,8 @@ STYLE: dict[Any, Any] = {
     "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.linewidth": 0.8, "lines.linewidth": 1.3,
     "legend.frameon": False, "svg.hashsalt": "lagc", "svg.fonttype": "path",
 }  # fmt: skip
+
+_TURN = RLock()
 
 
 def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None) -> Figure:
@@ -71,17 +76,24 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+@contextmanager
+def styled() -> Iterator[None]:
+    """In the style of these pictures, which matplotlib holds for all threads: one at a time."""
+    with _TURN, _matplotlib().rc_context(STYLE):
+        yield
+
+
 def save(figure: Figure, path: str) -> None:
     """The same picture gives the same file: without a date."""
     dateless: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     ending = os.path.splitext(path)[1].lstrip(".").lower()
-    with _matplotlib().rc_context(STYLE):
+    with styled():
         figure.savefig(path, dpi=160, metadata=dateless.get(ending))
 
 
 def draw(solution: Solution, figure: Figure, names: Sequence[str] = ()) -> None:
     groups = by_unit(solution, names or shown_names(solution))
-    with _matplotlib().rc_context(STYLE):
+    with styled():
         figure.set_size_inches(8.0, 1.2 + 2.0 * max(1, len(groups)))
         figure.suptitle(title(solution), fontsize=9, x=0.01, ha="left")
         axes = figure.subplots(max(1, len(groups)), 1, sharex=True, squeeze=False)[:, 0]

@@ -127,6 +127,8 @@ def test_a_run_keeps_its_parameters(backend: str) -> None:
     assert bound.bind({"l": 0.5}).system.parameters != bound.system.parameters
     with pytest.raises(lagc.Refused):
         model.bind({"L": 1.0})
+    with pytest.raises(ValueError, match="entries"):
+        model.system.bind([1.0])
     with pytest.raises(AttributeError):
         bound.system.parameters = [1.0]  # type: ignore[misc, assignment]
 
@@ -201,6 +203,21 @@ def test_many_threads_fill_one_entry_of_the_cache(tmp_path: Path, monkeypatch: p
 
     assert together([write_and_read] * 6) == [0] * 6
     assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_many_threads_draw(tmp_path: Path) -> None:
+    """The same picture as one thread draws, in the style that was set before."""
+    matplotlib = pytest.importorskip("matplotlib")
+    before = dict(matplotlib.rcParams)
+    run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(stop=0.5, points=20)
+
+    def drawn(i: int) -> bytes:
+        run.plot("theta", "E", path=str(tmp_path / f"{i}.svg"))
+        return (tmp_path / f"{i}.svg").read_bytes()
+
+    alone = drawn(0)
+    assert together([lambda i=i: drawn(i) for i in range(1, 5)]) == [alone] * 4  # type: ignore[misc]
+    assert dict(matplotlib.rcParams) == before
 
 
 @pytest.mark.skipif(c_compiler.compiler() is None, reason="there is no C compiler")

@@ -51,6 +51,9 @@ class CompiledSystem(ABC):
 
     def __init__(self, compiled: Compiled, values: Sequence[float], desk: Callable[..., Any], *given: Any):
         interface = compiled.interface
+        wanted = len(interface.parameters) + len(interface.inputs)
+        if len(values) != wanted:
+            raise ValueError(f"p has {len(values)} entries, not {wanted}")
         self.compiled, self.interface = compiled, interface
         self.nq, self.nv, self.nz, self.nx = interface.nq, interface.nv, interface.nz, interface.nx
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
