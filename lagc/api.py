@@ -112,6 +112,7 @@ class CompiledModel:
     def __init__(self, compilation: Compilation, backend: str = "auto"):
         self._loaded = _Loaded(compilation, backend)
         self._given = compilation.choice.parameters
+        self._own: dict[str, System] = {}
         self._recent: System | None = None
 
     def bind(self, parameters: Mapping[str, Value]) -> CompiledModel:
@@ -120,12 +121,12 @@ class CompiledModel:
         bound = CompiledModel.__new__(CompiledModel)
         bound._loaded = self._loaded
         bound._given = {**self._given, **quantities(parameters)}
-        bound._recent = None
+        bound._own, bound._recent = {}, None
         bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
         return bound
 
     def __getstate__(self) -> dict[str, object]:
-        return {"_loaded": self._loaded, "_given": dict(self._given), "_recent": None}
+        return {"_loaded": self._loaded, "_given": dict(self._given), "_own": {}, "_recent": None}
 
     def __copy__(self) -> CompiledModel:
         return self
@@ -186,12 +187,20 @@ class CompiledModel:
 
     def load(self, backend: str) -> System:
         """The system of `backend`, compiled where it is not yet, with the parameters of this model."""
-        return self._with(self._bound(None, demanding=False), backend)
+        found = self._own.get(backend)
+        if found is None:
+            values = self._bound(None, demanding=False)
+            found = self._own.setdefault(backend, self._loaded.system(backend).bind(values))
+        return found
 
-    def _with(self, values: list[float], backend: str) -> System:
-        recent = self._recent
-        if recent is None or recent.backend != backend or repr(recent.parameters) != repr(tuple(values)):
-            recent = self._recent = self._loaded.system(backend).bind(values)
+    def _with(self, parameters: Mapping[str, Value] | None) -> System:
+        """The system for one call, with `parameters` in place of this model's."""
+        own = self.system
+        if not parameters and not any(v != v for v in own.parameters):
+            return own
+        values, recent = self._bound(parameters), self._recent
+        if recent is None or recent.backend != own.backend or repr(recent.parameters) != repr(tuple(values)):
+            recent = self._recent = own.bind(values)
         return recent
 
     def simulate(
@@ -266,7 +275,7 @@ class CompiledModel:
         """
         import numpy
 
-        interface, system = self.interface, self._with(self._bound(parameters), self.backend)
+        interface, system = self.interface, self._with(parameters)
         state = [float(a) for a in x]
         wanted = interface.nq + interface.nv
         if len(state) not in (wanted, interface.nx):
@@ -284,7 +293,7 @@ class CompiledModel:
 
         from lagc.run.simulate import begin
 
-        system = self._with(self._bound(parameters), self.backend)
+        system = self._with(parameters)
         found = begin(system, Request(starts=bound_starts(self.interface, starts)))
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
 
