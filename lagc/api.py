@@ -323,7 +323,8 @@ class CompiledModel:
 class _Loaded:
     """What is compiled and loaded of a model, for all that is bound to it.
 
-    `artifact` is the one of the backend that comes first; `seconds` is what compiling took.
+    `artifact` is that of the backend `first`; `seconds` is what compiling took.  It pickles as these and
+    the source: where it arrives, another backend may come first.
     """
 
     def __init__(self, compilation: Compilation, backend: str):
@@ -331,15 +332,17 @@ class _Loaded:
         self.lock = RLock()
         self.systems: dict[str, System] = {}
         began = perf_counter()
-        self.preferred = self._preferred()
-        self.artifact = compilation.artifact(self.preferred)
+        self.preferred = self.first = self._preferred()
+        self.artifact = compilation.artifact(self.first)
         self.seconds = perf_counter() - began
 
     def __getstate__(self) -> dict[str, object]:
-        return {**vars(self), "systems": dict(self.systems), "lock": None}
+        kept = ("compilation", "asked", "first", "artifact", "seconds")
+        return {name: getattr(self, name) for name in kept}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock())
+        vars(self).update(state, lock=RLock(), systems={})
+        self.preferred = self._preferred()
 
     @property
     def backend(self) -> str:
@@ -358,7 +361,7 @@ class _Loaded:
                 from lagc.run.backends import load
 
                 began = perf_counter()
-                artifact = self.artifact if backend == self.preferred else self.compilation.artifact(backend)
+                artifact = self.artifact if backend == self.first else self.compilation.artifact(backend)
                 self.systems[backend] = load(artifact.interface, artifact.sources, backend, artifact.code)
                 self.seconds += perf_counter() - began
             return self.systems[backend]

@@ -135,19 +135,23 @@ def test_fixed_steps_are_those_of_restarts(name: str, backend: str) -> None:
 @METHODS
 @NAMES
 def test_one_workspace_serves_many_states(name: str, backend: str, method: str) -> None:
-    """In any order, with inputs, calls of other functions and dense output between: the same bits as
-    with a workspace for each."""
+    """In any order, with inputs, calls of other functions and dense output between, in C now with one
+    workspace and now with another: the same bits as with a workspace for each."""
     options = Options(method=method, rtol=1e-6, atol=1e-6)
     count = 4
 
     def motions(shared: bool) -> str:
         dice = random.Random(f"{name} {method}")
-        work = stepper(name, backend, options).work if shared else None
+        works = [stepper(name, backend, options).work for _ in range(2)]
+        work = works[0] if shared else None
         states = [stepper(name, backend, options, work) for _ in range(count)]
         seen = []
         for _ in range(60):
             one = dice.choice(states)
             one.p[-1] = dice.choice([one.p[-1], dice.uniform(-1.0, 1.0)])
+            other = dice.choice(works)
+            if shared and backend == "c":
+                one.work = other
             t, x, t_old, steps = one.facts()[:4]
             what = dice.random()
             if what < 0.4:

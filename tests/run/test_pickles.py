@@ -94,6 +94,23 @@ def test_the_numbers_of_a_run_need_no_compiler(tmp_path: Path, monkeypatch: pyte
         back["E"]
 
 
+def test_auto_takes_what_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model that ran in C goes on in Python where there is no compiler."""
+    if c_compiler.compiler() is None:
+        pytest.skip("there is no C compiler")
+    lagc.load("simple_pendulum").compile(backend="c").simulate(stop=0.1)
+    model = lagc.load("simple_pendulum").compile()
+    run = model.simulate(stop=0.3, points=4)
+    assert run.system.backend == model.backend == "c"
+    data = pickle.dumps(model)
+    assert pickle.loads(data).simulate(stop=0.3).system.backend == "c"
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    monkeypatch.setattr(c_compiler, "compiler", lambda: None)
+    back = pickle.loads(data)
+    assert back.rhs(0.0, back.start()).tolist() == model.rhs(0.0, model.start()).tolist()
+    assert back.simulate(stop=0.3, points=4).states == run.states
+
+
 def test_a_refusal_travels() -> None:
     text = "model M\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {y, 0, 0});\nend M;\n"
     with pytest.raises(lagc.Refused) as here:
