@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.once import RLock
+from lagc.loaded import Loaded
 from lagc.records import dataclass, names
 from lagc.run.problem import System
 from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
@@ -110,7 +110,7 @@ class CompiledModel:
     """
 
     def __init__(self, compilation: Compilation, backend: str = "auto"):
-        self._loaded = _Loaded(compilation, backend)
+        self._loaded = Loaded(compilation, backend)
         self._given = compilation.choice.parameters
         self._own: dict[str, System] = {}
         self._recent: System | None = None
@@ -318,62 +318,6 @@ class CompiledModel:
 
         with self.compilation.lock:
             return equations_latex(self.equations)
-
-
-class _Loaded:
-    """What is compiled and loaded of a model, for all that is bound to it.
-
-    `artifact` is that of the backend `first`; `seconds` is what compiling took.  It pickles as these and
-    the source: where it arrives, another backend may come first.
-    """
-
-    def __init__(self, compilation: Compilation, backend: str):
-        self.compilation, self.asked = compilation, backend
-        self.lock = RLock()
-        self.systems: dict[str, System] = {}
-        began = perf_counter()
-        self.preferred = self.first = self._preferred()
-        self.artifact = compilation.artifact(self.first)
-        self.seconds = perf_counter() - began
-
-    def __getstate__(self) -> dict[str, object]:
-        kept = ("compilation", "asked", "first", "artifact", "seconds")
-        return {name: getattr(self, name) for name in kept}
-
-    def __setstate__(self, state: dict[str, object]) -> None:
-        vars(self).update(state, lock=RLock(), systems={})
-        self.preferred = self._preferred()
-
-    @property
-    def backend(self) -> str:
-        """The backend that is loaded, C before NumPy; else the one that will be first."""
-        if self.asked != "auto":
-            return self.asked
-        return next((b for b in ("c", "numpy") if b in self.systems), self.preferred)
-
-    def system(self, backend: str) -> System:
-        """With the model's own values."""
-        found = self.systems.get(backend)
-        if found is not None:
-            return found
-        with self.lock:
-            if backend not in self.systems:
-                from lagc.run.backends import load
-
-                began = perf_counter()
-                artifact = self.artifact if backend == self.first else self.compilation.artifact(backend)
-                self.systems[backend] = load(artifact.interface, artifact.sources, backend, artifact.code)
-                self.seconds += perf_counter() - began
-            return self.systems[backend]
-
-    def _preferred(self) -> str:
-        """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
-        if self.asked != "auto":
-            return self.asked
-        from lagc.run.backends.compile import cached_library
-
-        artifact = self.compilation.cached_artifact("c")
-        return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"
 
 
 class TakesLong(Exception):

@@ -5,7 +5,8 @@ A compiled model integrates itself (`System.integrate`), in C or with the same t
 
 from __future__ import annotations
 
-from lagc.render.numpy.support.integrate import METHODS, Integrator, Method, integrate
+from lagc.render.numpy.support.integrate import METHODS, Integrator, Method
 from lagc.render.numpy.support.projection import project
+from lagc.render.numpy.support.record import integrate
 
 __all__ = ["METHODS", "Integrator", "Method", "integrate", "project"]

@@ -18,7 +18,8 @@ from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
 MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("base.py", "fallback.py", "linear.py", "stages.py", "projection.py", "integrate.py")
+SUPPORT = ("base.py", "fallback.py", "linear.py", "stages.py", "projection.py", "integrate.py",
+           "record.py")  # fmt: skip
 _IMPORTS = """\
 from __future__ import annotations
 

@@ -18,7 +18,6 @@ from lagc.render.numpy.support.base import (
     OK,
     STEP_UNDERFLOW,
     Options,
-    Trajectory,
 )
 from lagc.render.numpy.support.linear import not_finite
 from lagc.render.numpy.support.problem import Problem
@@ -425,55 +424,3 @@ class Integrator:
         if lands and not rejected and following < self.h:
             following = self.h  # the step was short only to land
         self.h = following
-
-
-def integrate(
-    problem: Problem,
-    options: Options,
-    t0: float,
-    x0: Sequence[float],
-    times: Sequence[float],
-    progress: Callable[[float], None] | None = None,
-) -> Trajectory:
-    """From (t0, x0), consistent, to times[-1] exactly; states at `times` (in order) by dense output.
-
-    `progress` is called with the time after every step; KeyboardInterrupt ends the run with what
-    was computed (INTERRUPTED).
-    """
-    problem.culprit = -1
-    fallbacks: int = getattr(problem, "fallbacks", 0)
-    run = Integrator(problem, options, t0, x0)
-    result = Trajectory([], [], t0, run.x)
-    try:
-        result.status = _record(run, times, result, progress)
-    except KeyboardInterrupt:
-        result.status = INTERRUPTED
-    result.t, result.x, result.culprit = run.t, run.x, run.culprit if result.status != OK else -1
-    result.steps, result.rejected, result.rhs = run.steps, run.rejected, run.rhs
-    result.fallbacks = getattr(problem, "fallbacks", 0) - fallbacks
-    result.redundant_rows = tuple(sorted(getattr(problem, "redundant_rows", ())))
-    result.position_drift, result.velocity_drift = run.position_drift, run.velocity_drift
-    return result
-
-
-def _record(
-    run: Integrator, times: Sequence[float], result: Trajectory, progress: Callable[[float], None] | None
-) -> int:
-    done, n = 0, len(times)
-    run.enter()
-    direction = 1.0 if not n or times[-1] >= run.t else -1.0
-    while True:
-        while done < n and (times[done] - run.t) * direction <= 0.0:
-            status, x = run.at_(times[done])
-            if status != OK:
-                return status
-            result.times.append(times[done])
-            result.states.append(x)
-            done += 1
-        if done == n:
-            return OK
-        status = run.step_(times[-1])
-        if status != OK:
-            return status
-        if progress is not None:
-            progress(run.t)
