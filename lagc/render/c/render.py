@@ -51,7 +51,7 @@ def _source(program: Program, file: str, own_header: str) -> str:
     fields = dict(enumerate(header.members(interface)))
     parts = [
         header.banner(interface, file)
-        + f'#include "{own_header}"\n\n#include <math.h>\n#include <string.h>\n',
+        + f'#include "{own_header}"\n\n#include <math.h>\n',
         _CONTRACTION,
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),

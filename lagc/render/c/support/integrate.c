@@ -90,13 +90,20 @@ static lagc_status lagc_leave(lagc_state *s, int status, const lagc_work *w)
 /* What the caller has changed since the last step: 0 nothing, 1 parameters, 2 the state. */
 static int lagc_changed(const lagc_params *p, const lagc_state *s)
 {
+    const double *now = (const double *)p, *before = (const double *)&s->p; /* they are all doubles */
+    size_t k;
     int i;
     if (s->h == 0.0 || s->t != s->t_seen)
         return 2;
     for (i = 0; i < LAGC_NX; i++)
         if (!(s->x[i] == s->x_seen[i]))
             return 2;
-    return s->rate == LAGC_NOWHERE || memcmp(p, &s->p, sizeof *p) != 0;
+    if (s->rate == LAGC_NOWHERE)
+        return 1;
+    for (k = 0; k < sizeof *p / sizeof *now; k++)
+        if (!(now[k] == before[k]))
+            return 1;
+    return 0;
 }
 
 static int lagc_stop(lagc_state *s, int status, const lagc_work *w)
