@@ -50,8 +50,7 @@ def _source(program: Program, file: str, own_header: str) -> str:
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
     parts = [
-        header.banner(interface, file)
-        + f'#include "{own_header}"\n\n#include <math.h>\n',
+        header.banner(interface, file) + f'#include "{own_header}"\n\n#include <math.h>\n',
         _CONTRACTION,
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),
