@@ -58,6 +58,18 @@ class Input:
     description: str = ""
 
 
+# How firmly a start value was stated: what is stated more specifically gives way later, `FIXED` never.
+UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """How firmly a start value was stated, and where."""
+
+    level: int
+    span: Span
+
+
 @dataclass(frozen=True, slots=True)
 class Coordinate:
     """A scalar generalized coordinate.  `start` and `rate` are expressions in parameters."""
@@ -69,8 +81,8 @@ class Coordinate:
     display_unit: str
     start: Node
     rate: Node
-    start_fixed: bool
-    rate_fixed: bool
+    start_stated: Statement
+    rate_stated: Statement
     span: Span
     description: str = ""
     effect: str | None = None
@@ -85,8 +97,8 @@ class Orientation:
     rate_symbols: Vector
     start: tuple[Node, Node, Node, Node]
     rate: Vector
-    start_fixed: bool
-    rate_fixed: bool
+    start_stated: Statement  # of the four together
+    rate_stated: tuple[Statement, Statement, Statement]
     span: Span
     description: str = ""
     effect: str | None = None
@@ -106,6 +118,7 @@ class Speed:
     span: Span
     description: str = ""
     start: Node | None = None
+    start_stated: Statement | None = None  # None: not at all
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,11 +8,11 @@ from lagc.expr.graph import Node
 from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
-from lagc.meaning.model import Orientation
+from lagc.meaning.model import Orientation, Statement
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import NONE, Dimension, S, over
 from lagc.meaning.values import Value, Wrong, expect, flat
-from lagc.meaning.written import attributes_of, fixed, given_scalar, no_value, still
+from lagc.meaning.written import attributes_of, declared, from_outside, given_scalar, held, no_value, still
 
 PARTS = "wxyz"
 _SMALLEST = 1e-6  # norm of a start that has a direction
@@ -23,7 +23,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     if source.dimensions:
         raise Wrong("LAG0221", "there are no arrays of orientations", source.span)
     no_value(entry)
-    attributes = attributes_of(context, entry, ("start", "fixed", "rate"))
+    attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
     w, x, y, z = (graph.symbol("coordinate", f"{name}.{part}") for part in PARTS)
     rates = [graph.symbol("rate", f"{name}.rate.{axis}") for axis in "xyz"]
@@ -34,7 +34,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     for rate in rates:
         context.clock.runs(rate, graph.symbol("acceleration", f"der({rate.value[1]})"))
     one, zero = graph.one, graph.zero
-    start = _numbers(
+    start, start_stated = _numbers(
         context,
         entry,
         attributes.get("start"),
@@ -43,7 +43,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         "start",
         [f"{name}.{part}" for part in PARTS],
     )
-    turning = _numbers(
+    turning, rate_stated = _numbers(
         context,
         entry,
         attributes.get("rate"),
@@ -52,15 +52,16 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         "rate",
         [f"{name}.rate.{axis}" for axis in "xyz"],
     )
-    held = fixed(context, attributes)
+    whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
+    whole, rate_stated = held(context, attributes, whole, rate_stated)
     orientation = Orientation(
         name,
         (w, x, y, z),
         (a, b, c),
         _unit(context, entry, start),
         (turning[0], turning[1], turning[2]),
-        held,
-        held and "rate" in attributes,
+        whole[0],
+        (rate_stated[0], rate_stated[1], rate_stated[2]),
         entry.span,
         source.description or "",
         entry.effect,
@@ -77,13 +78,15 @@ def _numbers(
     dimension: Dimension,
     attribute: str,
     names: list[str],
-) -> list[Node]:
+) -> tuple[list[Node], list[Statement]]:
+    """The number of each of `names`, and how it was stated.  Raises Wrong."""
     what = f"the {attribute} of `{entry.path}`"
-    found = list(default)
+    found, stated = list(default), [declared(entry, modifier)] * len(default)
     whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
     if whole is not None and whole.expression is not None and whole.environment is not None:
         given = tree.Argument(None, None, whole.expression, whole.expression.span)
         modifier = Modifier(given, whole.environment)
+        stated = [from_outside(entry, whole)] * len(default)
     if modifier is not None and modifier.argument.value is not None:
         expression = modifier.argument.value
         scalars = flat(
@@ -100,7 +103,8 @@ def _numbers(
         one = context.give(context.starts, name)
         if one is not None:
             found[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
-    return found
+            stated[k] = from_outside(entry, one)
+    return found, stated
 
 
 def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:

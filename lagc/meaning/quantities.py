@@ -21,10 +21,13 @@ from lagc.meaning.units import Dimension, S, UnknownUnit, over, unit
 from lagc.meaning.values import Poisoned, Scalar, Text, Value, Wrong, expect, flat, kind, shape
 from lagc.meaning.written import (
     attributes_of,
+    declared,
     elements,
     fixed,
+    from_outside,
     given_elements,
     given_scalar,
+    held,
     no_value,
     shaped,
     still,
@@ -33,8 +36,8 @@ from lagc.meaning.written import (
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
-    "input": ("min", "max", "displayUnit"), "coordinate": ("start", "fixed", "rate", "displayUnit"),
-    "speed": ("start", "displayUnit"),
+    "input": ("min", "max", "displayUnit"), "coordinate": ("start", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
+    "speed": ("start", "fixed", "displayUnit"),
     "output": ("displayUnit",),
 }  # fmt: skip
 
@@ -184,8 +187,8 @@ def starts(
     attribute: str,
     dimension: Dimension,
     name: Callable[[tuple[int, ...]], str],
-) -> tuple[list[Node], bool]:
-    """The start (or rate) of each element, and whether one is given at all."""
+) -> tuple[list[Node], list[nouns.Statement]]:
+    """The start (or rate) of each element, and how it was stated."""
     modifier = quantity.attributes.get(attribute)
     zero = Scalar(context.graph.zero, None)
     count = len(quantity.subscripts)
@@ -193,31 +196,33 @@ def starts(
     found = (
         [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
     )
-    said = modifier is not None
+    stated = [declared(quantity.entry, modifier)] * count
     whole = context.give(context.starts, name(()))
     if whole is not None and quantity.sizes:
-        found, said = given_elements(context, whole, quantity.sizes, dimension, what), True
+        found = list(given_elements(context, whole, quantity.sizes, dimension, what))
+        stated = [from_outside(quantity.entry, whole)] * count
     for k, subscript in enumerate(quantity.subscripts):
         given = whole if not quantity.sizes else context.give(context.starts, name(subscript))
         if given is not None:
-            found[k], said = given_scalar(context, given, dimension, what), True
+            found[k] = given_scalar(context, given, dimension, what)
+            stated[k] = from_outside(quantity.entry, given)
     for scalar in found:
         span = modifier.argument.span if modifier else quantity.entry.span
         still(context, scalar.node, span, what)
-    return [scalar.node for scalar in found], said
+    return [scalar.node for scalar in found], stated
 
 
 def _coordinate(context: Context, quantity: Quantity) -> Value:
     entry, graph = quantity.entry, context.graph
     no_value(entry)
     dimension = quantity.type.dimension
-    at_start, _ = starts(context, quantity, "start", dimension, quantity.name)
-    rates, rate_said = starts(
+    at_start, start_stated = starts(context, quantity, "start", dimension, quantity.name)
+    rates, rate_stated = starts(
         context, quantity, "rate", over(dimension, S), lambda s: f"der({quantity.name(s)})"
     )
-    held = fixed(context, quantity.attributes)
+    start_stated, rate_stated = held(context, quantity.attributes, start_stated, rate_stated)
     found: list[Scalar] = []
-    for subscript, start, rate in zip(quantity.subscripts, at_start, rates):
+    for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
         symbol, speed = graph.symbol("coordinate", name), graph.symbol("rate", f"der({name})")
         context.clock.runs(symbol, speed)
@@ -231,8 +236,8 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
                 quantity.display,
                 start,
                 rate,
-                held,
-                held and rate_said,
+                start_stated[k],
+                rate_stated[k],
                 entry.span,
                 quantity.description,
                 entry.effect,
@@ -253,10 +258,10 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             "write `= ` a combination of `der(...)`",
         )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
-    at_start, _ = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
-    said = "start" in quantity.attributes or entry.path in context.starts  # for all elements
+    at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
+    firm = fixed(context, quantity.attributes, "fixed", len(values)) or [False] * len(values)
     found: list[Scalar] = []
-    for subscript, scalar in zip(quantity.subscripts, values):
+    for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
             raise Wrong(
                 "LAG0219",
@@ -266,9 +271,15 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
         context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))
-        start = at_start[len(found)] if said or name in context.starts else None
         speed = nouns.Speed(
-            name, symbol, scalar.node, quantity.type.unit, entry.span, quantity.description, start
+            name,
+            symbol,
+            scalar.node,
+            quantity.type.unit,
+            entry.span,
+            quantity.description,
+            None if stated[k].level == nouns.UNSTATED else at_start[k],
+            nouns.Statement(nouns.FIXED, stated[k].span) if firm[k] else stated[k],
         )
         entry.nouns.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))

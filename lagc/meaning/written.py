@@ -12,6 +12,7 @@ from lagc.frontend import tree
 from lagc.meaning.clock import LATE, MOVING, VELOCITY
 from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate, evaluate_as
+from lagc.meaning.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
@@ -162,16 +163,51 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
     return Scalar(context.graph.const(number), dimension)
 
 
-def fixed(context: Context, attributes: dict[str, Modifier]) -> bool:
-    modifier = attributes.get("fixed")
+def declared(entry: Entry, modifier: Modifier | None) -> Statement:
+    """The statement that a declaration makes by `modifier`, or does not make."""
+    if modifier is None:
+        return Statement(UNSTATED, entry.span)
+    return Statement(DECLARED, modifier.argument.span)
+
+
+def from_outside(entry: Entry, given: Given) -> Statement:
+    """The statement of a scene or, without a place, of the command."""
+    if given.span is None:
+        return Statement(RUN, entry.span)
+    return Statement(SCENE, given.span)
+
+
+def held(
+    context: Context, attributes: dict[str, Modifier], start: Sequence[Statement], rate: Sequence[Statement]
+) -> tuple[list[Statement], list[Statement]]:
+    """The statements about starts and rates, with those held that `fixed`, `startFixed` and `rateFixed`
+    say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
+    both = fixed(context, attributes, "fixed", len(start))
+    starts = fixed(context, attributes, "startFixed", len(start)) or both
+    rates = fixed(context, attributes, "rateFixed", len(start))
+    if rates is None and both is not None:
+        rates = [firm and s.level != UNSTATED for firm, s in zip(both * len(rate), rate)]
+    return _firm(start, starts), _firm(rate, rates)
+
+
+def _firm(stated: Sequence[Statement], flags: list[bool] | None) -> list[Statement]:
+    if flags is None:
+        return list(stated)
+    if len(flags) == 1:
+        flags = flags * len(stated)
+    return [Statement(FIXED, s.span) if firm else s for s, firm in zip(stated, flags)]
+
+
+def fixed(context: Context, attributes: dict[str, Modifier], name: str, count: int) -> list[bool] | None:
+    """What the attribute `name` says of each of `count` elements; None where it is not there."""
+    modifier = attributes.get(name)
     if modifier is None or modifier.argument.value is None:
-        return False
-    value = evaluate(context, modifier.argument.value, modifier.environment)
+        return None
+    expression = modifier.argument.value
+    value = evaluate(context, expression, modifier.environment)
     if not isinstance(value, Truth) or not value.node.is_const:
-        raise Wrong(
-            "LAG0307", f"`fixed` is true or false, this is {kind(value)}", modifier.argument.value.span
-        )
-    return bool(value.node.value)
+        raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", expression.span)
+    return [bool(value.node.value)] * count
 
 
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:

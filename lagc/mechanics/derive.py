@@ -69,6 +69,7 @@ def derive(model: Model) -> EquationsOfMotion:
         power=totals.power,
         starts_q=states.starts_q,
         starts_v=states.starts_v,
+        stated_rates=states.stated_rates,
         initial_conditions=tuple(
             zip(
                 states.in_speeds([c.residual for c in model.initial_conditions]),

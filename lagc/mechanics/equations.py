@@ -13,7 +13,7 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
-from lagc.meaning.model import Model
+from lagc.meaning.model import FIXED, Model, Statement
 from lagc.records import dataclass
 
 
@@ -66,10 +66,25 @@ class OutputEquation:
 
 @dataclass(frozen=True, slots=True)
 class StartValue:
-    """A state's start: `q` or `v` index, its expression in parameters, held or a guess."""
+    """A state's start: its expression in parameters, and how firmly and where it was stated."""
 
     value: Node
-    fixed: bool
+    stated: Statement
+
+    @property
+    def fixed(self) -> bool:
+        return self.stated.level == FIXED
+
+
+@dataclass(frozen=True, slots=True)
+class StatedRate:
+    """A rate that a start value is stated for and that is no speed, since a declared one replaces it:
+    its expression in t, q, v."""
+
+    name: str
+    unit: str
+    rate: Node
+    start: StartValue
 
 
 @dataclass(frozen=True)
@@ -99,11 +114,17 @@ class EquationsOfMotion:
     power: Node  # d(energy)/dt: of non-conservative actions, drives and rheonomic rows (may use lam)
     starts_q: tuple[StartValue, ...]
     starts_v: tuple[StartValue, ...]
+    stated_rates: tuple[StatedRate, ...]
     initial_conditions: tuple[tuple[Node, Span], ...]  # residual in q, v, parameters
     outputs: tuple[OutputEquation, ...]
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
+
+    @property
+    def starts(self) -> tuple[StartValue, ...]:
+        """Of q, of v, and of the stated rates."""
+        return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
 
     def verify(self) -> None:
         """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
@@ -149,9 +170,9 @@ class EquationsOfMotion:
         forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]
         conditions = [residual for residual, _ in self.initial_conditions]
         tables: list[tuple[str, list[Node], set[Node]]] = [
-            ("start", [s.value for s in (*self.starts_q, *self.starts_v)], parameters),
+            ("start", [s.value for s in self.starts], parameters),
             ("position", [*phi, self.potential], position),
-            ("state", [*forces, *rows, *balance, *conditions], state),
+            ("state", [*forces, *rows, *balance, *conditions, *(s.rate for s in self.stated_rates)], state),
             ("late", [self.power, *(o.expression for o in self.outputs)], late),
         ]
         for name, nodes, allowed in tables:

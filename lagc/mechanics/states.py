@@ -7,9 +7,9 @@ from functools import cached_property
 
 from lagc.expr.derivative import gradient
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import substitute, symbols
-from lagc.meaning.model import Coordinate, Model, Orientation
-from lagc.mechanics.equations import StartValue
+from lagc.expr.walk import substitute
+from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
+from lagc.mechanics.equations import StartValue, StatedRate
 from lagc.mechanics.speeds import choose_speeds
 from lagc.records import dataclass
 
@@ -35,6 +35,7 @@ class States:
     rates: dict[Node, Node]
     starts_q: tuple[StartValue, ...]
     starts_v: tuple[StartValue, ...]
+    stated_rates: tuple[StatedRate, ...]
 
     @property
     def graph(self) -> Graph:
@@ -146,6 +147,7 @@ def build_states(model: Model) -> States:
         rates=rates,
         starts_q=tuple(_position_starts(model)),
         starts_v=tuple(_speed_starts(model, v)),
+        stated_rates=tuple(_stated_rates(model, rates_in_order, units, rates, v)),
     )
 
 
@@ -186,22 +188,42 @@ def _position_starts(model: Model) -> list[StartValue]:
     found: list[StartValue] = []
     for c in model.coordinates:
         starts = (c.start,) if isinstance(c, Coordinate) else c.start
-        found.extend([StartValue(start, c.start_fixed) for start in starts])
+        found.extend([StartValue(start, c.start_stated) for start in starts])
+    return found
+
+
+def _rate_starts(model: Model) -> dict[Node, StartValue]:
+    found: dict[Node, StartValue] = {}
+    for c in model.coordinates:
+        if isinstance(c, Coordinate):
+            found[c.rate_symbol] = StartValue(c.rate, c.rate_stated)
+        else:
+            found.update((x, StartValue(r, s)) for x, r, s in zip(c.rate_symbols, c.rate, c.rate_stated))
     return found
 
 
 def _speed_starts(model: Model, v: Sequence[Node]) -> list[StartValue]:
     """A rate's own start; a declared speed's, or what those of its rates make it (t = 0)."""
+    found = _rate_starts(model)
     at_start: dict[Node, Node] = {model.time: model.graph.zero}
-    fixed: dict[Node, bool] = {}
     for c in model.coordinates:
-        if isinstance(c, Coordinate):
-            at_start.update({c.symbol: c.start, c.rate_symbol: c.rate})
-        else:
-            at_start.update([*zip(c.symbols, c.start), *zip(c.rate_symbols, c.rate)])
-        fixed.update((rate, c.rate_fixed) for rate in rate_symbols(c))
+        at_start.update(zip(position_symbols(c), (c.start,) if isinstance(c, Coordinate) else c.start))
+    at_start.update((rate, start.value) for rate, start in found.items())
     for speed in model.speeds:
-        fixed[speed.symbol] = all(fixed[x] for x in symbols([speed.expression]) if x in fixed)
         from_rates = substitute(model.graph, [speed.expression], at_start)[0]
-        at_start[speed.symbol] = from_rates if speed.start is None else speed.start
-    return [StartValue(at_start[symbol], fixed[symbol]) for symbol in v]
+        start = from_rates if speed.start is None else speed.start
+        at_start[speed.symbol] = start
+        found[speed.symbol] = StartValue(start, speed.start_stated or Statement(UNSTATED, speed.span))
+    return [found[symbol] for symbol in v]
+
+
+def _stated_rates(
+    model: Model, order: Sequence[Node], units: Sequence[str], rates: dict[Node, Node], v: Sequence[Node]
+) -> list[StatedRate]:
+    """Those of the rates (`order`, with their `units`) that are stated and no speeds."""
+    starts, speeds = _rate_starts(model), set(v)
+    return [
+        StatedRate(key(rate)[1], unit, rates[rate], starts[rate])
+        for rate, unit in zip(order, units)
+        if rate not in speeds and starts[rate].stated.level != UNSTATED
+    ]

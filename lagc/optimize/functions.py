@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import gradient, tangent
+from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.optimize.block import Block
+from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
 from lagc.optimize.kkt import applied_forces, row_comments
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
@@ -125,20 +126,36 @@ def start(places: Places, work: bool) -> Function:
     return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
 
 
-def initial(places: Places) -> Function | None:
-    """The conditions of the initial section and their derivatives by q and v."""
+def conditions(places: Places) -> Function | None:
+    """What a consistent start satisfies, c = 0: phi, psi, the `initial` section, and the rates that were
+    stated (less their values, which are unknowns too); with the derivatives by q and v that are not
+    identically zero, row by row, and the sum of the absolute values of each row's terms."""
     equations, graph = places.equations, places.graph
-    conditions = [residual for residual, _ in equations.initial_conditions]
-    if not conditions:
+    rows = condition_rows(equations)
+    if not rows:
         return None
-    unknowns = [*equations.q, *equations.v]
-    jacobian: list[Node] = []
-    for condition in conditions:
-        slopes = gradient(graph, {condition: graph.one}, unknowns)
-        jacobian.extend([slopes.get(x, graph.zero) for x in unknowns])
-    return _function(
-        places, "initial", STATE, (("c", conditions), ("J", jacobian)), "start conditions", seldom=True
-    )
+    slopes = [slope for row in condition_slopes(equations) for slope in row.values()]
+    sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
+    parts = (("c", rows), ("J", slopes), ("z", sizes))
+    return _function(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
+
+
+def measures(places: Places) -> Function | None:
+    """The values of the rates that were stated, and the largest parameter of each unit that a
+    coordinate or speed has (0 where there is none)."""
+    equations, graph = places.equations, places.graph
+    if not condition_rows(equations):
+        return None
+    largest: list[Node] = []
+    for unit in start_units(equations):
+        node = graph.zero
+        for p in equations.model.parameters:
+            if p.unit == unit and p.symbol in places.arrays:
+                node = graph.binary("max", node, graph.unary("abs", p.symbol))
+        largest.append(node)
+    values = [s.start.value for s in equations.stated_rates]
+    parts = (("s", values), ("m", largest))
+    return _function(places, "measures", ("p",), parts, "stated rates, sizes of parameters", seldom=True)
 
 
 def _function(

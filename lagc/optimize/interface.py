@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Mapping
+from itertools import accumulate
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.program import Field, Function, Interface
 from lagc.records import names, replace
 
 # Of no bearing on the numbers.
-_UNHASHED = ("source_name", "model_hash", "notes", "warnings", "dropped", "initial_places")
+_UNHASHED = (
+    "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places", "initial_places",
+)  # fmt: skip
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -41,6 +45,7 @@ def interface(
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     places = [span for _, span in equations.initial_conditions]
+    slopes = condition_slopes(equations)
     found = Interface(
         model=model.name,
         scene=model.scene,
@@ -61,8 +66,14 @@ def interface(
         parameters=tuple([_parameter(p) for p in parameters]),
         inputs=tuple([_input(u) for u in model.inputs]),
         outputs=_outputs(equations),
-        start_fixed=tuple([s.fixed for s in (*equations.starts_q, *equations.starts_v)]),
+        rate_names=tuple([s.name for s in equations.stated_rates]),
+        rate_units=tuple([s.unit for s in equations.stated_rates]),
+        start_levels=tuple([s.stated.level for s in equations.starts]),
+        start_places=tuple([place(s.stated.span) for s in equations.starts]),
+        row_places=tuple([place(row.span) for row in equations.rows]),
         initial_places=tuple([place(span) for span in places]),
+        condition_ends=tuple(accumulate([len(columns) for columns in slopes])),
+        condition_columns=tuple([k for columns in slopes for k in columns]),
         solve="straight" if straight else "looped",
         work_size=work_size,
         operations=operations,

@@ -50,8 +50,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
     """Every node that any function stores."""
-    starts = [s.value for s in (*equations.starts_q, *equations.starts_v)]
-    return [*equations.qdot, *starts, *sources(equations)]
+    return [*equations.qdot, *(s.value for s in equations.starts), *sources(equations)]
 
 
 def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
@@ -80,7 +79,7 @@ def _functions(
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]
     made += [functions.energies(at), functions.power(at), functions.outputs(at)]
-    made += [functions.start(at, work), functions.initial(at)]
+    made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     return {f.name: f for f in made if f is not None}
 
 

@@ -116,8 +116,14 @@ class Interface:
     parameters: tuple[Field, ...]
     inputs: tuple[Field, ...]
     outputs: tuple[Field, ...]
-    start_fixed: tuple[bool, ...]  # of x[:nq+nv]
-    initial_places: tuple[str, ...]  # source line of each initial condition
+    rate_names: tuple[str, ...]  # rates that are stated and no speeds: further unknowns of the start
+    rate_units: tuple[str, ...]
+    start_levels: tuple[int, ...]  # of q, v and these rates: how firmly stated, from 0 (not) to 4 (fixed)
+    start_places: tuple[str, ...]  # source line of each statement, or of the declaration
+    row_places: tuple[str, ...]  # source line of each constraint row
+    initial_places: tuple[str, ...]  # and of each initial condition
+    condition_ends: tuple[int, ...]  # where in J each condition's derivatives end
+    condition_columns: tuple[int, ...]  # index in (q, v, stated rates) of each derivative
     solve: str  # "straight": rhs holds the LDL^T;  "looped": rhs = system + dense LDL^T of the support code
     work_size: int  # doubles of w that assemble/factor/solve use
     operations: int  # of one right-hand side
@@ -131,6 +137,13 @@ class Interface:
     @property
     def nx(self) -> int:
         return self.nq + self.nv + self.nz
+
+    @property
+    def start_units(self) -> tuple[int, ...]:
+        """The unit of each unknown of the start, as its place in the list of those that occur."""
+        units = [*self.q_units, *self.v_units, *self.rate_units]
+        known = list(dict.fromkeys(units))
+        return tuple([known.index(unit) for unit in units])
 
 
 @dataclass(frozen=True)
@@ -154,7 +167,10 @@ class Program:
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
       outputs     (p,t,x,a,lam)   -> y[ny]
       start       (p)             -> x[nx]      start values and guesses
-      initial     (p,t,x)         -> c[ni], J[ni*(nq+nv)]   conditions of the initial section
+      conditions  (p,t,x)         -> c[n], J[], z[n]   of a consistent start: phi, psi, initial section,
+                                     stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
+                                     z the sizes of the terms
+      measures    (p)             -> s[], m[]   stated rates; largest parameter of each of `start_units`
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 

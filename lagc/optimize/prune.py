@@ -79,6 +79,8 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
 def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]) -> EquationsOfMotion:
     new_q = {old: new for new, old in enumerate(q)}
     new_v = {old: new for new, old in enumerate(v)}
+    gone = {s for i, s in enumerate(equations.q) if i not in new_q}
+    gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
     def columns(table: dict[int, Node]) -> dict[int, Node]:
         return {new_v[j]: node for j, node in table.items()}
@@ -96,6 +98,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         v_names=tuple([equations.v_names[j] for j in v]),
         v_units=tuple([equations.v_units[j] for j in v]),
         starts_v=tuple([equations.starts_v[j] for j in v]),
+        stated_rates=tuple([s for s in equations.stated_rates if not gone & symbols([s.rate])]),
         bias_forces=tuple([equations.bias_forces[j] for j in v]),
         given_forces=tuple([equations.given_forces[j] for j in v]),
         mass_matrix={(new_v[i], new_v[j]): node for (i, j), node in equations.mass_matrix.items()},

@@ -100,6 +100,10 @@ class System(Protocol):
 
     def start(self) -> list[float]: ...
 
-    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        """c[ni] and J[ni*(nq+nv)] by rows."""
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        """c, J and z of a consistent start (see `Program`)."""
+        ...
+
+    def measures(self) -> tuple[list[float], list[float]]:
+        """s and m (see `Program`)."""
         ...

@@ -28,6 +28,7 @@ from lagc.run.start import Start, consistent_start
 
 Progress = Callable[[float], None]
 NEAR = 1e3  # radians or sizes of the mechanism, per size of a row's terms: it loses rank nearby
+MOST_NAMED = 12  # conditions of a conflict
 RTOL = 1e-9  # by hand, where nothing is said
 
 
@@ -47,7 +48,7 @@ def simulate(
     estimated: float | None = None
     horizon: float | None = None
     failed: Trajectory | None = None
-    notes = [str(change) for change in start.changes]
+    notes = list(start.notes)
     if request.by_hand:
         options = by_hand(request)
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
@@ -84,24 +85,29 @@ def simulate(
 
 def begin(system: System, request: Request) -> Start:
     """The consistent start.  Raises Refused, naming the conditions that cannot be met."""
-    starts = dict(request.starts)
-    start = consistent_start(system, 0.0, starts, held=tuple(starts))
+    start = consistent_start(system, 0.0, request.starts)
     if start.missed:
-        missed = "; ".join(str(m) for m in start.missed[:4])
-        more = f"; and {len(start.missed) - 4} more" if len(start.missed) > 4 else ""
-        firm = []
-        if start.held:
-            held = ", ".join(f"`{name}`" for name in start.held[:6])
-            firm.append(f"{held} {'is' if len(start.held) == 1 else 'are'} held fixed")
-        if system.interface.initial_places:
-            places = ", ".join(system.interface.initial_places[:6])
-            firm.append(f"the conditions of `initial` (at {places}) have to hold")
-        remedy = f"{' and '.join(firm)}: let one go" if firm else None
-        raise Refused([Fault("LAG0610", f"no start meets all conditions: {missed}{more}", remedy=remedy)])
+        raise Refused([_conflict(start)])
     if any(not abs(a) <= 1e300 for a in start.x):
         i = next(i for i, a in enumerate(start.x) if not abs(a) <= 1e300)
         raise Refused([Fault("LAG0611", f"the start value of {_state(system, i)} is not a finite number")])
     return start
+
+
+def _conflict(start: Start) -> Fault:
+    missed, held = list(map(str, start.missed)), list(start.held)
+    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{_more(missed)}"
+    if held:
+        verb = "is" if len(held) == 1 else "are"
+        message += f", where {', '.join(held[:MOST_NAMED])}{_more(held)} {verb} held fixed"
+    remedy = "let one of these conditions go" if len(missed) > 1 else None
+    if held:
+        remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
+    return Fault("LAG0610", message, remedy=remedy)
+
+
+def _more(parts: list[str]) -> str:
+    return f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""
 
 
 def by_hand(request: Request) -> Options:

@@ -1,38 +1,42 @@
-"""A consistent start: the guesses changed as little as the conditions at the start demand.
+"""A consistent start, and in words what had to move for it, or what contradicts what.
 
-Unknowns are the coordinates and speeds that are not held; conditions are phi = 0, the rates of
-all rows, unit quaternions, and the `initial` section.  Gauss-Newton with steps of minimum norm,
-each unknown weighted by max(|x|, 1); positions first, then speeds, and all together where a
-condition ties both.
+The search is that of the generated code (`lagc.render.numpy.support.start` and its twin in C); here
+are the names.  Which conditions forced a value, or contradict each other, is found by leaving out
+one after the other while the search still fails.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from math import isfinite, sqrt
+from collections.abc import Iterable, Mapping, Sequence
 
+from lagc.optimize.program import Interface
 from lagc.records import dataclass
-from lagc.run.leastnorm import least_norm
-from lagc.run.problem import System
+from lagc.render.numpy.support.start import FIXED, RUN, UNSTATED, Conditions, Consistency
+from lagc.run.problem import NOT_FINITE, OK, System
 
-TARGET = 1e-13  # scaled residual at which the iteration is content
-ACCEPTED = 1e-9  # and at which a start is taken, when it can be improved no more
-_ITERATIONS = 60
-_SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0)  # how far from the guesses further attempts begin
+_SHOWN = 1e-9  # of its size: a change that is worth a word
+_TRIED = 3  # spreads after which conditions are taken to contradict each other
+_MOST_FOUND = 6  # values that nobody stated, named in one note
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A start value that was not as given; SI."""
+    """A start value that was not as given; SI.  `forced` are the conditions that left no other, for
+    one that was stated."""
 
     name: str
     given: float
     used: float
     unit: str
+    stated: bool = False
+    place: str = ""
+    forced: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         unit = f" {self.unit}" if self.unit else ""
-        return f"`{self.name}` starts at {self.used:.6g}{unit} instead of {self.given:.6g}{unit}"
+        place = f" ({self.place})" if self.place else ""
+        forced = f", because of {_listed(self.forced)}" if self.forced else ""
+        return f"`{self.name}` starts at {self.used:.6g}{unit} instead of {self.given:.6g}{unit}{place}{forced}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,26 +48,31 @@ class Missed:
     unit: str
 
     def __str__(self) -> str:
+        if not abs(self.amount) < float("inf"):
+            return f"{self.name} is no finite number there"
         return f"{self.name} is missed by {self.amount:.3g}{' ' + self.unit if self.unit else ''}"
 
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """The state to begin with.  `missed` is empty where it is consistent."""
+    """The state to begin with.  `missed` is empty where it is consistent; else these conditions and
+    the values `held` contradict each other, and each of them takes part."""
 
     x: list[float]
     changes: tuple[Change, ...] = ()
     missed: tuple[Missed, ...] = ()
     held: tuple[str, ...] = ()
 
-
-@dataclass(frozen=True, slots=True)
-class _Condition:
-    """One scalar equation: what it is called, and whether it speaks of positions only."""
-
-    name: str
-    unit: str
-    is_position: bool
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth telling: each stated value that moved; the others in one line."""
+        stated = [str(c) for c in self.changes if c.stated]
+        found = [c for c in self.changes if not c.stated]
+        if not found:
+            return tuple(stated)
+        shown = [f"`{c.name}` = {c.used:.6g}{' ' + c.unit if c.unit else ''}" for c in found[:_MOST_FOUND]]
+        more = f" and {len(found) - _MOST_FOUND} more" if len(found) > _MOST_FOUND else ""
+        return (*stated, f"found for the start: {', '.join(shown)}{more}")
 
 
 def names(system: System) -> list[str]:
@@ -71,196 +80,147 @@ def names(system: System) -> list[str]:
     return [*system.interface.q_names, *system.interface.v_names]
 
 
-def consistent_start(
-    system: System, t: float = 0.0, given: dict[str, float] | None = None, held: Collection[str] = ()
-) -> Start:
-    """The start of `system` at time `t`, with the values of `given` (by name) in place of the model's.
-
-    Names in `held` keep their value, like the ones that the model holds, unless no start is
-    consistent with them; then they are guesses too.
-    """
+def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
+    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
+    the run, in place of the model's."""
     interface = system.interface
-    every = names(system)
-    guess = list(system.start())
-    for i, name in enumerate(every):
+    guess, levels = list(system.start()), list(interface.start_levels)
+    for i, name in enumerate(names(system)):
         if given and name in given:
             guess[i] = given[name]
-    fixed = list(interface.start_fixed)
-    wanted = guess[:]
-    _normalise(guess, system.quaternions)
-    if system.nc == 0 and not interface.initial_places and not system.quaternions:
+            levels[i] = max(levels[i], RUN)
+    if not interface.condition_ends and not system.quaternions:
         return Start(guess)
-    strict = [f or name in held for f, name in zip(fixed, every)]
-    search = _Search(system, t, guess)
-    x, worst = search.run(strict)
-    if worst > ACCEPTED and strict != fixed:
-        strict = fixed
-        x, worst = search.run(strict)
-    units = [*interface.q_units, *interface.v_units]
-    changes = tuple(
-        Change(name, a, b, unit)
-        for name, a, b, unit in zip(every, wanted, x, units)
-        if abs(a - b) > 1e-9 * max(abs(a), 1.0)
-    )
-    if worst <= ACCEPTED:
-        return Start(x, changes)
-    return Start(x, changes, search.missed(x), tuple(n for n, f in zip(every, strict) if f))
+    conditions = conditions_of(system)
+    search = Consistency(conditions, t, guess, levels)
+    status = search.run()
+    if status == NOT_FINITE:
+        return Start(guess)
+    found = _Words(system, conditions, t, guess, search.levels)
+    x = [*search.y[: search.state], *guess[search.state :]]
+    if status == OK:
+        return Start(x, found.changes(search))
+    return Start(x, (), *found.conflict(search))
 
 
-def _normalise(x: list[float], quaternions: Sequence[int]) -> None:
-    for k in quaternions:
-        length = sqrt(sum(x[i] * x[i] for i in range(k, k + 4)))
-        if length == 0.0:
-            x[k : k + 4] = [1.0, 0.0, 0.0, 0.0]
-        else:
-            x[k : k + 4] = [x[i] / length for i in range(k, k + 4)]
+def conditions_of(system: System) -> Conditions:
+    interface = system.interface
+    angles = [i for i, unit in enumerate(interface.q_units) if unit == "rad"]
+    return Conditions(
+        system.nq, system.nv, system.quaternions, interface.start_levels, interface.start_units, angles,
+        interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
+    )  # fmt: skip
 
 
-class _Search:
-    """The conditions of one system at one time, and the iteration that meets them."""
+class _Words:
+    """The names of what takes part in a start, and which of it matters."""
 
-    def __init__(self, system: System, t: float, guess: list[float]):
-        self.system, self.t, self.guess = system, t, guess
-        self.n = system.nq + system.nv
-        self.weights = [max(abs(a), 1.0) for a in guess[: self.n]]
+    def __init__(
+        self, system: System, conditions: Conditions, t: float, guess: list[float], levels: list[int]
+    ):
         interface = system.interface
-        self.conditions = [
-            *(_Condition(f"constraint `{label}`", unit, True)
-              for label, unit in zip(interface.row_labels[: system.nh], interface.row_units)),
-            *(_Condition(f"the unit length of `{interface.q_names[k].rpartition('.')[0]}`", "", True)
-              for k in system.quaternions),
-            *(_Condition(f"the rate of constraint `{label}`" if i < system.nh else f"constraint `{label}`",
-                         _rate_unit(unit) if i < system.nh else unit, False)
-              for i, (label, unit) in enumerate(zip(interface.row_labels, interface.row_units))),
-            *(_Condition(f"the condition at {place}", "", self._is_of_positions(i))
-              for i, place in enumerate(interface.initial_places)),
-        ]  # fmt: skip
+        self.interface, self.conditions, self.t, self.guess, self.levels = interface, conditions, t, guess, levels
+        self.names = [*names(system), *interface.rate_names]
+        self.units = [*interface.q_units, *interface.v_units, *interface.rate_units]
+        self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
+        self.rows = _rows(interface)
 
-    def run(self, fixed: Sequence[bool]) -> tuple[list[float], float]:
-        """The best state found and its largest scaled residual."""
-        best, worst = self.guess, float("inf")
-        for attempt, spread in enumerate(_SPREADS):
-            x, size = self._attempt(self._spread(fixed, spread, attempt), fixed)
-            if size < worst:
-                best, worst = x, size
-            if worst <= ACCEPTED or all(fixed):
-                break
-        return best, worst
+    def changes(self, search: Consistency) -> tuple[Change, ...]:
+        """What is not as given, of the rates that were stated too."""
+        moved = []
+        for i, (given, used) in enumerate(zip(self.given, search.y)):
+            if abs(given - used) > _SHOWN * max(abs(given), search.weights[i]):
+                moved.append(i)
+        found = []
+        for i in moved:
+            stated = self.levels[i] != UNSTATED
+            forced = self._forced(search, i) if stated and search.free[i] else ()
+            place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
+            change = Change(self.names[i], self.given[i], search.y[i], self.units[i], stated, place, forced)
+            found.append(change)
+        return tuple(found)
 
-    def missed(self, x: list[float]) -> tuple[Missed, ...]:
-        residuals = self.residuals(x)
-        scaled = self._scaled(x, residuals)
-        return tuple(
-            Missed(c.name, abs(r), c.unit)
-            for c, r, s in zip(self.conditions, residuals, scaled)
-            if not s <= ACCEPTED
-        )
+    def _forced(self, search: Consistency, i: int) -> tuple[str, ...]:
+        """The conditions that cannot hold with unknown i as it was given."""
+        levels = [UNSTATED if free else FIXED for free in search.free]
+        for j in _whole(self.conditions, i):
+            levels[j] = FIXED
+        rows = self._minimal(levels, self._tied(levels, i))
+        return tuple([self.rows[k][0] for k in rows])
 
-    def residuals(self, x: list[float]) -> list[float]:
-        system, t = self.system, self.t
-        lengths = [0.5 * (sum(x[i] * x[i] for i in range(k, k + 4)) - 1.0) for k in system.quaternions]
-        phi = system.position(t, x) if system.nh else []
-        psi = system.velocity(t, x) if system.nc else []
-        own = system.initial(t, x)[0] if system.interface.initial_places else []
-        return [*phi, *lengths, *psi, *own]
+    def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
+        """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
+        c = search.evaluate(search.y)[0]
+        strange = [k for k, value in enumerate(search.evaluate(search.home)[0]) if not abs(value) < float("inf")]
+        levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
+        rows = strange or self._minimal(levels, range(len(self.rows)))
+        held = []
+        for i in [] if strange else range(search.n):
+            if levels[i] == FIXED and not search.part[i]:
+                whole = _whole(self.conditions, i)
+                tried = [UNSTATED if j in whole else level for j, level in enumerate(levels)]
+                if self._fails(tried, rows):
+                    levels = tried
+                else:
+                    held.append(f"`{self.names[i].rpartition('.')[0] if len(whole) > 1 else self.names[i]}`"
+                                f" ({self.interface.start_places[i]})")  # fmt: skip
+        missed = [Missed(self.rows[k][0], float("nan") if strange else abs(c[k]), self.rows[k][1]) for k in rows]
+        return tuple(missed), tuple(held)
 
-    def _attempt(self, x: list[float], fixed: Sequence[bool]) -> tuple[list[float], float]:
-        nq, every = self.system.nq, range(self.n)
-        positions = [i for i, c in enumerate(self.conditions) if c.is_position]
-        speeds = [i for i, c in enumerate(self.conditions) if not c.is_position]
-        x = self._solve(x, positions, [i for i in every if i < nq and not fixed[i]])
-        x = self._solve(x, speeds, [i for i in every if i >= nq and not fixed[i]])
-        if self.worst(x) > ACCEPTED:
-            x = self._solve(x, [*positions, *speeds], [i for i in every if not fixed[i]])
-        return x, self.worst(x)
+    def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
+        """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
+        kept = list(rows)
+        if not self._fails(levels, kept):
+            return kept
+        for k in reversed(kept[:]):
+            fewer = [row for row in kept if row != k]
+            if self._fails(levels, fewer):
+                kept = fewer
+        return kept
 
-    def worst(self, x: list[float]) -> float:
-        return _largest(self._scaled(x, self.residuals(x)))
+    def _fails(self, levels: list[int], rows: Sequence[int]) -> bool:
+        search = Consistency(self.conditions, self.t, self.guess, levels, rows)
+        return not search.solve(0, _TRIED)
 
-    def _scaled(self, x: list[float], residuals: list[float]) -> list[float]:
-        """Residuals over the size of their terms."""
-        system = self.system
-        scales = [max(s, 1e-300) for s in system.scales(self.t, x)] if system.nc else []
-        own: list[float] = []
-        if system.interface.initial_places:
-            _, jacobian = system.initial(self.t, x)
-            for i in range(len(system.interface.initial_places)):
-                row = jacobian[i * self.n : (i + 1) * self.n]
-                own.append(max(1e-300, *(abs(a) * max(abs(b), 1.0) for a, b in zip(row, x))))
-        every = [*scales[: system.nh], *(1.0 for _ in system.quaternions), *scales, *own]
-        return [abs(r) / s for r, s in zip(residuals, every)]
-
-    def _solve(self, x: list[float], rows: list[int], columns: list[int]) -> list[float]:
-        """Gauss-Newton on `rows` in the unknowns `columns`, halving steps that do not help."""
-
-        def size(x: list[float]) -> tuple[float, list[float]]:
-            residuals = self.residuals(x)
-            scaled = self._scaled(x, residuals)
-            return sqrt(sum(scaled[i] * scaled[i] for i in rows)), [residuals[i] for i in rows]
-
-        if not rows or not columns:
-            return x
-        norm, residuals = size(x)
-        for _ in range(_ITERATIONS):
-            if norm <= TARGET or not isfinite(norm):
-                break
-            jacobian = self._jacobian(x, rows, columns)
-            step = least_norm(jacobian, [-r for r in residuals])
-            factor, found = 1.0, False
-            while factor > 1e-4 and not found:
-                trial = x[:]
-                for j, d in zip(columns, step):
-                    trial[j] += factor * d * self.weights[j]
-                trial_norm, trial_residuals = size(trial)
-                found = trial_norm < norm * (1.0 - 0.1 * factor)
-                factor *= 0.5
-            if not found:
-                break
-            x, norm, residuals = trial, trial_norm, trial_residuals
-        return x
-
-    def _jacobian(self, x: list[float], rows: list[int], columns: list[int]) -> list[list[float]]:
-        """d(residual)/d(x / weight) by central differences (a column two evaluations)."""
-        jacobian = [[0.0] * len(columns) for _ in rows]
-        for k, j in enumerate(columns):
-            h = 6e-6 * self.weights[j]
-            above, below = x[:], x[:]
-            above[j] += h
-            below[j] -= h
-            up, down = self.residuals(above), self.residuals(below)
-            width = (above[j] - below[j]) / self.weights[j]
-            for row, i in enumerate(rows):
-                jacobian[row][k] = (up[i] - down[i]) / width
-        return jacobian
-
-    def _spread(self, fixed: Sequence[bool], spread: float, attempt: int) -> list[float]:
-        """The guess, moved by up to `spread` of each weight: a guess may be a singular posture."""
-        x = self.guess[:]
-        if spread == 0.0:
-            return x
-        state = 12345 + attempt
-        for i in range(self.n):
-            state = (1103515245 * state + 12345) % 2147483648
-            if not fixed[i] and i < self.system.nq:
-                x[i] += spread * self.weights[i] * (state / 1073741824 - 1.0)
-        _normalise(x, [k for k in self.system.quaternions if not any(fixed[k : k + 4])])
-        return x
-
-    def _is_of_positions(self, row: int) -> bool:
-        """Whether initial condition `row` does not react to any speed, here and elsewhere."""
-        probe = self.guess[:]
-        for i in range(self.n):
-            probe[i] += 0.37 + 0.11 * (i % 7)
-        moved = self.guess[:]
-        moved[: self.system.nq] = probe[: self.system.nq]
-        start, end = row * self.n + self.system.nq, (row + 1) * self.n
-        return not any(any(self.system.initial(self.t, x)[1][start:end]) for x in (self.guess, probe, moved))
+    def _tied(self, levels: list[int], i: int) -> list[int]:
+        """The rows that unknown i reaches, from row to row by what is free."""
+        search = Consistency(self.conditions, self.t, self.guess, levels, ())
+        known, rows = set(_whole(self.conditions, i)), set[int]()
+        while True:
+            more = {k for k in range(len(self.rows)) if k not in rows and known & set(search.columns(k))}
+            if not more:
+                return sorted(rows)
+            rows |= more
+            known |= {j for k in more for j in search.columns(k) if levels[j] == UNSTATED}
 
 
-def _largest(values: list[float]) -> float:
-    """Their maximum; infinity where one is not a number."""
-    return max((v if v == v else float("inf") for v in values), default=0.0)
+def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:
+    """The unknowns that move together with i: the parts of a quaternion."""
+    for k in conditions.quaternions:
+        if k <= i < k + 4:
+            return (k, k + 1, k + 2, k + 3)
+    return (i,)
+
+
+def _rows(interface: Interface) -> list[tuple[str, str]]:
+    """The name and unit of each condition."""
+    labels = list(zip(interface.row_labels, interface.row_units, interface.row_places))
+    found = [(f"constraint `{label}` ({place})", unit) for label, unit, place in labels[: interface.nh]]
+    for k, (label, unit, place) in enumerate(labels):
+        rate = "the rate of " if k < interface.nh else ""
+        found.append((f"{rate}constraint `{label}` ({place})", _rate_unit(unit) if rate else unit))
+    found += [(f"the condition at {place}", "") for place in interface.initial_places]
+    places = interface.start_places[len(interface.start_places) - len(interface.rate_names) :]
+    for name, unit, place in zip(interface.rate_names, interface.rate_units, places):
+        found.append((f"what `{name}` ({place}) is made of", unit))
+    for k in interface.quaternions:
+        found.append((f"the unit length of `{interface.q_names[k].rpartition('.')[0]}`", ""))
+    return found
 
 
 def _rate_unit(unit: str) -> str:
     return f"{unit}/s" if unit else "1/s"
+
+
+def _listed(parts: Sequence[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

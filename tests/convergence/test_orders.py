@@ -162,7 +162,7 @@ class Kepler(Handmade):
 
     def __init__(self) -> None:
         super().__init__(interface(nq=2, nv=2, q_names=("x", "y"), v_names=("u", "v"), q_units=("",) * 2,
-                                   v_units=("",) * 2, start_fixed=(False,) * 4))  # fmt: skip
+                                   v_units=("",) * 2))  # fmt: skip
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         r = sqrt(x[0] * x[0] + x[1] * x[1])

@@ -9,6 +9,8 @@ from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, matmul, matvec, transpose
 from lagc.meaning.model import (
+    FIXED,
+    UNSTATED,
     Action,
     Body,
     Constraint,
@@ -25,6 +27,7 @@ from lagc.meaning.model import (
     Parameter,
     Potential,
     Speed,
+    Statement,
     Torque,
 )
 from lagc.mechanics.states import quaternion_rate
@@ -71,8 +74,9 @@ class Builder:
     ) -> Node:
         g = self.graph
         symbol, speed = g.symbol("coordinate", name), g.symbol("rate", f"der({name})")
+        said = Statement(FIXED if fixed else UNSTATED, SPAN)
         self.coordinates.append(
-            Coordinate(name, symbol, speed, unit, unit, g.const(start), g.const(rate), fixed, fixed, SPAN)
+            Coordinate(name, symbol, speed, unit, unit, g.const(start), g.const(rate), said, said, SPAN)
         )
         return symbol
 
@@ -82,7 +86,8 @@ class Builder:
         ew, x, y, z = (g.symbol("coordinate", f"{name}.{k}") for k in "wxyz")
         w = self.vector([g.symbol("rate", f"{name}.rate.{k}") for k in "xyz"])
         start = (g.one, g.zero, g.zero, g.zero)
-        o = Orientation(name, (ew, x, y, z), w, start, self.vector(rate), False, False, SPAN)
+        said = Statement(UNSTATED, SPAN)
+        o = Orientation(name, (ew, x, y, z), w, start, self.vector(rate), said, (said,) * 3, SPAN)
         self.coordinates.append(o)
         axes = (
             (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - ew * z), 2.0 * (x * z + ew * y)),

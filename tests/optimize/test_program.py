@@ -142,7 +142,7 @@ def test_every_other_function_has_the_values_of_its_nodes(compiled: Compiled, se
         ("energies", "e"): state.all([equations.kinetic, equations.potential, equations.energy]),
         ("power", "e"): [state(equations.power)],
         ("outputs", "y"): state.all(o.expression for o in equations.outputs),
-        ("start", "x"): state.all(s.value for s in (*equations.starts_q, *equations.starts_v)),
+        ("start", "x"): state.all(s.value for s in equations.starts[: len(equations.q) + n]),
     }
     functions = program.functions
     for (name, array), values in wanted.items():

@@ -64,8 +64,11 @@ class Handmade(ABC):
     def outputs(self, t: float, x: Vector) -> list[float]:
         return []
 
-    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        return [], []
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        return [], [], []
+
+    def measures(self) -> tuple[list[float], list[float]]:
+        return [], [0.0] * len(set(self.interface.start_units))
 
     @abstractmethod
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
@@ -145,6 +148,7 @@ class Pendulum(Handmade):
     def __init__(self, guess: Sequence[float] = (0.6, -0.9, 0.5, 0.5), **given: Any) -> None:
         own: dict[str, Any] = {
             "nc": 1, "nh": 1, "row_labels": ("string",), "row_units": ("m2",),
+            "condition_ends": (2, 6), "condition_columns": (0, 1, 0, 1, 2, 3),
             "parameters": (field("l", 1.0, "m"), field("g", 9.81, "m/s2")),
         }  # fmt: skip
         super().__init__(interface(**{**PLANE, **own, **given}))
@@ -161,6 +165,11 @@ class Pendulum(Handmade):
 
     def scales(self, t: float, x: Vector) -> list[float]:
         return [max(1e-30, x[0] * x[0] + x[1] * x[1] + self.parameters[0] ** 2)]
+
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        a, b, u, v = [2.0 * s for s in x[:4]]
+        return [*self.position(t, x), *self.velocity(t, x)], [a, b, u, v, a, b], \
+            [*self.scales(t, x), abs(x[0] * u) + abs(x[1] * v)]
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         a, b, u, v = x[:4]

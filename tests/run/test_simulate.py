@@ -90,14 +90,14 @@ def test_a_vanishing_mass_is_named() -> None:
 
 def test_the_start_is_made_consistent_and_what_changed_is_told() -> None:
     run = simulate(Pendulum(), Request(stop=2.0))
-    assert any(note.startswith("`x` starts at") for note in run.notes)
+    assert any(note.startswith("found for the start: `x` = ") for note in run.notes)
     assert abs(run.states[0][0] ** 2 + run.states[0][1] ** 2 - 1.0) < 1e-13
     assert run.position_drift < 1e-14 and run.velocity_drift < 1e-13
 
 
 def test_a_start_that_is_held_against_the_constraints_is_refused() -> None:
     with pytest.raises(Refused) as refused:
-        simulate(Pendulum(start_fixed=(True,) * 4), Request(stop=1.0))
+        simulate(Pendulum(start_levels=(4,) * 4), Request(stop=1.0))
     (fault,) = refused.value.faults
     assert fault.code == "LAG0610" and "`string`" in fault.message
     assert fault.remedy is not None and "`x`" in fault.remedy

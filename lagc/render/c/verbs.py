@@ -78,10 +78,16 @@ _DIRECT = {
         f"void lagc_displace({_POINT}, const double *d, double *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
-    "initial": Verb(
-        "The conditions of the initial section: c[i] = 0, and J = dc/d(q,v) by rows.",
-        f"void lagc_initial({_POINT}, double *c, double *J)",
-        "    lagc_fn_initial(p, t, x, c, J);\n",
+    "conditions": Verb(
+        "What a consistent start satisfies: c[NCOND] = 0 (phi, psi, the initial section, stated rates less\n"
+        " * their values), the derivatives J[NCOND_J] that are not identically zero, the sizes z of the terms.",
+        f"void lagc_conditions({_POINT}, double *c, double *J, double *z)",
+        "    lagc_fn_conditions(p, t, x, c, J, z);\n",
+    ),
+    "measures": Verb(
+        "The values of the stated rates, and the largest parameter of each unit of the unknowns.",
+        "void lagc_measures(const lagc_params *p, double *s, double *m)",
+        "    lagc_fn_measures(p, s, m);\n",
     ),
 }
 

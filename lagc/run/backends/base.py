@@ -84,6 +84,23 @@ class CompiledSystem(ABC):
     def outputs(self, t: float, x: Vector) -> list[float]:
         return self._ask("outputs", len(self.interface.outputs), t, x)
 
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        n = len(self.interface.condition_ends)
+        c, jacobian, sizes = self._fill("conditions", (n, len(self.interface.condition_columns), n), t, x)
+        return c, jacobian, sizes
+
+    def measures(self) -> tuple[list[float], list[float]]:
+        rates, units = len(self.interface.rate_names), len(set(self.interface.start_units))
+        if "measures" not in self.interface.functions:
+            return [0.0] * rates, [0.0] * units
+        s, m = self._fill("measures", (rates, units))
+        return s, m
+
+    @abstractmethod
+    def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
+        """The arrays of these lengths that the function `name` of the Program gives, at (t, x) where
+        it depends on them."""
+
     @abstractmethod
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """The array of `length` that the function `name` of the Program gives at (t, x)."""

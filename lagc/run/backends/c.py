@@ -124,14 +124,6 @@ class CSystem(CompiledSystem):
         self.model.functions["start"](self._p, x)
         return x[:]
 
-    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        ni = len(self.interface.initial_places)
-        if ni == 0:
-            return [], []
-        c, jacobian, desk = (c_double * ni)(), (c_double * (ni * (self.nq + self.nv)))(), self._at(x)
-        desk.call["initial"](self._p, c_double(t), desk.x, c, jacobian)
-        return c[:], jacobian[:]
-
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         if "displace" not in self.interface.functions:
             return list(d)
@@ -204,6 +196,13 @@ class CSystem(CompiledSystem):
         desk.x[:] = x
         desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
+
+    def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
+        arrays = [(c_double * max(length, 1))() for length in lengths]
+        if name in self.interface.functions:
+            state = (c_double(t), self._at(x).x) if x else ()
+            self.model.functions[name](self._p, *state, *arrays)
+        return [array[:length] for array, length in zip(arrays, lengths)]
 
 
 def _open(sources: Mapping[str, str]) -> ctypes.CDLL:

@@ -92,13 +92,6 @@ class NumpySystem(CompiledSystem):
         self.model.module["fn_start"](self._p, x)
         return x
 
-    def initial(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        ni = len(self.interface.initial_places)
-        c, jacobian = [0.0] * ni, [0.0] * (ni * (self.nq + self.nv))
-        if ni:
-            self.model.module["fn_initial"](self._p, t, x, c, jacobian)
-        return c, jacobian
-
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         xdot, lam = [0.0] * self.nx, [0.0] * self.nc
         self.rhs(t, x, xdot, lam)
@@ -131,3 +124,10 @@ class NumpySystem(CompiledSystem):
                 given["a"], given["lam"] = self.accelerations(t, x)
             function(*(given[n] for n in names), result)
         return result
+
+    def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
+        arrays = [[0.0] * length for length in lengths]
+        if name in self.interface.functions:
+            state = (t, x) if x else ()
+            self.model.module[f"fn_{name}"](self._p, *state, *arrays)
+        return arrays

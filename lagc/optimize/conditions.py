@@ -1,0 +1,33 @@
+"""The conditions of a consistent start, their derivatives, and the units of its unknowns."""
+
+from __future__ import annotations
+
+from lagc.expr.derivative import gradient
+from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
+
+
+def condition_rows(equations: EquationsOfMotion) -> list[Node]:
+    """The residuals that vanish at a consistent start, and the rates that were stated."""
+    phi = [row.residual for row in equations.rows if row.kind == "holonomic"]
+    psi = [row.rate for row in equations.rows]
+    own = [residual for residual, _ in equations.initial_conditions]
+    return [*phi, *psi, *own, *(s.rate for s in equations.stated_rates)]
+
+
+def condition_slopes(equations: EquationsOfMotion) -> list[dict[int, Node]]:
+    """d(row)/d(q, v, stated rates) of each of `condition_rows`: column -> derivative, zeros left out."""
+    graph, unknowns = equations.graph, [*equations.q, *equations.v]
+    found: list[dict[int, Node]] = []
+    for row in condition_rows(equations):
+        slopes = gradient(graph, {row: graph.one}, unknowns)
+        found.append({k: slopes[x] for k, x in enumerate(unknowns) if x in slopes and not slopes[x].is_zero})
+    for k in range(len(equations.stated_rates)):  # each is its rate less its value
+        found[k - len(equations.stated_rates)][len(unknowns) + k] = graph.const(-1.0)
+    return found
+
+
+def start_units(equations: EquationsOfMotion) -> list[str]:
+    """The units of the unknowns of the start, each once."""
+    rates = [s.unit for s in equations.stated_rates]
+    return list(dict.fromkeys([*equations.q_units, *equations.v_units, *rates]))
