@@ -36,7 +36,8 @@ class Change:
         unit = f" {self.unit}" if self.unit else ""
         place = f" ({self.place})" if self.place else ""
         forced = f", because of {_listed(self.forced)}" if self.forced else ""
-        return f"`{self.name}` starts at {self.used:.6g}{unit} instead of {self.given:.6g}{unit}{place}{forced}"
+        values = f"{self.used:.6g}{unit} instead of {self.given:.6g}{unit}"
+        return f"`{self.name}` starts at {values}{place}{forced}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,8 @@ class _Words:
         self, system: System, conditions: Conditions, t: float, guess: list[float], levels: list[int]
     ):
         interface = system.interface
-        self.interface, self.conditions, self.t, self.guess, self.levels = interface, conditions, t, guess, levels
+        self.interface, self.conditions, self.t = interface, conditions, t
+        self.guess, self.levels = guess, levels
         self.names = [*names(system), *interface.rate_names]
         self.units = [*interface.q_units, *interface.v_units, *interface.rate_units]
         self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
@@ -151,7 +153,8 @@ class _Words:
     def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
         c = search.evaluate(search.y)[0]
-        strange = [k for k, value in enumerate(search.evaluate(search.home)[0]) if not abs(value) < float("inf")]
+        at_guess = search.evaluate(search.home)[0]
+        strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
         rows = strange or self._minimal(levels, range(len(self.rows)))
         held = []
@@ -162,9 +165,10 @@ class _Words:
                 if self._fails(tried, rows):
                     levels = tried
                 else:
-                    held.append(f"`{self.names[i].rpartition('.')[0] if len(whole) > 1 else self.names[i]}`"
-                                f" ({self.interface.start_places[i]})")  # fmt: skip
-        missed = [Missed(self.rows[k][0], float("nan") if strange else abs(c[k]), self.rows[k][1]) for k in rows]
+                    name = self.names[i].rpartition(".")[0] if len(whole) > 1 else self.names[i]
+                    held.append(f"`{name}` ({self.interface.start_places[i]})")
+        amounts = [float("nan") if strange else abs(c[k]) for k in rows]
+        missed = [Missed(self.rows[k][0], a, self.rows[k][1]) for k, a in zip(rows, amounts)]
         return tuple(missed), tuple(held)
 
     def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:

@@ -168,8 +168,11 @@ class Pendulum(Handmade):
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         a, b, u, v = [2.0 * s for s in x[:4]]
-        return [*self.position(t, x), *self.velocity(t, x)], [a, b, u, v, a, b], \
-            [*self.scales(t, x), abs(x[0] * u) + abs(x[1] * v)]
+        return (
+            [*self.position(t, x), *self.velocity(t, x)],
+            [a, b, u, v, a, b],
+            [*self.scales(t, x), abs(x[0] * u) + abs(x[1] * v)],
+        )
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         a, b, u, v = x[:4]

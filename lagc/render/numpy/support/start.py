@@ -120,7 +120,9 @@ class Consistency:
         for k in self.conditions.quaternions:
             a, b, c, d = y[k : k + 4]
             length = sqrt(a * a + b * b + c * c + d * d)
-            y[k : k + 4] = [a / length, b / length, c / length, d / length] if length > 0.0 else [1.0, 0.0, 0.0, 0.0]
+            y[k : k + 4] = (
+                [a / length, b / length, c / length, d / length] if length > 0.0 else [1.0, 0.0, 0.0, 0.0]
+            )
 
     def evaluate(self, y: Unknowns) -> tuple[list[float], list[float], list[float]]:
         c, jacobian, sizes = self.conditions.evaluate(self.t, y[: self.state])
