@@ -36,7 +36,8 @@ from lagc.meaning.written import (
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
-    "input": ("min", "max", "displayUnit"), "coordinate": ("start", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
+    "input": ("min", "max", "displayUnit"),
+    "coordinate": ("start", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
     "speed": ("start", "fixed", "displayUnit"),
     "output": ("displayUnit",),
 }  # fmt: skip

@@ -79,8 +79,8 @@ _DIRECT = {
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
     "conditions": Verb(
-        "What a consistent start satisfies: c[NCOND] = 0 (phi, psi, the initial section, stated rates less\n"
-        " * their values), the derivatives J[NCOND_J] that are not identically zero, the sizes z of the terms.",
+        "What a consistent start satisfies, c = 0: phi, psi, the initial section, and stated rates less\n"
+        " * their values; J, the derivatives that are not identically zero; z, the sizes of the terms.",
         f"void lagc_conditions({_POINT}, double *c, double *J, double *z)",
         "    lagc_fn_conditions(p, t, x, c, J, z);\n",
     ),
