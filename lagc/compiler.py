@@ -137,15 +137,15 @@ def optimize(equations: EquationsOfMotion, work: bool) -> Program:
 
 
 @_uncollected
-def render(program: Program, target: str) -> dict[str, str]:
-    """File name -> text."""
+def render(program: Program, target: str, consistency: bool = True) -> dict[str, str]:
+    """File name -> text; with the search for a consistent start, for whoever has no lagc."""
     if target == "c":
         from lagc.render.c.render import render as render_c
 
-        return render_c(program)
+        return render_c(program, consistency)
     from lagc.render.numpy.render import render as render_numpy
 
-    return render_numpy(program)
+    return render_numpy(program, consistency)
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
@@ -245,7 +245,7 @@ class Compilation:
 
     def _compiled(self, target: str) -> Artifact:
         program = self.program
-        sources = render(program, target)
+        sources = render(program, target, consistency=False)
         artifact = Artifact(
             interface=program.interface,
             sources=sources,

@@ -136,7 +136,7 @@ def conditions(places: Places) -> Function | None:
         return None
     slopes = [slope for row in condition_slopes(equations) for slope in row.values()]
     sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
-    parts = (("c", rows), ("J", slopes), ("z", sizes))
+    parts = (("c", rows), ("J", slopes), ("sizes", sizes))
     return _function(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
 
 
@@ -154,7 +154,7 @@ def measures(places: Places) -> Function | None:
                 node = graph.binary("max", node, graph.unary("abs", p.symbol))
         largest.append(node)
     values = [s.start.value for s in equations.stated_rates]
-    parts = (("s", values), ("m", largest))
+    parts = (("s", values), ("largest", largest))
     return _function(places, "measures", ("p",), parts, "stated rates, sizes of parameters", seldom=True)
 
 

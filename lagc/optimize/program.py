@@ -139,6 +139,16 @@ class Interface:
         return self.nq + self.nv + self.nz
 
     @property
+    def needs_consistency(self) -> bool:
+        """Whether the start values alone need not be a consistent start."""
+        return bool(self.condition_ends or self.quaternions)
+
+    @property
+    def angles(self) -> tuple[int, ...]:
+        """The coordinates that are angles."""
+        return tuple([i for i, unit in enumerate(self.q_units) if unit == "rad"])
+
+    @property
     def start_units(self) -> tuple[int, ...]:
         """The unit of each unknown of the start, as its place in the list of those that occur."""
         units = [*self.q_units, *self.v_units, *self.rate_units]
@@ -167,10 +177,10 @@ class Program:
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
       outputs     (p,t,x,a,lam)   -> y[ny]
       start       (p)             -> x[nx]      start values and guesses
-      conditions  (p,t,x)         -> c[n], J[], z[n]   of a consistent start: phi, psi, initial section,
+      conditions  (p,t,x)         -> c[n], J[], sizes[n]   of a consistent start: phi, psi, initial section,
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
-                                     z the sizes of the terms
-      measures    (p)             -> s[], m[]   stated rates; largest parameter of each of `start_units`
+                                     `sizes` those of the terms
+      measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 

@@ -101,9 +101,9 @@ class System(Protocol):
     def start(self) -> list[float]: ...
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
-        """c, J and z of a consistent start (see `Program`)."""
+        """c, J and sizes of a consistent start (see `Program`)."""
         ...
 
     def measures(self) -> tuple[list[float], list[float]]:
-        """s and m (see `Program`)."""
+        """s and largest (see `Program`)."""
         ...

@@ -90,7 +90,7 @@ def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] 
         if given and name in given:
             guess[i] = given[name]
             levels[i] = max(levels[i], RUN)
-    if not interface.condition_ends and not system.quaternions:
+    if not interface.needs_consistency:
         return Start(guess)
     conditions = conditions_of(system)
     search = Consistency(conditions, t, guess, levels)
@@ -106,9 +106,8 @@ def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] 
 
 def conditions_of(system: System) -> Conditions:
     interface = system.interface
-    angles = [i for i, unit in enumerate(interface.q_units) if unit == "rad"]
     return Conditions(
-        system.nq, system.nv, system.quaternions, interface.start_levels, interface.start_units, angles,
+        system.nq, system.nv, system.quaternions, interface.start_units, interface.angles,
         interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
     )  # fmt: skip
 

@@ -183,7 +183,7 @@ def test_conditions_of_the_start_and_their_derivatives() -> None:
     found = interpret(
         compiled(b.model()).functions["conditions"], {"p": [1.0], "t": [0.0], "x": [2.0, 3.0, 4.0, 5.0]}
     )
-    assert found == {"c": [18.0], "J": [4.0, 5.0, 3.0], "z": [20.0]}
+    assert found == {"c": [18.0], "J": [4.0, 5.0, 3.0], "sizes": [20.0]}
 
 
 def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squared() -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
@@ -24,6 +25,15 @@ def types(interface: Interface) -> str:
 def declarations() -> str:
     """The functions that integrate: for the header."""
     return _read("integrate.h")
+
+
+def start_declarations(interface: Interface) -> str:
+    """The function that makes a start consistent: for the header."""
+    return resolve(_read("start.h"), interface)
+
+
+def start_definitions(interface: Interface) -> list[str]:
+    return [resolve(_read(name), interface) for name in ("leastnorm.c", "start.c")]
 
 
 def definitions(program: Program) -> list[str]:
@@ -46,6 +56,7 @@ def sizes(interface: Interface) -> dict[str, int]:
         "NC": interface.nc, "NH": interface.nh, "NZ": interface.nz, "NQUAT": len(interface.quaternions),
         "NWORK": interface.work_size, "STRAIGHT": int(interface.solve == "straight"),
         "HAS_DISPLACE": int("displace" in interface.functions),
+        "NCOND": len(interface.condition_ends), "NRATE": len(interface.rate_names),
     }  # fmt: skip
 
 
@@ -64,9 +75,32 @@ def resolve(text: str, interface: Interface) -> str:
             open_.pop()
         elif all(open_):
             lines.append(line)
-    found = "".join(lines).replace("LAGC_NWORK", str(interface.work_size))
-    found = found.replace("LAGC_QUATERNIONS", ", ".join(str(i) for i in interface.quaternions))
+    found = "".join(lines)
+    for name, values in _numbers(interface).items():
+        found = found.replace(f"LAGC_{name}", _wrapped(values))
     return re.sub(r"\n{3,}", "\n\n", found).lstrip("\n")
+
+
+def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
+    """The numbers that only the support uses."""
+    ends, columns = list(interface.condition_ends), list(interface.condition_columns)
+    for k in interface.quaternions:
+        ends.append(len(columns) + 4)
+        columns += range(k, k + 4)
+    unknowns = range(len(interface.start_levels))
+    return {
+        "NWORK": [interface.work_size], "QUATERNIONS": interface.quaternions, "NJ": [len(columns)],
+        "NCOND": [len(interface.condition_ends)], "NRATE": [len(interface.rate_names)],
+        "START_LEVELS": interface.start_levels, "START_UNITS": interface.start_units,
+        "START_ANGLES": [int(i in interface.angles) for i in unknowns],
+        "START_ENDS": ends, "START_COLUMNS": columns,
+    }  # fmt: skip
+
+
+def _wrapped(values: Sequence[int]) -> str:
+    """Numbers with commas between, on lines that stay short."""
+    lines = [", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16)]
+    return ",\n    ".join(lines)
 
 
 def _holds(condition: str, known: dict[str, int]) -> bool:

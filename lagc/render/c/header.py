@@ -32,7 +32,7 @@ def banner(interface: Interface, file: str) -> str:
     )
 
 
-USE = """\
+_USE = """\
 /* In short (the functions are explained below):
  *     static lagc_work w;                     zeros; one for each thread
  *     lagc_params p = lagc_default_params();
@@ -40,11 +40,23 @@ USE = """\
  *     static lagc_state s;                    one for each trajectory
  *     double x[LAGC_NX];
  *     lagc_start(&p, x);
- *     lagc_begin(&s, 0.0, x);
+{consistent} *     lagc_begin(&s, 0.0, x);
  *     if (lagc_advance(&p, &s, 1.0, &o, &w) == LAGC_OK)
  *         ... s.x is the state at t = 1
  */
 """
+
+
+_CONSISTENT = """\
+ *     static lagc_start_work c;
+ *     if (lagc_consistent(&p, 0.0, x, NULL, &c) != LAGC_OK)
+ *         ... there is no start: see c.culprit
+"""
+
+
+def use(consistency: bool) -> str:
+    """From the parameters to a motion in a few lines."""
+    return _USE.replace("{consistent}", _CONSISTENT if consistency else "")
 
 
 def constants(interface: Interface) -> str:
@@ -57,6 +69,10 @@ def constants(interface: Interface) -> str:
         ("NH", interface.nh, "of these holonomic, the first"),
         ("NY", len(interface.outputs), "outputs y"), ("NQUAT", len(quaternions), "unit quaternions in q"),
     ]  # fmt: skip
+    if interface.needs_consistency:
+        unknowns, conditions = len(interface.start_levels), len(interface.condition_ends) + len(quaternions)
+        sizes.append(("NU", unknowns, "unknowns of the start: q, v, stated rates that are no speeds"))
+        sizes.append(("NE", conditions, "conditions of the start"))
     text = [
         f"#define LAGC_ABI_VERSION {ABI_VERSION}",
         f'#define LAGC_MODEL_HASH "{comment(interface.model_hash)}"',

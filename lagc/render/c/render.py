@@ -17,22 +17,27 @@ from lagc.render.locals import local_names
 from lagc.render.names import prefix, stem
 
 
-def render(program: Program) -> dict[str, str]:
-    """File name -> text: `<model>.h` and `<model>.c`, C99 and C++."""
+def render(program: Program, consistency: bool = True) -> dict[str, str]:
+    """File name -> text: `<model>.h` and `<model>.c`, C99 and C++.
+
+    Without `consistency` they lack the search for a consistent start, which takes a compiler as long as
+    much of the rest and which a run of `lagc` makes by its twin in Python, to the same bits.
+    """
     interface = program.interface
     name = stem(interface.model)
+    consistency = consistency and interface.needs_consistency
     return {
-        f"{name}.h": _prefixed(_header(program, f"{name}.h"), interface),
-        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h"), interface),
+        f"{name}.h": _prefixed(_header(program, f"{name}.h", consistency), interface),
+        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", consistency), interface),
     }
 
 
-def _header(program: Program, file: str) -> str:
+def _header(program: Program, file: str, consistency: bool) -> str:
     interface = program.interface
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
-        header.USE,
+        header.use(consistency),
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
@@ -40,12 +45,13 @@ def _header(program: Program, file: str) -> str:
         fragments.types(interface),
         *(verb.declaration for verb in verbs(program)),
         fragments.declarations(),
+        fragments.start_declarations(interface) if consistency else "",
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _source(program: Program, file: str, own_header: str) -> str:
+def _source(program: Program, file: str, own_header: str, consistency: bool) -> str:
     interface = program.interface
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
@@ -55,6 +61,7 @@ def _source(program: Program, file: str, own_header: str) -> str:
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),
         *fragments.definitions(program),
+        *(fragments.start_definitions(interface) if consistency else []),
         *(verb.definition for verb in verbs(program)),
     ]
     return "\n".join(part for part in parts if part)

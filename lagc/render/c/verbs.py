@@ -80,14 +80,14 @@ _DIRECT = {
     ),
     "conditions": Verb(
         "What a consistent start satisfies, c = 0: phi, psi, the initial section, and stated rates less\n"
-        " * their values; J, the derivatives that are not identically zero; z, the sizes of the terms.",
-        f"void lagc_conditions({_POINT}, double *c, double *J, double *z)",
-        "    lagc_fn_conditions(p, t, x, c, J, z);\n",
+        " * their values; J, the derivatives that are not identically zero; the sizes of the terms.",
+        f"void lagc_conditions({_POINT}, double *c, double *J, double *sizes)",
+        "    lagc_fn_conditions(p, t, x, c, J, sizes);\n",
     ),
     "measures": Verb(
         "The values of the stated rates, and the largest parameter of each unit of the unknowns.",
-        "void lagc_measures(const lagc_params *p, double *s, double *m)",
-        "    lagc_fn_measures(p, s, m);\n",
+        "void lagc_measures(const lagc_params *p, double *s, double *largest)",
+        "    lagc_fn_measures(p, s, largest);\n",
     ),
 }
 

@@ -20,6 +20,7 @@ from lagc.render.numpy.verbs import verbs
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "fallback.py", "linear.py", "stages.py", "projection.py", "integrate.py",
            "record.py")  # fmt: skip
+START = ("leastnorm.py", "start.py")
 _IMPORTS = """\
 from __future__ import annotations
 
@@ -28,13 +29,18 @@ from typing import Any, NamedTuple
 """
 
 
-def render(program: Program) -> dict[str, str]:
-    """File name -> text; one file, `<model>.py`."""
+def render(program: Program, consistency: bool = True) -> dict[str, str]:
+    """File name -> text; one file, `<model>.py`.  Without `consistency` it lacks the search for a
+    consistent start, which a run of `lagc` has already."""
     file = f"{stem(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
-    return {file: "\n\n".join([*parts, *_support(), *verbs(program)])}
+    consistency = consistency and program.interface.needs_consistency
+    if consistency:
+        parts.append(_start_tables(program.interface))
+    support = _support((*SUPPORT, *START) if consistency else SUPPORT)
+    return {file: "\n\n".join([*parts, *support, *verbs(program, consistency)])}
 
 
 def _banner(interface: Interface, file: str) -> str:
@@ -68,6 +74,20 @@ def _constants(interface: Interface) -> str:
     return "\n".join([*text, "}"]) + "\n"
 
 
+def _start_tables(interface: Interface) -> str:
+    """What the search for a consistent start knows of the model (see `Conditions`)."""
+    return "".join(
+        f"{name} = {values!r}\n"
+        for name, values in (
+            ("LEVELS", interface.start_levels),
+            ("UNITS", interface.start_units),
+            ("ANGLES", interface.angles),
+            ("CONDITION_ENDS", interface.condition_ends),
+            ("CONDITION_COLUMNS", interface.condition_columns),
+        )
+    )
+
+
 def _row(field: Field) -> str:
     value = "nan" if field.value is None else repr(float(field.value))
     return f"({value}, {field.unit!a}, {field.name!a}, {field.description!a})"
@@ -80,11 +100,11 @@ def _table(name: str, values: tuple[str, ...] | list[str]) -> list[str]:
 
 
 @cache
-def _support() -> tuple[str, ...]:
+def _support(names: tuple[str, ...]) -> tuple[str, ...]:
     """The shared text; each file from MARK on, without the protocol, which generated modules do not hold."""
     folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
     parts = []
-    for name in SUPPORT:
+    for name in names:
         with open(os.path.join(folder, name), encoding="utf-8") as file:
             text = file.read().partition(MARK)[2].strip("\n") + "\n"
         parts.append(text.replace(": Problem", ""))

@@ -69,6 +69,41 @@ def start(p=None):
     return x
 '''
 
+_CONSISTENT = '''\
+def consistent(x=None, t=0.0, p=None, levels=None):
+    """x[NX], the guess (None: `start`) moved onto all conditions of the start: constraints, their rates,
+    the initial section, unit quaternions.  What is stated less firmly moves first, of what is stated as
+    few as possible; `levels` (UNSTATED, DECLARED, SCENE, RUN, FIXED) of q, v and the stated rates, None:
+    the model's.  ArithmeticError where no start is found."""
+    model = equations(p)
+    guess = start(model.p) if x is None else _floats(x)
+    search = Consistency(_conditions(model), float(t), guess, LEVELS if levels is None else levels)
+    status = search.run()
+    if status in FAILED:
+        raise ArithmeticError(f"{STATUSES[status]} (index {search.culprit})")
+    return [*search.y[: NQ + NV], *guess[NQ + NV :]]
+
+
+def _conditions(model):
+    functions, rates, units = globals(), len(LEVELS) - NQ - NV, max(UNITS) + 1
+
+    def evaluate(t, x):
+        n = len(CONDITION_ENDS)
+        found = [0.0] * n, [0.0] * len(CONDITION_COLUMNS), [0.0] * n
+        if n:
+            functions["fn_conditions"](model.p, t, x, *found)
+        return found
+
+    def measures():
+        found = [0.0] * rates, [0.0] * units
+        if CONDITION_ENDS:
+            functions["fn_measures"](model.p, *found)
+        return found
+
+    columns = CONDITION_COLUMNS
+    return Conditions(NQ, NV, QUATERNIONS, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
+'''
+
 _SYSTEM = '''\
 def mass_matrix(t, x, p=None):
     """M, NV rows of NV."""
@@ -157,7 +192,7 @@ def _vectorised(function):
 '''
 
 
-def verbs(program: Program) -> list[str]:
+def verbs(program: Program, consistency: bool) -> list[str]:
     """Those that the model has a use for."""
     found = [_ALWAYS]
     for name, text in (
@@ -168,6 +203,8 @@ def verbs(program: Program) -> list[str]:
     ):
         if name in program.functions:
             found.append(text)
+    if consistency:
+        found.append(_CONSISTENT)
     if program.interface.nc:
         found.append(_CONSTRAINTS)
     return [*found, _MANY]

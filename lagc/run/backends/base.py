@@ -93,8 +93,8 @@ class CompiledSystem(ABC):
         rates, units = len(self.interface.rate_names), len(set(self.interface.start_units))
         if "measures" not in self.interface.functions:
             return [0.0] * rates, [0.0] * units
-        s, m = self._fill("measures", (rates, units))
-        return s, m
+        s, largest = self._fill("measures", (rates, units))
+        return s, largest
 
     @abstractmethod
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:

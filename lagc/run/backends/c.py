@@ -33,8 +33,8 @@ class _Options(ctypes.Structure):
 _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
-    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "initial", "displace"), None),
-    **dict.fromkeys(("solve", "begin"), None),
+    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
+    **dict.fromkeys(("solve", "begin", "conditions", "measures"), None),
 }
 
 

@@ -8,8 +8,7 @@ quaternions.  Each unknown has a level, from UNSTATED (0) to FIXED.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import floor, inf, pi, sqrt
-from typing import TypeAlias
+from math import floor, inf, sqrt
 
 from lagc.render.numpy.support.base import INCONSISTENT, NOT_FINITE, OK
 from lagc.render.numpy.support.leastnorm import least_norm
@@ -29,16 +28,15 @@ SHORTEST = 2.0**-14  # part of a step that is tried at last
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
 SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0)  # of the weights: how far from the guess attempts begin
 HOMEWARD = 20  # steps back towards the guess
+TURN = 6.283185307179586
 MOST_TRIALS = 2000  # sets of stated values of one level that are tried
 DEPENDENT = (1e-11, 1e-5)  # of its length: the rest of a row that follows from others
-
-Unknowns: TypeAlias = "list[float]"
 
 
 class Conditions:
     """The conditions of a consistent start.
 
-    `evaluate(t, x)` gives c, J and z: residuals, derivatives row by row (row i ends at `ends[i]`, with
+    `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
     parameter of each unit.  `units[i]` is the number of the unit of unknown i; `angles` are the
     coordinates that are angles.
@@ -49,7 +47,6 @@ class Conditions:
         nq: int,
         nv: int,
         quaternions: Sequence[int],
-        levels: Sequence[int],
         units: Sequence[int],
         angles: Sequence[int],
         ends: Sequence[int],
@@ -58,7 +55,7 @@ class Conditions:
         measures: Callable[[], tuple[list[float], list[float]]],
     ):
         self.nq, self.nv, self.quaternions = nq, nv, quaternions
-        self.levels, self.units, self.angles = levels, units, angles
+        self.units, self.angles = units, angles
         self.own = len(ends)
         self.ends, self.columns = list(ends), list(columns)
         for k in quaternions:
@@ -100,6 +97,7 @@ class Consistency:
         self.free = [level == UNSTATED for level in self.levels]
         self.positions = [i for i in self.rows if max(self.columns(i), default=0) < conditions.nq]
         self.motions = [i for i in self.rows if i not in self.positions]
+        self.rows = [*self.positions, *self.motions]
         self.used = [False] * self.n
         for i in self.rows:
             for j in self.columns(i):
@@ -115,7 +113,7 @@ class Consistency:
         ends = self.conditions.ends
         return self.conditions.columns[ends[i - 1] if i > 0 else 0 : ends[i]]
 
-    def lengths(self, y: Unknowns) -> None:
+    def lengths(self, y: list[float]) -> None:
         """Unit length for the quaternions."""
         for k in self.conditions.quaternions:
             a, b, c, d = y[k : k + 4]
@@ -124,7 +122,7 @@ class Consistency:
                 [a / length, b / length, c / length, d / length] if length > 0.0 else [1.0, 0.0, 0.0, 0.0]
             )
 
-    def evaluate(self, y: Unknowns) -> tuple[list[float], list[float], list[float]]:
+    def evaluate(self, y: list[float]) -> tuple[list[float], list[float], list[float]]:
         c, jacobian, sizes = self.conditions.evaluate(self.t, y[: self.state])
         first = self.conditions.own - len(self.rates)
         for k in range(len(self.rates)):
@@ -164,7 +162,7 @@ class Consistency:
                 weight = reach[i]
             if weight == 0.0:
                 weight = self.largest[units[i]]
-            weights[i] = weight if 0.0 < weight < inf else 1.0
+            weights[i] = weight if 1e-290 < weight < 1e290 else 1.0
         for i in self.conditions.angles:
             weights[i] = min(weights[i], 1.0)
         for k in self.conditions.quaternions:
@@ -305,19 +303,19 @@ class Consistency:
         self.y = best
         return False
 
-    def spread(self, k: int) -> Unknowns:
+    def spread(self, k: int) -> list[float]:
         """The guess, with what is free moved by up to SPREADS[k] of its weight: a guess may be singular."""
         y = self.home[:]
         if SPREADS[k] > 0.0:
             state = 12345 + k
             for i in range(self.n):
                 state = (1103515245 * state + 12345) % 2147483648
-                if self.free[i]:
+                if self.free[i] and self.used[i]:
                     y[i] += SPREADS[k] * self.weights[i] * (state / 1073741824.0 - 1.0)
             self.lengths(y)
         return y
 
-    def attempt(self, y: Unknowns) -> Unknowns:
+    def attempt(self, y: list[float]) -> list[float]:
         """Positions first, then speeds; all together where that is not enough."""
         nq = self.conditions.nq
         y = self.improve(y, self.positions, [i for i in range(self.n) if self.free[i] and i < nq])
@@ -338,7 +336,7 @@ class Consistency:
             found[i] = sizes[i] + SLIGHT * total
         return found
 
-    def worst(self, y: Unknowns, rows: list[int]) -> tuple[float, int]:
+    def worst(self, y: list[float], rows: list[int]) -> tuple[float, int]:
         """The largest scaled residual of `rows`, infinity where one is not a number, and its row."""
         c, jacobian, sizes = self.evaluate(y)
         scales = self.scales(jacobian, sizes)
@@ -351,7 +349,7 @@ class Consistency:
                     break
         return worst, row
 
-    def improve(self, y: Unknowns, rows: list[int], columns: list[int]) -> Unknowns:
+    def improve(self, y: list[float], rows: list[int], columns: list[int]) -> list[float]:
         """Gauss-Newton of least norm on `rows` in the unknowns `columns`, with steps that are halved
         until they help."""
         if not rows or not columns:
@@ -411,15 +409,22 @@ class Consistency:
             found.append(row)
         return found
 
-    def nearer(self, y: Unknowns) -> Unknowns:
-        """A start between `y` and the guess, as near to the guess as steps of least norm lead."""
-        columns = [i for i in range(self.n) if self.free[i]]
+    def nearer(self, y: list[float]) -> list[float]:
+        """A start between `y` and the guess, as near to the guess as steps of least norm lead: of the
+        positions alone, where speeds from their guess fit."""
+        nq = self.conditions.nq
+        rows, columns = self.positions, [i for i in range(self.n) if self.free[i] and i < nq]
+        trial = self.attempt([*y[:nq], *self.home[nq:]])
+        if self.worst(trial, self.rows)[0] <= ACCEPTED:
+            y = trial
+        else:
+            rows, columns = self.rows, [i for i in range(self.n) if self.free[i]]
         far = self.distance(y)
-        for _ in range(HOMEWARD):
+        for _ in range(HOMEWARD if rows and columns else 0):
             c, jacobian, _ = self.evaluate(y)
-            matrix = self.matrix(jacobian, self.rows, columns)
+            matrix = self.matrix(jacobian, rows, columns)
             right = []
-            for i, row in zip(self.rows, matrix):
+            for i, row in zip(rows, matrix):
                 value = -c[i]
                 for a, j in zip(row, columns):
                     value += a * ((y[j] - self.home[j]) / self.weight(j))
@@ -432,12 +437,12 @@ class Consistency:
                 trial[j] += d * self.weight(j)
             trial = self.attempt(trial)
             near = self.distance(trial)
-            if not (near < far * (1.0 - SLIGHT) and self.worst(trial, self.rows)[0] <= ACCEPTED):
+            if not (near < far and self.worst(trial, self.rows)[0] <= ACCEPTED):
                 break
             y, far = trial, near
         return y
 
-    def distance(self, y: Unknowns) -> float:
+    def distance(self, y: list[float]) -> float:
         """From the guess, in weights."""
         total = 0.0
         for i in range(self.n):
@@ -445,13 +450,13 @@ class Consistency:
             total += way * way
         return sqrt(total)
 
-    def unwound(self, y: Unknowns) -> Unknowns:
+    def unwound(self, y: list[float]) -> list[float]:
         """`y` with angles less than half a turn from their guess, where that is a start too."""
         trial, wound = y[:], False
         for i in self.conditions.angles:
-            turns = float(floor((trial[i] - self.home[i]) / (2.0 * pi) + 0.5))
+            turns = float(floor((trial[i] - self.home[i]) / TURN + 0.5))
             if turns != 0.0:
-                trial[i], wound = trial[i] - 2.0 * pi * turns, True
+                trial[i], wound = trial[i] - TURN * turns, True
         if wound:
             trial = self.attempt(trial)
             if self.worst(trial, self.rows)[0] <= ACCEPTED:

@@ -1,0 +1,59 @@
+/* How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does. */
+enum {
+    LAGC_UNSTATED = 0,
+    LAGC_DECLARED = 1,
+    LAGC_SCENE = 2,
+    LAGC_RUN = 3,
+    LAGC_FIXED = 4
+};
+
+/* Room for lagc_consistent; no need to fill it. */
+typedef struct {
+    int culprit;            /* of a failure: the condition that is missed most, or an index of x */
+    int loose[LAGC_NU];     /* 1: this value may have moved */
+    double y[LAGC_NU];      /* q, v, and the stated rates */
+    int levels[LAGC_NU];
+    int part[LAGC_NU];      /* 1: of a quaternion, behind its first */
+    int used[LAGC_NU];
+    int places[LAGC_NU];
+    int picked[LAGC_NU];
+    int best_picked[LAGC_NU];
+    int values[LAGC_NU];
+    int columns[LAGC_NU];
+    double home[LAGC_NU];   /* the guess */
+    double weights[LAGC_NU];
+    double common[LAGC_NU];
+    double reach[LAGC_NU];
+    double moves[LAGC_NU];
+    double now[LAGC_NU];
+    double best[LAGC_NU];
+    double trial[LAGC_NU];
+    double turned[LAGC_NU];
+    double step[LAGC_NU];
+    double ease;
+    double trials;
+    int first;              /* the spread that led to a start */
+    int other;              /* the one that did where most was free */
+    int count;              /* of columns */
+    int positions;          /* of the rows that follow: conditions of positions come first */
+    int rows[LAGC_NE];
+    int chosen[LAGC_NE];
+    double c[LAGC_NE];
+    double sizes[LAGC_NE];
+    double scales[LAGC_NE];
+    double trial_c[LAGC_NE];
+    double trial_sizes[LAGC_NE];
+    double right[LAGC_NE];
+    double J[LAGC_NJ];
+    double trial_J[LAGC_NJ];
+    double matrix[LAGC_NE * LAGC_NU];
+    double rests[LAGC_NE * LAGC_NU];
+} lagc_start_work;
+
+/* Move the guess x[NX] onto all conditions of the start: constraints, their rates, the initial
+ * section, unit quaternions; x[NQ+NV..] is left.  What is stated less firmly moves first, of what is
+ * stated as few as possible.  `levels` of q, v and the stated rates, in this order; NULL: the model's.
+ * INCONSISTENT: none was found, x is as it was; the conditions are phi[NH], psi[NC], those of the
+ * initial section, those of the stated rates, unit quaternions, in this order. */
+lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int *levels,
+                            lagc_start_work *w);

@@ -1,0 +1,97 @@
+"""Consistent starts by the generated code: the C function and its twin in the generated Python module."""
+
+from __future__ import annotations
+
+import ctypes
+import random
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+from lagc import compiler
+from lagc.diagnostics.faults import Source
+from lagc.library import read
+from lagc.optimize.program import Program
+from lagc.render.c.render import render as render_c
+from lagc.render.names import prefix
+from lagc.render.numpy.render import render as render_python
+from lagc.run.problem import System
+from lagc.run.start import consistent_start
+from lagc.run.backends.numpy import NumpySystem, compiled
+
+FIXED = 4
+
+
+def program_of(text: str, scene: str | None = None) -> Program:
+    """Of a text, or of a model of the library."""
+    source = Source("m.lag", text) if "\n" in text else read(text)
+    return compiler.Compilation(source, compiler.Choice(scene=scene)).program
+
+
+def system_of(text: str, scene: str | None = None) -> System:
+    program = program_of(text, scene)
+    return NumpySystem(program.interface, compiled(render_python(program)))
+
+
+def start_of(text: str, **given: float) -> dict[str, float]:
+    """The consistent start of a text by name; a coordinate's rate is `der(x)`."""
+    system = system_of(text)
+    found = consistent_start(system, 0.0, given)
+    assert not found.missed, found.missed
+    return dict(zip((*system.interface.q_names, *system.interface.v_names), found.x))
+
+
+class Twins:
+    """The two searches for a consistent start that the generated code of `program` has."""
+
+    def __init__(self, program: Program):
+        self.interface = program.interface
+        ((_, text),) = render_python(program).items()
+        self.module: dict[str, Any] = {"__name__": "generated"}
+        exec(compile(text, "generated", "exec"), self.module)
+        self.model = self.module["equations"]()
+        self.library, self.prefix = _library(program), prefix(program.interface.model)
+        self.n = program.interface.nq + program.interface.nv
+        size = self.library.room
+        size.restype = ctypes.c_size_t
+        self.room = ctypes.create_string_buffer(size())
+
+    @property
+    def guess(self) -> list[float]:
+        found: list[float] = self.module["start"]()
+        return found
+
+    def by_python(self, t: float, x: Sequence[float], levels: Sequence[int]) -> tuple[int, int, list[float]]:
+        """Status, culprit where it failed, and x."""
+        search = self.module["Consistency"](self.module["_conditions"](self.model), t, x, levels)
+        status = search.run()
+        y = [*search.y[: self.n], *x[self.n :]] if status == 0 else list(x)
+        return status, search.culprit if status else 0, y
+
+    def by_c(self, t: float, x: Sequence[float], levels: Sequence[int] | None) -> tuple[int, int, list[float]]:
+        p = (ctypes.c_double * max(len(self.model.p), 1))(*self.model.p)
+        y = (ctypes.c_double * len(x))(*x)
+        given = None if levels is None else (ctypes.c_int * len(levels))(*levels)
+        call = getattr(self.library, f"{self.prefix}_consistent")
+        status = call(p, ctypes.c_double(t), y, given, self.room)
+        culprit = ctypes.c_int.from_buffer(self.room).value
+        return status, culprit if status else 0, list(y)
+
+
+def _library(program: Program) -> ctypes.CDLL:
+    folder = Path(mkdtemp())
+    files = render_c(program)
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    unit = next(name for name in files if name.endswith(".c"))
+    size = f"sizeof({prefix(program.interface.model)}_start_work)"
+    (folder / "all.c").write_text(f'#include "{unit}"\nsize_t room(void) {{ return {size}; }}\n')
+    command = ["gcc", "-std=c99", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "all.c", "-lm", "-o", "all.so"]
+    subprocess.run(command, cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "all.so"))
+
+
+def random_levels(n: int, dice: random.Random) -> list[int]:
+    return [dice.choice((0, 0, 0, 1, 1, 2, 3, FIXED)) for _ in range(n)]
