@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import random
+import re
 import struct
 import subprocess
 import sys
@@ -16,7 +17,8 @@ import pytest
 
 from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render
+from lagc.render.numpy.render import MARK, START, SUPPORT, render
+from lagc.render.numpy.support import base
 from tests.render.programs import Builder, pendulum, program
 from tests.render.test_c import PROGRAMS, tricky
 from tests.render.tools import call, of_model, present, write
@@ -235,3 +237,11 @@ def test_one_evaluation_of_a_large_function_is_compiled_quickly() -> None:
 
     small, large = seconds(8000), seconds(32000)
     assert large < 8 * small
+
+
+def test_the_parts_of_the_support_define_no_name_twice() -> None:
+    """They share one namespace in a generated module."""
+    folder = Path(base.__file__).parent
+    texts = [(folder / name).read_text().partition(MARK)[2] for name in (*SUPPORT, *START)]
+    found = [name for text in texts for name in re.findall(r"^(?:def |class )?(\w+)(?: = |\(|:)", text, re.M)]
+    assert len(found) == len(set(found)) > 50, sorted(n for n in found if found.count(n) > 1)

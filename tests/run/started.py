@@ -17,17 +17,21 @@ from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python
+from lagc.run.backends.numpy import NumpySystem, compiled
 from lagc.run.problem import System
 from lagc.run.start import consistent_start
-from lagc.run.backends.numpy import NumpySystem, compiled
 
 FIXED = 4
 
 
-def program_of(text: str, scene: str | None = None) -> Program:
+def compilation_of(text: str, scene: str | None = None) -> compiler.Compilation:
     """Of a text, or of a model of the library."""
     source = Source("m.lag", text) if "\n" in text else read(text)
-    return compiler.Compilation(source, compiler.Choice(scene=scene)).program
+    return compiler.Compilation(source, compiler.Choice(scene=scene))
+
+
+def program_of(text: str, scene: str | None = None) -> Program:
+    return compilation_of(text, scene).program
 
 
 def system_of(text: str, scene: str | None = None) -> System:
@@ -70,7 +74,9 @@ class Twins:
         y = [*search.y[: self.n], *x[self.n :]] if status == 0 else list(x)
         return status, search.culprit if status else 0, y
 
-    def by_c(self, t: float, x: Sequence[float], levels: Sequence[int] | None) -> tuple[int, int, list[float]]:
+    def by_c(
+        self, t: float, x: Sequence[float], levels: Sequence[int] | None
+    ) -> tuple[int, int, list[float]]:
         p = (ctypes.c_double * max(len(self.model.p), 1))(*self.model.p)
         y = (ctypes.c_double * len(x))(*x)
         given = None if levels is None else (ctypes.c_int * len(levels))(*levels)
@@ -88,7 +94,18 @@ def _library(program: Program) -> ctypes.CDLL:
     unit = next(name for name in files if name.endswith(".c"))
     size = f"sizeof({prefix(program.interface.model)}_start_work)"
     (folder / "all.c").write_text(f'#include "{unit}"\nsize_t room(void) {{ return {size}; }}\n')
-    command = ["gcc", "-std=c99", "-O1", "-ffp-contract=off", "-fPIC", "-shared", "all.c", "-lm", "-o", "all.so"]
+    command = [
+        "gcc",
+        "-std=c99",
+        "-O1",
+        "-ffp-contract=off",
+        "-fPIC",
+        "-shared",
+        "all.c",
+        "-lm",
+        "-o",
+        "all.so",
+    ]
     subprocess.run(command, cwd=folder, check=True)
     return ctypes.CDLL(str(folder / "all.so"))
 

@@ -30,7 +30,7 @@ SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0)  # of the weights: how far from the guess a
 HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
 MOST_TRIALS = 2000  # sets of stated values of one level that are tried
-DEPENDENT = (1e-11, 1e-5)  # of its length: the rest of a row that follows from others
+FOLLOWING = (1e-11, 1e-5)  # of its length: the rest of a row that follows from others
 
 
 class Conditions:
@@ -363,7 +363,7 @@ class Consistency:
             if not EXACT < norm < inf:
                 break
             matrix, found = self.matrix(jacobian, rows, columns), False
-            for dependent in DEPENDENT:
+            for dependent in FOLLOWING:
                 step = least_norm(matrix, [-c[i] for i in rows], dependent)
                 if step == []:
                     break
@@ -429,7 +429,7 @@ class Consistency:
                 for a, j in zip(row, columns):
                     value += a * ((y[j] - self.home[j]) / self.weight(j))
                 right.append(value)
-            step = least_norm(matrix, right, DEPENDENT[0])
+            step = least_norm(matrix, right, FOLLOWING[0])
             if step == []:
                 break
             trial = self.home[:]
