@@ -15,8 +15,9 @@ from tests.run.started import compilation_of
 
 STEP = mp.mpf(10) ** -20
 LIBRARY = (
-    "andrews_squeezer", "bead_on_hoop", "car_axis", "chaplygin_sleigh_speeds", "four_bar", "knife_edge", "moving_rail",
-    "particle_on_torus", "rolling_disc", "slider_crank", "sphere_on_turntable", "spring_chain", "wheelset",
+    "andrews_squeezer", "bead_on_hoop", "car_axis", "chaplygin_sleigh_speeds", "four_bar", "knife_edge",
+    "moving_rail", "particle_on_torus", "rolling_disc", "slider_crank", "sphere_on_turntable", "spring_chain",
+    "wheelset",
 )  # fmt: skip
 
 
