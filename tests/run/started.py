@@ -17,7 +17,7 @@ from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python
-from lagc.run.backends.numpy import NumpySystem, compiled
+from lagc.run.backends.numpy import NumpyModel
 from lagc.run.problem import System
 from lagc.run.start import consistent_start
 
@@ -36,7 +36,8 @@ def program_of(text: str, scene: str | None = None) -> Program:
 
 def system_of(text: str, scene: str | None = None) -> System:
     program = program_of(text, scene)
-    return NumpySystem(program.interface, compiled(render_python(program)))
+    model = NumpyModel(program.interface, render_python(program))
+    return model.bind(model.defaults())
 
 
 def start_of(text: str, **given: float) -> dict[str, float]:
