@@ -200,7 +200,7 @@ class CSystem(CompiledSystem):
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [(c_double * max(length, 1))() for length in lengths]
         if name in self.interface.functions:
-            state = (c_double(t), self._at(x).x) if x else ()
+            state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
             self.model.functions[name](self._p, *state, *arrays)
         return [array[:length] for array, length in zip(arrays, lengths)]
 
