@@ -36,9 +36,10 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0610": Entry(
         "no start meets all conditions",
-        "The constraints, their rates, the `initial` section and the values that are held (`fixed = true`, "
-        "`--start`) have no common solution near the guesses.  The conditions that are missed most are "
-        "named: let one of the held values go, or change a guess.",
+        "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
+        "`startFixed`, `rateFixed`) have no common solution near the start values.  Those that contradict "
+        "each other are named, and no other: with any one of them less a start is found.  Let one of them go; "
+        "or, where there should be a solution, begin nearer to it.",
     ),
     "LAG0611": Entry(
         "a start value is not a finite number",

@@ -38,8 +38,9 @@ def verbs(program: Program) -> list[Verb]:
     found = [_default_params(interface)]
     if "start" in functions:
         found.append(Verb(
-            "x[NX] as the model gives it: start values, and guesses that the constraints and the\n"
-            " * initial conditions may still have to move.",
+            "x[NX] as the model gives it: start values" + (
+                ", which constraints, initial conditions\n * and orientations may still have to move."
+                if interface.needs_consistency else "."),
             "void lagc_start(const lagc_params *p, double *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
     found.append(_rhs(interface))
     if "system" in functions:

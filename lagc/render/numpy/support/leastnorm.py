@@ -30,29 +30,31 @@ def least_norm(rows: list[list[float]], right: list[float], dependent: float) ->
         given.append([a / length for a in scaled])
         values.append(value / largest / length)
     rests = [row[:] for row in given]
-    chosen: list[int] = []
+    squares = [inner(row, row) for row in rests]
+    left = list(range(len(given)))
+    chosen: list[list[float]] = []
     solution = [0.0] * n
-    for _ in range(len(given)):
-        best, longest = -1, dependent * dependent
-        for i in range(len(given)):
-            if i not in chosen:
-                square = inner(rests[i], rests[i])
-                if square > longest:
-                    best, longest = i, square
-        if best < 0:
+    while left:
+        best = left[0]
+        for i in left:
+            if squares[i] > squares[best]:
+                best = i
+        if not squares[best] > dependent * dependent:
             break
         direction = rests[best]
         _shorten(direction)
-        for k in chosen:
-            remove(direction, rests[k])
+        for before in chosen:
+            remove(direction, before, _places(before))
         _shorten(direction)
-        chosen.append(best)
+        chosen.append(direction)
+        left.remove(best)
         factor = (values[best] - inner(given[best], solution)) / inner(given[best], direction)
-        for j in range(n):
+        places = _places(direction)
+        for j in places:
             solution[j] += factor * direction[j]
-        for i in range(len(given)):
-            if i not in chosen:
-                remove(rests[i], direction)
+        for i in left:
+            if remove(rests[i], direction, places):
+                squares[i] = inner(rests[i], rests[i])
     return solution
 
 
@@ -63,12 +65,19 @@ def inner(a: list[float], b: list[float]) -> float:
     return total
 
 
-def remove(vector: list[float], direction: list[float]) -> None:
-    """Take from `vector` its part along a unit vector."""
-    part = inner(vector, direction)
+def remove(vector: list[float], direction: list[float], places: list[int]) -> bool:
+    """Take from `vector` its part along a unit vector, which is zero but at `places`; whether it has one."""
+    part = 0.0
+    for j in places:
+        part += vector[j] * direction[j]
     if part != 0.0:
-        for j, d in enumerate(direction):
-            vector[j] -= part * d
+        for j in places:
+            vector[j] -= part * direction[j]
+    return part != 0.0
+
+
+def _places(vector: list[float]) -> list[int]:
+    return [j for j, a in enumerate(vector) if a != 0.0]
 
 
 def _shorten(vector: list[float]) -> None:
