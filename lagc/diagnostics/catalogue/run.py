@@ -38,7 +38,7 @@ ENTRIES: dict[str, Entry] = {
         "no start meets all conditions",
         "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
         "`startFixed`, `rateFixed`) have no common solution near the start values.  Those that contradict "
-        "each other are named, and no other: with any one of them less a start is found.  Let one of them go; "
+        "each other are named, and no other: any fewer have a start.  Let one of them go, "
         "or, where there should be a solution, begin nearer to it.",
     ),
     "LAG0611": Entry(
