@@ -21,22 +21,21 @@ _MOST_FOUND = 6  # values that nobody stated, named in one note
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """A start value that was not as given; SI.  `forced` are the conditions that left no other, for
-    one that was stated."""
+    """A start value that was not as given, SI; of an orientation that was stated, its four parts.
+    `forced` are the conditions that left no other, for one that was stated."""
 
     name: str
-    given: float
-    used: float
+    given: float | tuple[float, ...]
+    used: float | tuple[float, ...]
     unit: str
     stated: bool = False
     place: str = ""
     forced: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        unit = f" {self.unit}" if self.unit else ""
         place = f" ({self.place})" if self.place else ""
         forced = f", because of {_listed(self.forced)}" if self.forced else ""
-        values = f"{self.used:.6g}{unit} instead of {self.given:.6g}{unit}"
+        values = f"{_value(self.used, self.unit)} instead of {_value(self.given, self.unit)}"
         return f"`{self.name}` starts at {values}{place}{forced}"
 
 
@@ -71,7 +70,7 @@ class Start:
         found = [c for c in self.changes if not c.stated]
         if not found:
             return tuple(stated)
-        shown = [f"`{c.name}` = {c.used:.6g}{' ' + c.unit if c.unit else ''}" for c in found[:_MOST_FOUND]]
+        shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
         more = f" and {len(found) - _MOST_FOUND} more" if len(found) > _MOST_FOUND else ""
         return (*stated, f"found for the start: {', '.join(shown)}{more}")
 
@@ -132,21 +131,29 @@ class _Words:
         for i, (given, used) in enumerate(zip(self.given, search.y)):
             if abs(given - used) > _SHOWN * max(abs(given), search.weights[i]):
                 moved.append(i)
-        found = []
+        found: dict[tuple[int, ...], Change] = {}
         for i in moved:
             stated = self.levels[i] != UNSTATED
+            whole = _whole(self.conditions, i) if stated else (i,)
+            if whole in found:
+                continue
+            name, given, used = self.names[i], self.given[i], search.y[i]
             forced = self._forced(search, i) if stated and search.free[i] else ()
             place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
-            change = Change(self.names[i], self.given[i], search.y[i], self.units[i], stated, place, forced)
-            found.append(change)
-        return tuple(found)
+            change = Change(name, given, used, self.units[i], stated, place, forced)
+            if len(whole) > 1:
+                parts = tuple([self.given[j] for j in whole]), tuple([search.y[j] for j in whole])
+                change = Change(_owner(name), *parts, "", stated, place, forced)
+            found[whole] = change
+        return tuple(found.values())
 
     def _forced(self, search: Consistency, i: int) -> tuple[str, ...]:
         """The conditions that cannot hold with unknown i as it was given."""
         levels = [UNSTATED if free else FIXED for free in search.free]
         for j in _whole(self.conditions, i):
             levels[j] = FIXED
-        rows = self._minimal(levels, self._tied(levels, i))
+        tied = self._tied(levels, i)
+        rows = self._minimal(levels, tied) if self._fails(levels, tied) else []
         return tuple([self.rows[k][0] for k in rows])
 
     def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
@@ -164,7 +171,7 @@ class _Words:
                 if self._fails(tried, rows):
                     levels = tried
                 else:
-                    name = self.names[i].rpartition(".")[0] if len(whole) > 1 else self.names[i]
+                    name = _owner(self.names[i]) if len(whole) > 1 else self.names[i]
                     held.append(f"`{name}` ({self.interface.start_places[i]})")
         amounts = [float("nan") if strange else abs(c[k]) for k in rows]
         missed = [Missed(self.rows[k][0], a, self.rows[k][1]) for k, a in zip(rows, amounts)]
@@ -173,8 +180,6 @@ class _Words:
     def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
         """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
         kept = list(rows)
-        if not self._fails(levels, kept):
-            return kept
         for k in reversed(kept[:]):
             fewer = [row for row in kept if row != k]
             if self._fails(levels, fewer):
@@ -217,8 +222,19 @@ def _rows(interface: Interface) -> list[tuple[str, str]]:
     for name, unit, place in zip(interface.rate_names, interface.rate_units, places):
         found.append((f"what `{name}` ({place}) is made of", unit))
     for k in interface.quaternions:
-        found.append((f"the unit length of `{interface.q_names[k].rpartition('.')[0]}`", ""))
+        found.append((f"the unit length of `{_owner(interface.q_names[k])}`", ""))
     return found
+
+
+def _owner(part: str) -> str:
+    """The orientation that a part such as `o.w` is of."""
+    return part.rpartition(".")[0]
+
+
+def _value(value: float | tuple[float, ...], unit: str) -> str:
+    if isinstance(value, tuple):
+        return "{" + ", ".join(f"{a:.6g}" for a in value) + "}"
+    return f"{value:.6g} {unit}" if unit else f"{value:.6g}"
 
 
 def _rate_unit(unit: str) -> str:

@@ -428,12 +428,12 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
     return 0;
 }
 
-/* Whether there is a start with what is free now, from the guess or where one was found. */
+/* Whether there is a start with what is free now, from the guess, beside it, or where one was found. */
 static int lagc_tries(const lagc_params *p, double t, lagc_start_work *w)
 {
     w->trials += 1.0;
-    return lagc_find(p, t, 0, 1, w) ||
-           (w->other > 0 && lagc_find(p, t, w->other, w->other + 1, w));
+    return lagc_find(p, t, 0, 1, w) || lagc_find(p, t, 2, 3, w) ||
+           (w->other != 0 && w->other != 2 && lagc_find(p, t, w->other, w->other + 1, w));
 }
 
 /* Let the value at i move or hold it, a quaternion as a whole. */

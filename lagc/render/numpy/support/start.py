@@ -27,6 +27,7 @@ NEWTON_STEPS = 60
 SHORTEST = 2.0**-14  # part of a step that is tried at last
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
 SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0)  # of the weights: how far from the guess attempts begin
+BESIDE = 2  # the spread that leaves a singular guess well behind
 HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
 MOST_TRIALS = 2000  # sets of stated values of one level that are tried
@@ -273,9 +274,14 @@ class Consistency:
         return total
 
     def attempts(self) -> bool:
-        """Whether there is a start with what is free now, from the guess or where one was found."""
+        """Whether there is a start with what is free now, from the guess, beside it, or where one was
+        found."""
         self.trials += 1
-        return self.solve(0, 1) or (self.other > 0 and self.solve(self.other, self.other + 1))
+        spreads = (0, BESIDE) if self.other in (0, BESIDE) else (0, BESIDE, self.other)
+        for k in spreads:
+            if self.solve(k, k + 1):
+                return True
+        return False
 
     # -- the way to a start --
 
