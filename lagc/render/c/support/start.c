@@ -5,7 +5,7 @@
 #define LAGC_EXACT 1e-15    /* at which the iteration ends */
 #define LAGC_SHORTEST (1.0 / 16384.0) /* part of a step that is tried at last */
 #define LAGC_SLIGHT (1.0 / 1024.0) /* of the weights: the least rows are judged against; of stated values */
-#define LAGC_SPREADS 5
+#define LAGC_SPREADS 8
 #define LAGC_ALL LAGC_NE
 
 static const int lagc_levels[LAGC_NU] = {LAGC_START_LEVELS};
@@ -17,10 +17,10 @@ static const int lagc_column[LAGC_NJ] = {LAGC_START_COLUMNS}; /* of each derivat
 static const int lagc_first[LAGC_NQUAT] = {LAGC_QUATERNIONS};
 #endif
 
-/* How far from the guess attempt k begins, in weights. */
+/* How far from the guess attempt k begins, in widths. */
 static double lagc_spread_of(int k)
 {
-    static const double spreads[LAGC_SPREADS] = {0.0, 0.01, 0.1, 0.5, 1.0};
+    static const double spreads[LAGC_SPREADS] = {0.0, 0.01, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0};
     return spreads[k];
 }
 
@@ -93,7 +93,7 @@ static void lagc_meet(const lagc_params *p, double t, const double *y, double *c
 }
 
 /* The size of each unknown: its own; that of others of its unit; what changes its rows by the size of
- * their terms; that of a parameter of its unit; 1. */
+ * their terms; that of a parameter of its unit; 1.  And the size of the largest of its unit. */
 static void lagc_weigh(const lagc_params *p, double t, const double *largest, lagc_start_work *w)
 {
     int i, k = 0;
@@ -123,6 +123,11 @@ static void lagc_weigh(const lagc_params *p, double t, const double *largest, la
             weight = largest[lagc_units[i]];
         if (!(1e-290 < weight && weight < 1e290))
             weight = 1.0;
+        w->widths[i] = w->common[lagc_units[i]] < 1e290 ? w->common[lagc_units[i]] : 1e290;
+        if (w->widths[i] < weight)
+            w->widths[i] = weight;
+        if (lagc_angle[i] && w->widths[i] > 1.0)
+            w->widths[i] = 1.0;
         if (lagc_angle[i] && weight > 1.0)
             weight = 1.0;
         w->weights[i] = weight;
@@ -130,7 +135,7 @@ static void lagc_weigh(const lagc_params *p, double t, const double *largest, la
 #if LAGC_NQUAT
     for (k = 0; k < LAGC_NQUAT; k++)
         for (i = 0; i < 4; i++)
-            w->weights[lagc_first[k] + i] = 1.0;
+            w->weights[lagc_first[k] + i] = w->widths[lagc_first[k] + i] = 1.0;
 #endif
 }
 
@@ -297,7 +302,7 @@ static void lagc_attempt(const lagc_params *p, double t, double *y, lagc_start_w
     lagc_improve(p, t, y, 0, LAGC_ALL, w);
 }
 
-/* The guess, with what is free moved by up to a share of its weight: a guess may be singular. */
+/* The guess, with what is free moved by up to a share of its width: a guess may be singular. */
 static void lagc_spread(double *y, int k, lagc_start_work *w)
 {
     unsigned long state = 12345UL + (unsigned long)k;
@@ -308,7 +313,7 @@ static void lagc_spread(double *y, int k, lagc_start_work *w)
     for (i = 0; i < LAGC_NU; i++) {
         state = (1103515245UL * state + 12345UL) % 2147483648UL;
         if (w->loose[i] && w->used[i])
-            y[i] += lagc_spread_of(k) * w->weights[i] * ((double)state / 1073741824.0 - 1.0);
+            y[i] += lagc_spread_of(k) * w->widths[i] * ((double)state / 1073741824.0 - 1.0);
     }
     lagc_lengths(y);
 }

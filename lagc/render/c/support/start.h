@@ -22,6 +22,7 @@ typedef struct {
     int columns[LAGC_NU];
     double home[LAGC_NU];   /* the guess */
     double weights[LAGC_NU];
+    double widths[LAGC_NU];
     double common[LAGC_NU];
     double reach[LAGC_NU];
     double moves[LAGC_NU];

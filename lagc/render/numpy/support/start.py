@@ -26,7 +26,7 @@ EXACT = 1e-15  # at which the iteration ends
 NEWTON_STEPS = 60
 SHORTEST = 2.0**-14  # part of a step that is tried at last
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
-SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0)  # of the weights: how far from the guess attempts begin
+SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # of the widths: how far from the guess attempts begin
 BESIDE = 2  # the spread that leaves a singular guess well behind
 HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
@@ -108,7 +108,7 @@ class Consistency:
         self.trials = 0
         self.begin = 0  # the spread that led to a start
         self.other = 0  # the one that did where most was free
-        self.weights = self.weigh()
+        self.weights, self.widths = self.weigh()
 
     def columns(self, i: int) -> list[int]:
         ends = self.conditions.ends
@@ -136,9 +136,9 @@ class Consistency:
             jacobian += [a, b, e, d]
         return c, jacobian, sizes
 
-    def weigh(self) -> list[float]:
+    def weigh(self) -> tuple[list[float], list[float]]:
         """The size of each unknown: its own; that of others of its unit; what changes its rows by the
-        size of their terms; that of a parameter of its unit; 1."""
+        size of their terms; that of a parameter of its unit; 1.  And the size of the largest of its unit."""
         y, units = self.home, self.conditions.units
         _, jacobian, sizes = self.evaluate(y)
         common = [0.0] * len(self.largest)
@@ -164,11 +164,13 @@ class Consistency:
             if weight == 0.0:
                 weight = self.largest[units[i]]
             weights[i] = weight if 1e-290 < weight < 1e290 else 1.0
-        for i in self.conditions.angles:
-            weights[i] = min(weights[i], 1.0)
-        for k in self.conditions.quaternions:
-            weights[k : k + 4] = [1.0, 1.0, 1.0, 1.0]
-        return weights
+        widths = [max(weights[i], min(common[units[i]], 1e290)) for i in range(self.n)]
+        for found in (weights, widths):
+            for i in self.conditions.angles:
+                found[i] = min(found[i], 1.0)
+            for k in self.conditions.quaternions:
+                found[k : k + 4] = [1.0, 1.0, 1.0, 1.0]
+        return weights, widths
 
     def weight(self, i: int) -> float:
         """How far unknown i moves where others could move instead."""
@@ -278,10 +280,7 @@ class Consistency:
         found."""
         self.trials += 1
         spreads = (0, BESIDE) if self.other in (0, BESIDE) else (0, BESIDE, self.other)
-        for k in spreads:
-            if self.solve(k, k + 1):
-                return True
-        return False
+        return any(self.solve(k, k + 1) for k in spreads)
 
     # -- the way to a start --
 
@@ -310,14 +309,14 @@ class Consistency:
         return False
 
     def spread(self, k: int) -> list[float]:
-        """The guess, with what is free moved by up to SPREADS[k] of its weight: a guess may be singular."""
+        """The guess, with what is free moved by up to SPREADS[k] of its width: a guess may be singular."""
         y = self.home[:]
         if SPREADS[k] > 0.0:
             state = 12345 + k
             for i in range(self.n):
                 state = (1103515245 * state + 12345) % 2147483648
                 if self.free[i] and self.used[i]:
-                    y[i] += SPREADS[k] * self.weights[i] * (state / 1073741824.0 - 1.0)
+                    y[i] += SPREADS[k] * self.widths[i] * (state / 1073741824.0 - 1.0)
             self.lengths(y)
         return y
 
