@@ -17,7 +17,8 @@ from lagc.records import names, replace
 
 # Of no bearing on the numbers.
 _UNHASHED = (
-    "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places", "initial_places",
+    "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
+    "initial_places",
 )  # fmt: skip
 
 
