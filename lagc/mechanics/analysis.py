@@ -1,41 +1,40 @@
 """What the equations of motion tell of a system before it moves: for people to read.
 
-Questions that symbols do not answer (does a long sum vanish?) are asked at a few random states.
+Every claim is proved, by exact values on every branch of its expressions (`judge`) or by a rank that
+cannot be larger (`mobility`), or it *seems* to hold: on all states tried that meet the constraints.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
 
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate
 from lagc.mechanics.actions import act
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.forms import rate_coefficients
 from lagc.mechanics.freeterms import free_terms, with_rates
+from lagc.mechanics.grounds import LARGEST, along, anywhere, on_rows
 from lagc.mechanics.inertia import moving_parts
-from lagc.mechanics.integrability import integrable_rows
-from lagc.mechanics.linear import solve
-from lagc.mechanics.magnitude import vanishes
-from lagc.mechanics.manifold import onto
+from lagc.mechanics.integrability import Integrable, integrable_rows
+from lagc.mechanics.judge import Judge
+from lagc.mechanics.manifold import Consistent, onto, walk
+from lagc.mechanics.mobility import Mobility, mobility
 from lagc.mechanics.quantities import Quantities, momenta
-from lagc.mechanics.redundancy import dependent_rows
-from lagc.mechanics.samples import Chance, samples
+from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
 from lagc.records import dataclass
 
 _STATES = 3
-_LARGEST = 60  # speeds and rows for which motions are solved for
 
 
 @dataclass(frozen=True, slots=True)
 class RowKind:
-    """What a constraint's row is.  `integrable` is None where the question does not arise."""
+    """What a constraint's row is.  `integrable` is None where the question does not arise, or was not
+    examined; `proved` says how it is known."""
 
     label: str
     constraint: str
@@ -44,15 +43,27 @@ class RowKind:
     affine: bool
     integrable: bool | None
     explanation: str
+    proved: bool
 
 
 @dataclass(frozen=True, slots=True)
 class Conserved:
-    """A quantity that keeps its value, in t, q, v, and why."""
+    """A quantity that keeps its value, in t, q, v, and why; not `proved`, it seems to."""
 
     name: str
     expression: Node
     reason: str
+    proved: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Seems:
+    """What is told by states that were tried, and not proved; names and labels."""
+
+    cyclic: tuple[str, ...]
+    redundant: tuple[str, ...]
+    degrees_of_freedom: bool
+    positional_freedom: bool
 
 
 @dataclass(frozen=True)
@@ -66,15 +77,18 @@ class Analysis:
     coordinates: int
     speeds: int
     rows: int
-    redundant: tuple[str, ...]  # labels of holonomic rows that follow from others
-    degrees_of_freedom: int  # of the velocities: n less the independent rows
+    redundant: tuple[str, ...]  # labels of rows that follow from others where all hold
+    degrees_of_freedom: int  # of the velocities: n less the rank of the rows where they hold
     positional_freedom: int  # degrees of freedom of the positions: integrable rows count
+    more_at_start: int  # degrees of freedom that the start's posture alone adds
     kinetic_parts: tuple[Node, Node, Node] | None
     cyclic: tuple[str, ...]
     conserved: tuple[Conserved, ...]
     constraints: tuple[RowKind, ...]
     integrable_combinations: int  # relations between positions that rows bring only in combination
     dropped: tuple[str, ...]
+    seems: Seems
+    not_examined: tuple[str, ...]  # what would have been too much work, or met no consistent state
 
     @property
     def unknowns(self) -> int:
@@ -85,41 +99,67 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     """Counts, kinds, cyclic coordinates and conserved quantities of a system."""
     states = build_states(equations.model)
     rows = equations.rows
-    spare = {r.row for r in dependent_rows(states, rows)}
-    integrable = integrable_rows(states, [row for k, row in enumerate(rows) if k not in spare])
-    independent = len(rows) - len(spare)
-    relations = sum(row.kind == "holonomic" or row.label in integrable.rows for row in rows)
-    positional = relations + integrable.combinations - len(spare)
+    met = walk(states, rows)
+    moving = mobility(states, rows, met)
+    places = mobility(states, [row for row in rows if row.kind == "holonomic"], met)
+    integrable = integrable_rows(states, rows)
+    relations = places.rank + len(integrable.rows) + integrable.combinations
     cyclic = _cyclic(states)
+    kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
+    spare = tuple([rows[k].label for k in sorted(moving.spare)])
+    conserved, closed = _conserved(equations, states, kept, met, cyclic)
     return Analysis(
         coordinates=len(equations.q),
         speeds=len(equations.v),
         rows=len(rows),
-        redundant=tuple([rows[k].label for k in sorted(spare)]),
-        degrees_of_freedom=len(equations.v) - independent,
-        positional_freedom=len(equations.v) - positional,
+        redundant=spare,
+        degrees_of_freedom=len(equations.v) - moving.rank,
+        positional_freedom=len(equations.v) - relations,
+        more_at_start=0 if moving.at_start is None else moving.rank - moving.at_start,
         kinetic_parts=_kinetic_parts(equations),
-        cyclic=cyclic,
-        conserved=tuple(_conserved(equations, states, spare, cyclic)),
-        constraints=tuple(_kinds(equations, integrable.rows)),
+        cyclic=tuple(cyclic),
+        conserved=tuple(conserved),
+        constraints=tuple(_kinds(equations, integrable)),
         integrable_combinations=integrable.combinations,
         dropped=equations.dropped,
+        seems=Seems(
+            cyclic=tuple([name for name, proved in cyclic.items() if not proved]),
+            redundant=() if moving.proved else spare,
+            degrees_of_freedom=not moving.proved,
+            positional_freedom=not (places.proved and integrable.proved and not integrable.open),
+        ),
+        not_examined=tuple(_not_examined(moving, integrable, closed)),
     )
 
 
-def _kinds(equations: EquationsOfMotion, integrable: Mapping[str, str]) -> list[RowKind]:
+def _not_examined(moving: Mobility, integrable: Integrable, totals: bool) -> list[str]:
+    found: list[str] = []
+    if not moving.examined:
+        found.append("the rank of the rows where they hold")
+    if integrable.open:
+        found.append("whether velocity rows are integrable")
+    if not totals:
+        found.append("total momenta")
+    return found
+
+
+def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind]:
     found: list[RowKind] = []
     for row in equations.rows:
         holonomic = row.kind == "holonomic"
-        answer: bool | None = None if holonomic or not row.linear else row.label in integrable
+        closed = holonomic or not row.linear or row.label in integrable.open
+        answer: bool | None = None if closed else row.label in integrable.rows
         if holonomic:
             why = "it holds no rate"
         elif not row.linear:
             why = "it is not affine in the rates"
+        elif row.label in integrable.open:
+            why = "whether it restricts positions was not examined"
         else:
-            why = integrable.get(row.label, "it restricts speeds without restricting positions")
+            why = integrable.rows.get(row.label, "it restricts speeds without restricting positions")
+        proved = answer is None or integrable.proved
         found.append(
-            RowKind(row.label, row.constraint, holonomic, row.time_dependent, row.linear, answer, why)
+            RowKind(row.label, row.constraint, holonomic, row.time_dependent, row.linear, answer, why, proved)
         )
     return found
 
@@ -137,13 +177,14 @@ def _kinetic_parts(equations: EquationsOfMotion) -> tuple[Node, Node, Node] | No
     return two, one, at_rest[0]
 
 
-def _cyclic(states: States) -> tuple[str, ...]:
-    """The scalar coordinates that the Lagrangian does not depend on."""
+def _cyclic(states: States) -> dict[str, bool]:
+    """The scalar coordinates that the Lagrangian does not depend on, and whether that is proved."""
     lagrangian = _lagrangian(states)
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
-    tries = list(samples(states.model, _STATES))
-    return tuple([c.name for c in scalars if c.symbol not in slopes or vanishes(slopes[c.symbol], tries)])
+    judge = Judge(anywhere(states))
+    verdicts = {c.name: judge.vanish([slopes[c.symbol]] if c.symbol in slopes else []) for c in scalars}
+    return {name: verdict for name, verdict in verdicts.items() if verdict is not None}
 
 
 def _lagrangian(states: States) -> Node:
@@ -155,53 +196,60 @@ def _lagrangian(states: States) -> Node:
 
 
 def _conserved(
-    equations: EquationsOfMotion, states: States, spare: set[int], cyclic: Sequence[str]
-) -> list[Conserved]:
+    equations: EquationsOfMotion,
+    states: States,
+    rows: Sequence[tuple[int, Row]],
+    met: Consistent,
+    cyclic: Mapping[str, bool],
+) -> tuple[list[Conserved], bool]:
+    """Quantities that are constant along the motion, with the independent `rows`, by index; and
+    whether total momenta were examined."""
+    kept = [row for _, row in rows]
+    tries = _tries(states, kept, met)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
-    rows = [row for k, row in enumerate(equations.rows) if k not in spare]
-    met = [onto(states, rows, s) for s in samples(equations.model, _STATES)]
-    tries = [s for s in met if s is not None]
-    multiplied = [_with_multipliers(equations, s) for s in tries]
-    if vanishes(equations.power, multiplied):
-        found.append(Conserved("energy", equations.energy, "nothing brings power or takes it"))
-    pushed = _pushed(equations, states, tries)
+    small = len(equations.v) + len(rows) <= LARGEST
+    positions = on_rows(states, kept, tries)
+    motion = Judge(along(equations, states, rows, tries) if small else positions)
+    at_rows = Judge(positions)
+    steady = motion.vanish([equations.power])
+    if steady is not None:
+        found.append(Conserved("energy", equations.energy, "nothing brings power or takes it", steady))
+    forces = _along_rates(equations, states)
     for c in states.model.coordinates:
-        if isinstance(c, Coordinate) and c.name in cyclic and c.rate_symbol not in pushed:
-            momentum = momenta(states, parts, free, [c.rate_symbol])[c.rate_symbol]
-            reason = f"`{c.name}` is cyclic and no force acts along it"
-            found.append(Conserved(f"momentum({c.name})", momentum, reason))
-    if equations.model.bodies and len(equations.v) + len(rows) <= _LARGEST:
+        if isinstance(c, Coordinate) and c.name in cyclic:
+            unpushed = at_rows.vanish(forces.get(c.rate_symbol, []))
+            if unpushed is not None:
+                momentum = momenta(states, parts, free, [c.rate_symbol])[c.rate_symbol]
+                reason = f"`{c.name}` is cyclic and no force acts along it"
+                proved = unpushed and cyclic[c.name]
+                found.append(Conserved(f"momentum({c.name})", momentum, reason, proved))
+    if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
-        found.extend(_totals(equations, states, quantities, spare, tries))
+        found.extend(_totals(states, quantities, motion, at_rows))
+    return found, small or not equations.model.bodies
+
+
+def _tries(states: States, rows: Sequence[Row], met: Consistent) -> list[dict[Node, float]]:
+    """Consistent states with the default parameters, near the start and farther, and with others."""
+    beside = (onto(states, rows, s) for s in samples(states.model, _STATES))
+    start = [] if met.start is None else [met.start]
+    return [*start, *met.beside[:1], *met.far[-2:], *(s for s in beside if s is not None)]
+
+
+def _along_rates(equations: EquationsOfMotion, states: States) -> dict[Node, list[Node]]:
+    """By rate: the forces along it that no potential gives, one an action, and those of multipliers."""
+    forces = [c.forces for c in equations.contributions if not c.conservative]
+    found: dict[Node, list[Node]] = {}
+    for table in chain(forces, [row.jacobian for row in equations.rows]):
+        for rate, node in rate_coefficients(states, table).items():
+            found.setdefault(rate, []).append(node)
     return found
 
 
-def _with_multipliers(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict[Node, float]:
-    chance = Chance()
-    return {**state, **{x: chance.draw() for x in equations.lam}}
-
-
-def _pushed(equations: EquationsOfMotion, states: States, tries: Sequence[Mapping[Node, float]]) -> set[Node]:
-    """The rates along which a force acts that no potential gives, or a multiplier."""
-    forces = [c.forces for c in equations.contributions if not c.conservative]
-    pushed: set[Node] = set()
-    for table in chain(forces, [row.jacobian for row in equations.rows]):
-        weights = rate_coefficients(states, table)
-        pushed |= {rate for rate, x in weights.items() if not vanishes(x, tries)}
-    return pushed
-
-
-def _totals(
-    equations: EquationsOfMotion,
-    states: States,
-    quantities: Quantities,
-    spare: set[int],
-    tries: Sequence[Mapping[Node, float]],
-) -> list[Conserved]:
+def _totals(states: States, quantities: Quantities, motion: Judge, at_rows: Judge) -> list[Conserved]:
     """Components of the total momenta that are constant along the motion, where they are not zero."""
-    moving = [m for m in (_with_accelerations(equations, s, spare) for s in tries) if m is not None]
     found: list[Conserved] = []
     for head, reason in (
         ("momentum", "no net force acts along it"),
@@ -210,32 +258,9 @@ def _totals(
         for axis in "xyz":
             name = f"{head}().{axis}"
             node = quantities.value(name)
-            rate = tangent(states.graph, [node], states.flow)[0]
-            if not vanishes(node, tries) and vanishes(rate, moving):
-                found.append(Conserved(name, node, reason))
+            if at_rows.vanish([node]) is not None:
+                continue
+            proved = motion.vanish([tangent(states.graph, [node], states.flow)[0]])
+            if proved is not None:
+                found.append(Conserved(name, node, reason, proved))
     return found
-
-
-def _with_accelerations(
-    equations: EquationsOfMotion, state: Mapping[Node, float], spare: set[int]
-) -> dict[Node, float] | None:
-    """`state` with a and lam of its motion; None where the system is singular there."""
-    nv = len(equations.v)
-    rows = [row for k, row in enumerate(equations.rows) if k not in spare]
-    size = nv + len(rows)
-    table = [[0.0] * size for _ in range(size)]
-    masses = evaluate(list(equations.mass_matrix.values()), state)
-    for (i, j), m in zip(equations.mass_matrix, masses):
-        table[i][j] = table[j][i] = m
-    for k, row in enumerate(rows, nv):
-        for j, g in zip(row.jacobian, evaluate(list(row.jacobian.values()), state)):
-            table[k][j], table[j][k] = g, -g
-    given = evaluate(equations.given_forces, state)
-    bias = evaluate(equations.bias_forces, state)
-    right = [t - h for t, h in zip(given, bias)] + evaluate([row.gamma for row in rows], state)
-    solution = solve(table, right) if all(map(math.isfinite, chain(right, *table))) else None
-    if solution is None:
-        return None
-    multipliers = [equations.lam[k] for k in range(len(equations.rows)) if k not in spare]
-    zeros = dict.fromkeys(equations.lam, 0.0)
-    return {**state, **zeros, **dict(zip([*equations.a, *multipliers], solution))}

@@ -1,4 +1,4 @@
-"""How many relations between positions some velocity rows bring, alone or in combination.
+"""Which motions some velocity rows leave in the long run, brackets included.
 
 The motions that the rows allow are spanned by vector fields X_i(q, t).  Motions along Lie brackets
 [X, Y] = dY.X - dX.Y can be made of them, so the positions that can be reached have the dimension
@@ -10,65 +10,49 @@ angle of the axle is the difference of theirs.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
-from lagc.mechanics.forms import Form, places
+from lagc.expr.modular import Point
+from lagc.mechanics.finite import Echelon, Entries
+from lagc.mechanics.forms import Form
+from lagc.mechanics.judge import Truths
 from lagc.mechanics.speeds import solve_rows
 
-_SMALL = 1e-7  # relative; what cancels leaves about 1e-13 after some brackets
-_LARGEST = 16  # positions; the brackets of more become long
+LARGEST = 16  # positions; the brackets of more become long
 
 Field = dict[Node, Node]
 
 
-def relations(graph: Graph, forms: Sequence[Form], state: Mapping[Node, float]) -> int | None:
-    """The number of relations between positions that `forms` bring, at a generic state.
+def reachable_directions(
+    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
+) -> list[Entries]:
+    """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`.
 
-    None where it is not found: too many positions, or no values at that state.
+    Raises Undefined where something has no value at this point.
     """
-    where = places(forms)
-    if len(where) > _LARGEST:
-        return None
-    spanned = _fields(graph, forms, where, state)
-    if spanned is None:
-        return None
-    span = _Span(where, state)
-    fields = [x for x in spanned if span.grows(x)]
+    span = _Span(where, point, truths)
+    fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
     latest = fields
     while latest and span.size < len(where):
         brackets = (_bracket(graph, x, y) for x in fields for y in latest)
         latest = [z for z in brackets if span.grows(z)]
-    return None if span.failed else len(where) - span.size
+    return span.directions
 
 
 def _fields(
-    graph: Graph, forms: Sequence[Form], where: Sequence[Node], state: Mapping[Node, float]
-) -> list[Field] | None:
+    graph: Graph, forms: Sequence[Form], where: Sequence[Node], point: Point, truths: Truths
+) -> list[Field]:
     """A field for each position that is free, the others solved for."""
     column = {x: k for k, x in enumerate(where)}
     rows: list[dict[int, Node]] = []
-    pivots: list[int] = []
-    reduced: list[dict[int, float]] = []
+    reduced = Echelon()
     for form in forms:
-        values = evaluate(list(form.coefficients.values()), state)
-        if not all(map(math.isfinite, values)):
-            return None
-        row = {column[x]: value for x, value in zip(form.coefficients, values)}
-        size = max(map(abs, row.values()))
-        for pivot, base in zip(pivots, reduced):
-            factor = row.pop(pivot, 0.0) / base[pivot]
-            for j, entry in base.items():
-                if j != pivot and factor:
-                    row[j] = row.get(j, 0.0) - factor * entry
-        best = max(row, key=lambda j: abs(row[j]), default=None)
-        if best is not None and abs(row[best]) > _SMALL * size:
+        values = point.values(list(form.coefficients.values()), truths)
+        if reduced.grows({column[x]: value for x, value in zip(form.coefficients, values)}):
             rows.append({column[x]: node for x, node in form.coefficients.items()})
-            pivots.append(best)
-            reduced.append(row)
+    pivots = list(reduced.rows)
     found: list[Field] = []
     for k, x in enumerate(where):
         if k not in pivots:
@@ -89,31 +73,23 @@ def _bracket(graph: Graph, x: Field, y: Field) -> Field:
 
 
 class _Span:
-    """The directions met so far at a state, by reduction."""
+    """The directions met so far at a point."""
 
-    def __init__(self, where: Sequence[Node], state: Mapping[Node, float]):
-        self.where, self.state = where, state
-        self.rows: list[tuple[int, list[float]]] = []
-        self.failed = False
+    def __init__(self, where: Sequence[Node], point: Point, truths: Truths):
+        self._column = {x: k for k, x in enumerate(where)}
+        self._point, self._truths = point, truths
+        self._rows = Echelon()
+        self.directions: list[Entries] = []
 
     @property
     def size(self) -> int:
-        return len(self.rows)
+        return len(self.directions)
 
     def grows(self, field: Field) -> bool:
         """Take the field's direction in; False where it is none that is new."""
-        values = dict(zip(field, evaluate(list(field.values()), self.state)))
-        row = [values.get(x, 0.0) for x in self.where]
-        size = max(map(abs, row), default=0.0)
-        if not math.isfinite(size):
-            self.failed = True
+        values = self._point.values(list(field.values()), self._truths)
+        row = {self._column[x]: value for x, value in zip(field, values)}
+        if not self._rows.grows(row):
             return False
-        for pivot, base in self.rows:
-            factor = row[pivot] / base[pivot]
-            row = [x - factor * y for x, y in zip(row, base)]
-            row[pivot] = 0.0
-        best = max(range(len(row)), key=lambda j: abs(row[j]), default=0)
-        if not row or abs(row[best]) <= _SMALL * max(1.0, size):
-            return False
-        self.rows.append((best, row))
+        self.directions.append(row)
         return True

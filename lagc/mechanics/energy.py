@@ -21,13 +21,11 @@ from lagc.expr.vectors import dot
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
+from lagc.mechanics.grounds import anywhere
 from lagc.mechanics.inertia import Moving
-from lagc.mechanics.magnitude import vanishes
-from lagc.mechanics.samples import samples
+from lagc.mechanics.judge import Judge
 from lagc.mechanics.states import States
 from lagc.records import dataclass
-
-_STATES = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +53,7 @@ def energies(
     power = graph.sum(x.relative_power for x in acting if not x.contribution.conservative)
     explicit = graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta)) + free.explicit
     explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
-    if not vanishes(explicit, samples(states.model, _STATES)):  # a steady turn brings no power
+    if not Judge(anywhere(states)).vanish([explicit]):  # proved of a steady turn: it brings no power
         power = power - explicit
     power = power + graph.sum(multiplier * x.drive for multiplier, x in zip(lam, rows))
     return Energies(

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Node
+from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Coordinate
+from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States, key, quaternion_rate, rate_symbols, seeds
 from lagc.records import dataclass
@@ -22,6 +23,18 @@ class Form:
 
     coefficients: dict[Node, Node]
     slopes: dict[tuple[Node, Node], Node]
+    is_unit: bool = False  # of the length of a quaternion
+
+    @property
+    def nodes(self) -> list[Node]:
+        return [*self.coefficients.values(), *self.slopes.values()]
+
+
+def spelt(graph: Graph, form: Form) -> Form:
+    """Comparisons in the place of abs, sign, min, max."""
+    nodes = iter(spelt_out(graph, form.nodes))
+    coefficients = {x: next(nodes) for x in form.coefficients}
+    return Form(coefficients, {pair: next(nodes) for pair in form.slopes}, form.is_unit)
 
 
 def rate_coefficients(states: States, forces: Mapping[int, Node]) -> dict[Node, Node]:
@@ -57,7 +70,7 @@ def unit_forms(states: States) -> list[Form]:
     """d|e|^2 of each quaternion."""
     graph = states.graph
     norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) for i in states.quaternions]
-    return [exact_form(states, norm) for norm in norms]
+    return [Form(exact_form(states, norm).coefficients, {}, is_unit=True) for norm in norms]
 
 
 def places(forms: Sequence[Form]) -> list[Node]:

@@ -1,97 +1,188 @@
-"""Which affine velocity rows are in fact integrable: Frobenius' theorem, asked at random states.
+"""Which affine velocity rows are in fact integrable, alone or together with others.
 
-A form w that is closed along some forms, dw(X, Y) = 0 for all X, Y that they all annul, for every
-one of them, restricts positions after all (F. W. Warner, *Foundations of Differentiable Manifolds
-and Lie Groups*, th. 2.32).  Asked of a row alone, of a row with the holonomic ones, and of all rows
-together; whether their combinations bring more is asked of the brackets of the motions left.
+The forms of all rows span a codistribution I.  A combination of them restricts positions where it
+annuls all motions that can be made of those allowed, brackets included (`brackets`): these
+combinations are the largest integrable part of I (the last of its derived flag; R. L. Bryant et al.,
+*Exterior Differential Systems*, 1991, ch. II).  A row that lies in that part is integrable; of
+relations that lie in no row alone the number is told.  All of it is linear algebra at points of a
+finite field on the constraints, so no tolerance decides.
+
+For many positions brackets become long.  Rows are then taken for integrable where they are closed
+along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
+Differentiable Manifolds and Lie Groups*, th. 2.32); combinations are not looked for.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.mechanics.brackets import relations
+from lagc.expr.modular import P, Point, Undefined
+from lagc.mechanics.brackets import LARGEST, reachable_directions
 from lagc.mechanics.equations import Row
-from lagc.mechanics.forms import Form, exact_form, places, unit_forms, velocity_form
-from lagc.mechanics.linear import null_space
-from lagc.mechanics.samples import samples
+from lagc.mechanics.finite import Echelon, Entries
+from lagc.mechanics.forms import Form, exact_form, places, spelt, unit_forms, velocity_form
+from lagc.mechanics.grounds import on_rows
+from lagc.mechanics.judge import Judge, Truths
 from lagc.mechanics.states import States
-from lagc.records import dataclass
-
-_STATES = 3
-_CLOSED = 1e-9  # relative; what cancels leaves about 1e-16
+from lagc.records import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)
 class Integrable:
-    """Label -> why, of the integrable rows; and how many more relations between positions their
-    combinations bring."""
+    """Label -> why, of the integrable rows; how many more relations between positions their
+    combinations bring; whether all that is proved; and labels of rows that were not examined."""
 
-    rows: dict[str, str]
-    combinations: int
+    rows: dict[str, str] = field(default_factory=dict)
+    combinations: int = 0
+    proved: bool = True
+    open: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A point of the field on the constraints."""
+
+    point: Point
+    truths: Truths
+
+    def row(self, form: Form, column: Mapping[Node, int]) -> Entries:
+        values = self.point.values(list(form.coefficients.values()), self.truths)
+        return {column[x]: value for x, value in zip(form.coefficients, values)}
 
 
 def integrable_rows(states: States, rows: Sequence[Row]) -> Integrable:
     """The affine velocity rows among `rows` that restrict positions."""
     asked = [row for row in rows if row.kind == "velocity" and row.linear]
     if not asked:
-        return Integrable({}, 0)
-    forms = {row.label: velocity_form(states, row) for row in asked}
-    holonomic = [exact_form(states, row.residual) for row in rows if row.kind == "holonomic"]
-    units = unit_forms(states)
-    tries = list(samples(states.model, _STATES))
-    found: dict[str, str] = {}
-    for label, form in forms.items():
-        if _is_closed([form], [form, *units], tries):
-            found[label] = "on its own it is the rate of a relation between positions"
-        elif holonomic and _is_closed([form], [form, *units, *holonomic], tries):
-            found[label] = "with the holonomic rows it is the rate of a relation between positions"
-    others = [form for label, form in forms.items() if label not in found]
-    everything = [*forms.values(), *units, *holonomic]
-    all_affine = len(asked) == sum(row.kind == "velocity" for row in rows)
-    if len(others) > 1 and all_affine and _is_closed(others, everything, tries):
-        reason = "all rows together are the rates of relations between positions"
-        found.update((label, reason) for label in forms if label not in found)
-    more = 0
-    if len(found) < len(asked) > 1 and tries:
-        total = relations(states.graph, [*units, *holonomic, *forms.values()], tries[0])
-        if total is not None:
-            more = max(0, total - len(units) - len(holonomic) - len(found))
-    return Integrable({label: found[label] for label in forms if label in found}, more)
+        return Integrable()
+    graph = states.graph
+    forms = {row.label: spelt(graph, velocity_form(states, row)) for row in asked}
+    holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.kind == "holonomic"]
+    given = [*unit_forms(states), *holonomic]
+    judge = Judge(on_rows(states, [row for row in rows if row.linear], ()))
+    found: list[Integrable] = []
+    for labels, beside in _parts(forms, given):
+        part = _Part({x: forms[x] for x in labels}, beside, bool(holonomic))
+        found.append(part.answer(judge))
+    integrable = {label: why for x in found for label, why in x.rows.items()}
+    return Integrable(
+        {label: integrable[label] for label in forms if label in integrable},
+        sum(x.combinations for x in found),
+        all(x.proved for x in found),
+        tuple([label for x in found for label in x.open]),
+    )
 
 
-def _is_closed(asked: Sequence[Form], along: Sequence[Form], tries: Sequence[Mapping[Node, float]]) -> bool:
-    """dw(X, Y) = 0 for the `asked` forms, for all X, Y that the forms `along` annul."""
-    where = places(along)
-    column = {x: k for k, x in enumerate(where)}
-    verdicts: list[bool] = []
-    for state in tries:
-        matrix = [_values(form.coefficients, state) for form in along]
-        if not all(math.isfinite(e) for row in matrix for e in row.values()):
-            continue
-        basis = null_space([[row.get(x, 0.0) for x in where] for row in matrix], len(where))
-        verdicts.append(all(_vanishes(form, state, basis, column) for form in asked))
-    return bool(verdicts) and all(verdicts)
+def _parts(forms: Mapping[str, Form], given: Sequence[Form]) -> list[tuple[list[str], list[Form]]]:
+    """The forms in groups that share no position, each with those given that belong to it."""
+    everything = [*forms.values(), *given]
+    group = list(range(len(everything)))
+    owner: dict[Node, int] = {}
+    for k, form in enumerate(everything):
+        for x in places([form]):
+            old, new = group[owner.setdefault(x, k)], group[k]
+            if old != new:
+                group = [new if g == old else g for g in group]
+    found: list[tuple[list[str], list[Form]]] = []
+    for g in dict.fromkeys(group[: len(forms)]):
+        labels = [label for label, own in zip(forms, group) if own == g]
+        found.append((labels, [form for form, own in zip(given, group[len(forms) :]) if own == g]))
+    return found
 
 
-def _values(table: Mapping[Node, Node], state: Mapping[Node, float]) -> dict[Node, float]:
-    return dict(zip(table, evaluate(list(table.values()), state)))
+class _Part:
+    """Velocity forms by label, and the exact ones that go with them."""
 
+    def __init__(self, forms: dict[str, Form], given: Sequence[Form], holonomic: bool):
+        self.forms, self.given, self.holonomic = forms, given, holonomic
+        self.where = places([*forms.values(), *given])
+        self.column = {x: k for k, x in enumerate(self.where)}
 
-def _vanishes(
-    form: Form, state: Mapping[Node, float], basis: Sequence[Sequence[float]], column: Mapping[Node, int]
-) -> bool:
-    """dw(X, Y) = sum of dA_x/dy (Y_x X_y - X_x Y_y) for all pairs of the basis."""
-    values = evaluate(list(form.slopes.values()), state)
-    entries = [(column[x], column[y], e) for (x, y), e in zip(form.slopes, values)]
-    size = max((abs(e) for _, _, e in entries), default=0.0)
-    for n, first in enumerate(basis):
-        for second in basis[:n]:
-            terms = [e * (second[x] * first[y] - first[x] * second[y]) for x, y, e in entries]
-            reach = size * max(map(abs, first)) * max(map(abs, second))
-            if abs(sum(terms)) > _CLOSED * reach:
-                return False
-    return True
+    def answer(self, judge: Judge) -> Integrable:
+        """Integrable on each branch; the fewest relations of all branches."""
+        nodes = [x for form in (*self.forms.values(), *self.given) for x in form.nodes]
+        verdicts: list[tuple[dict[str, str], int]] = []
+        proved = True
+        for placed, truths in judge.points(nodes):
+            tried = 0
+            for x in placed:
+                try:
+                    verdicts.append(self._at(_Place(x.point, truths)))
+                except Undefined:
+                    continue
+                proved = proved and x.met and x.point.exact and not x.point.rooted
+                tried += 1
+                if tried == 2:
+                    break
+            if not tried:
+                return Integrable(open=tuple(self.forms))
+        common = set(verdicts[0][0]).intersection(*(found for found, _ in verdicts))
+        rows = {label: why for label, why in verdicts[0][0].items() if label in common}
+        return Integrable(rows, min(more for _, more in verdicts), proved)
+
+    def _at(self, place: _Place) -> tuple[dict[str, str], int]:
+        if len(self.where) > LARGEST:
+            return self._closed_rows(place), 0
+        kept = self._kept(place, [*self.forms.values(), *self.given])
+        inside = {label for label, form in self.forms.items() if self._annuls(place, form, kept)}
+        held = Echelon()
+        for form in (*self.given, *(self.forms[label] for label in inside)):
+            held.grows(place.row(form, self.column))
+        reasons = {label: self._reason(place, label) for label in self.forms if label in inside}
+        return reasons, len(self.where) - len(kept) - held.rank
+
+    def _kept(self, place: _Place, forms: Sequence[Form]) -> list[Entries]:
+        (graph,) = {x.graph for x in self.where}
+        return reachable_directions(graph, forms, self.where, place.point, place.truths)
+
+    def _annuls(self, place: _Place, form: Form, directions: Sequence[Entries]) -> bool:
+        values = place.row(form, self.column)
+        return not any(sum(e * x.get(j, 0) for j, e in values.items()) % P for x in directions)
+
+    def _reason(self, place: _Place, label: str) -> str:
+        """With as few other rows as will do."""
+        own = self.forms[label]
+        units = [form for form in self.given if form.is_unit]
+        if self._closed(place, [own], [own, *units]):
+            return "on its own it is the rate of a relation between positions"
+        if self._closed(place, [own], [own, *self.given]):
+            return "with the holonomic rows it is the rate of a relation between positions"
+        others = [x for x in self.forms if x != label]
+        for x in list(others):
+            rest = [self.forms[y] for y in others if y != x]
+            if self._annuls(place, own, self._kept(place, [own, *rest, *self.given])):
+                others.remove(x)
+        names = ", ".join(f"`{x}`" for x in others)
+        beside = " and the holonomic rows" if self.holonomic else ""
+        return f"together with {names}{beside} it is the rate of a relation between positions"
+
+    def _closed_rows(self, place: _Place) -> dict[str, str]:
+        """The largest set of rows that are closed along each other and the holonomic ones."""
+        inside = dict(self.forms)
+        while inside:
+            along = [*inside.values(), *self.given]
+            closed = {x: form for x, form in inside.items() if self._closed(place, [form], along)}
+            if len(closed) == len(inside):
+                break
+            inside = closed
+        return dict.fromkeys(inside, "the rows together are the rates of relations between positions")
+
+    def _closed(self, place: _Place, asked: Sequence[Form], along: Sequence[Form]) -> bool:
+        """dw(X, Y) = sum of dA_x/dy (Y_x X_y - X_x Y_y) = 0 for the `asked` forms w, for all X, Y
+        that the forms `along` annul."""
+        rows = Echelon()
+        for form in along:
+            rows.grows(place.row(form, self.column))
+        basis = rows.complement(range(len(self.where)))
+        for form in asked:
+            values = place.point.values(list(form.slopes.values()), place.truths)
+            entries = [(self.column[x], self.column[y], e) for (x, y), e in zip(form.slopes, values)]
+            for n, a in enumerate(basis):
+                for b in basis[:n]:
+                    terms = (
+                        e * (b.get(x, 0) * a.get(y, 0) - a.get(x, 0) * b.get(y, 0)) for x, y, e in entries
+                    )
+                    if sum(terms) % P:
+                        return False
+        return True

@@ -7,7 +7,7 @@ Whether a number is zero can be told only beside what it is the sum of: what can
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
@@ -39,17 +39,3 @@ def _factor(value: float, size: float, exponent: int) -> float:
         return float((size if exponent > 0 else abs(value)) ** exponent)
     except (ZeroDivisionError, OverflowError):
         return math.inf
-
-
-def vanishes(node: Node, tries: Iterable[Mapping[Node, float]]) -> bool:
-    """Zero on every state of `tries` where it has a value, and on one of them at least."""
-    if node.is_zero:
-        return True
-    asked = False
-    for state in tries:
-        ((value, size),) = magnitudes([node], state)
-        if math.isfinite(value):
-            asked = True
-            if abs(value) > VANISHES * size:
-                return False
-    return asked

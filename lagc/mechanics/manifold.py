@@ -1,68 +1,149 @@
-"""States that meet the rows: a sampled state moved onto phi = 0, then its speeds onto rate = 0.
+"""States that meet the rows: a state moved onto phi = 0, then its speeds onto rate = 0.
 
-Gauss-Newton with steps of least norm.  Used at compile time for questions of consistency only;
-a start of the motion is found elsewhere, with the user's guesses held as far as possible.
+Gauss-Newton with steps of least norm, rows that depend on others left aside.  Used at compile time
+for questions of rank and consistency only; a start of the motion is found elsewhere, with the
+user's guesses held as far as possible.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import Row
-from lagc.mechanics.linear import solve
+from lagc.mechanics.linear import Span, least_norm
+from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.samples import Chance, samples, unit_sizes
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 _ITERATIONS = 40
 _CONVERGED = 1e-12
+_NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
+_STEPS = 4
+LARGEST = 150  # rows for which states are looked for
+
+State = dict[Node, float]
 
 
-def onto(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> dict[Node, float] | None:
-    """`state` moved onto `rows`, which must be independent; None where that fails."""
-    graph = states.graph
-    moved = dict(state)
-    norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
-    positions = [*(row.residual for row in rows if row.kind == "holonomic"), *norms]
-    if not _solve(positions, [gradient(graph, {x: graph.one}, states.q) for x in positions], moved):
-        return None
-    slopes = [{states.v[j]: node for j, node in row.jacobian.items()} for row in rows]
-    if not _solve([row.rate for row in rows], slopes, moved):
-        return None
-    return moved
+def onto(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> State | None:
+    """`state` moved onto `rows`; None where that fails."""
+    return _Manifold(states, rows).met(state)
 
 
-def _solve(
-    residuals: Sequence[Node], slopes: Sequence[Mapping[Node, Node]], state: dict[Node, float]
-) -> bool:
-    flat = [*residuals, *(node for slope in slopes for node in slope.values())]
-    for _ in range(_ITERATIONS):
-        values = evaluate(flat, state)
-        if not all(map(math.isfinite, values)):
-            return False
-        entries = iter(values[len(residuals) :])
-        matrix = [{x: next(entries) for x in slope} for slope in slopes]
-        sizes = [max((abs(e) for e in row.values()), default=0.0) or 1.0 for row in matrix]
-        if all(abs(r) <= _CONVERGED * size for r, size in zip(values, sizes)):
-            return True
-        step = least_norm(matrix, [-r for r in values[: len(residuals)]])
-        if step is None:
-            return False
-        for x, d in step.items():
-            state[x] += d
-    return False
+@dataclass(frozen=True, slots=True)
+class Consistent:
+    """States on the rows with the default parameters: the start moved onto them (None where that
+    fails), states beside it, and states farther along the motions that the rows allow."""
+
+    start: State | None
+    beside: list[State]
+    far: list[State]
 
 
-def least_norm(matrix: Sequence[Mapping[Node, float]], right: Sequence[float]) -> dict[Node, float] | None:
-    """x of least norm with matrix x = right, x = A^T (A A^T)^-1 right; None where A has no full rank."""
-    products = [[sum(e * b[x] for x, e in a.items() if x in b) for b in matrix] for a in matrix]
-    y = solve(products, right)
-    if y is None:
-        return None
-    step: dict[Node, float] = {}
-    for row, weight in zip(matrix, y):
-        for x, e in row.items():
-            step[x] = step.get(x, 0.0) + weight * e
-    return step
+def walk(states: States, rows: Sequence[Row]) -> Consistent:
+    """Consistent states, by steps along random motions that the rows allow."""
+    manifold = _Manifold(states, rows)
+    for given in samples(states.model, 1, vary=False, spread=0.0):
+        start = manifold.met({**given, states.model.time: 0.0})
+        if start is None:
+            break
+        beside = list(manifold.steps(start, _NEAR, 2, restart=True))
+        return Consistent(start, beside, list(manifold.steps(start, _FAR, _STEPS)))
+    found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
+    return Consistent(None, [], [s for s in found if s is not None])
+
+
+def scales(states: States) -> dict[Node, float]:
+    """Sizes of q and v; of rates, what goes through the coordinate's size in a second."""
+    sizes = unit_sizes(states.model)
+    found: dict[Node, float] = {}
+    for symbols, units in ((states.q, states.q_units), (states.v, states.v_units)):
+        found.update((x, sizes.get(unit.removesuffix("/s"), 1.0)) for x, unit in zip(symbols, units))
+    return found
+
+
+class _Manifold:
+    """The rows, with the sizes of the unknowns."""
+
+    def __init__(self, states: States, rows: Sequence[Row]):
+        graph = states.graph
+        self.states, self.rows = states, rows
+        self.scales = scales(states)
+        self.chance = Chance(4096)
+        norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
+        self.positions = [*(row.residual for row in rows if row.kind == "holonomic"), *norms]
+        self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
+
+    def met(self, given: Mapping[Node, float]) -> State | None:
+        state = dict(given)
+        if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, self.states.q, state):
+            return None
+        slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
+        return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
+
+    def steps(self, start: State, size: float, count: int, restart: bool = False) -> Iterator[State]:
+        """States met by `count` steps of `size`, one after another or each from the start."""
+        state = start
+        for _ in range(count):
+            moved = self.met(self._displaced(state, size))
+            if moved is None:
+                moved = self.met(self._displaced(state, 0.1 * size))
+            if moved is not None:
+                yield moved
+                state = start if restart else moved
+
+    def _displaced(self, state: State, size: float) -> State:
+        """Along a random motion that the rows allow; with other speeds and another time."""
+        states = self.states
+        sizes = [self.scales[x] for x in states.v]
+        pushed = {x: self.chance.draw() * s for x, s in zip(states.v, sizes)}
+        slopes = [node for row in self.rows for node in row.jacobian.values()]
+        values = iter(evaluate(slopes, state))
+        table = [[0.0] * len(sizes) for _ in self.rows]
+        for row, entries in zip(self.rows, table):
+            for j in row.jacobian:
+                entries[j] = next(values) * sizes[j]
+        drawn = [self.chance.draw() for _ in sizes]
+        direction = Span(table).remainder(drawn)
+        longest = max(map(abs, direction), default=0.0) or 1.0
+        rest = evaluate(states.qdot, {**state, **dict.fromkeys(states.v, 0.0)})
+        speeds = {x: size * d / longest * s for x, d, s in zip(states.v, direction, sizes)}
+        moved = evaluate(states.qdot, {**state, **speeds})
+        places = {q: state[q] + b - a for q, a, b in zip(states.q, rest, moved)}
+        if any(row.time_dependent for row in self.rows):
+            pushed[states.model.time] = state[states.model.time] + size * abs(self.chance.draw())
+        return {**state, **pushed, **places}
+
+    def _solve(
+        self,
+        residuals: Sequence[Node],
+        slopes: Sequence[Mapping[Node, Node]],
+        unknowns: Sequence[Node],
+        state: State,
+    ) -> bool:
+        flat = [*residuals, *(node for slope in slopes for node in slope.values())]
+        sizes = [self.scales[x] for x in unknowns]
+        place = {x: k for k, x in enumerate(unknowns)}
+        for _ in range(_ITERATIONS):
+            values = magnitudes(flat, state)
+            if not all(math.isfinite(size) for _, size in values):
+                return False
+            entries = iter(values[len(residuals) :])
+            matrix = [[0.0] * len(sizes) for _ in slopes]
+            for row, slope in zip(matrix, slopes):
+                for x in slope:
+                    row[place[x]] = next(entries)[0] * sizes[place[x]]
+            reach = [max(map(abs, row), default=0.0) for row in matrix]
+            wanted = [-value for value, _ in values[: len(residuals)]]
+            if all(
+                abs(r) <= max(_CONVERGED * far, 8e-16 * size)
+                for r, far, (_, size) in zip(wanted, reach, values)
+            ):
+                return True
+            for x, d, size in zip(unknowns, least_norm(matrix, wanted), sizes):
+                state[x] += d * size
+        return False

@@ -1,9 +1,10 @@
 """Rows that follow from others whatever the state, and rows that contradict others.
 
 The Jacobian of the rows is reduced, row by row, on a few states chosen at random (`samples`): what
-depends on earlier rows on each of them depends on them always.  A velocity row that follows from
-others is left out, so that the multipliers stay unique; a holonomic one stays, and the run shares
-its force out.  Rows that depend on others but can never hold with them are refused.
+may depend on earlier rows does on each of them.  A velocity row of which that is proved, by exact
+values in a finite field where positions are on the constraints, is left out, so that the multipliers
+stay unique.  Any other stays, and so does a holonomic row: the run shares the force out.  Rows that
+depend on others but can never hold with them are refused.
 """
 
 from __future__ import annotations
@@ -13,8 +14,13 @@ from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
+from lagc.expr.modular import Undefined
+from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
+from lagc.mechanics.finite import RIGHT, Echelon
+from lagc.mechanics.grounds import on_rows
+from lagc.mechanics.judge import Judge
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
@@ -73,15 +79,15 @@ def drop_redundant(
         return list(classified), []
     spare = {r.row for r in found}
     independent = [x.row for k, x in enumerate(classified) if k not in spare]
-    verdicts = _verdicts(states, independent, [classified[r.row].row for r in found])
+    contradicts = _contradicts(states, independent, [classified[r.row].row for r in found])
     faults: list[Fault] = []
     dropped: dict[int, str] = {}
-    for redundant, verdict in zip(found, verdicts):
+    for redundant, contradiction in zip(found, contradicts):
         x = classified[redundant.row]
         others = [classified[k] for k in redundant.others]
-        if verdict == "contradicts":
+        if contradiction:
             faults.append(_contradiction(x, others))
-        elif verdict == "follows" and x.row.kind == "velocity":
+        elif x.row.kind == "velocity" and _follows(states, x.row, independent):
             dropped[redundant.row] = _reason(x.row, [y.row for y in others])
     if faults:
         raise Refused(faults)
@@ -115,25 +121,39 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     return found
 
 
-def _verdicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[str]:
-    """Of each spare row where the others hold: "follows", "contradicts" or "unknown".
+def _follows(states: States, row: Row, others: Sequence[Row]) -> bool:
+    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one
+    combination of those of `others`, for any speeds."""
+    rows = [*others, row]
+    flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
+    spelt = spelt_out(states.graph, flat)
+    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], ())
+    asked = False
+    for placed, truths in Judge(ground).points(spelt):
+        for x in placed:
+            x.point.place({v: x.point.draw() for v in states.v})
+            try:
+                values = iter(x.point.values(spelt, truths))
+            except Undefined:
+                continue
+            table = [{RIGHT: next(values), **{j: next(values) for j in r.jacobian}} for r in rows]
+            taken = Echelon()
+            for entries in table[:-1]:
+                taken.grows(entries)
+            if taken.reduce(table[-1]):
+                return False
+            asked = True
+    return asked
 
-    A row follows where it holds on all states tried, with parameters beside their defaults as
-    well.  It contradicts where it is violated on all of them, the one next to the start included.
-    """
+
+def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[bool]:
+    """Of each spare row: whether it is violated on all states tried that meet the others, the one
+    next to the start included, and with parameters beside their defaults as well."""
     model = states.model
     start = list(samples(model, 1, vary=False, spread=0.0))
     near = _hold(states, independent, spare, [*start, *samples(model, _STATES, vary=False)])
     beside = _hold(states, independent, spare, list(samples(model, _STATES)))
-    found: list[str] = []
-    for here, there in zip(near, beside):
-        if here == there == {True}:
-            found.append("follows")
-        elif here == {False} and True not in there:
-            found.append("contradicts")
-        else:
-            found.append("unknown")
-    return found
+    return [here == {False} and True not in there for here, there in zip(near, beside)]
 
 
 def _hold(

@@ -7,7 +7,7 @@ zero (Schwartz-Zippel for analytic functions); numbers that cancel leave about 1
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
@@ -39,8 +39,9 @@ def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) ->
     """
     chance = Chance()
     given = 0
+    sizes = unit_sizes(model)
     for _ in range(count * _TRIES):
-        state = _draw(model, chance, vary, spread)
+        state = _draw(model, chance, vary, spread, sizes)
         if all(math.isfinite(x) for x in state.values()):
             yield state
             given += 1
@@ -48,31 +49,51 @@ def samples(model: Model, count: int, vary: bool = True, spread: float = 0.3) ->
             return
 
 
-def _draw(model: Model, chance: Chance, vary: bool, spread: float) -> dict[Node, float]:
-    state: dict[Node, float] = {p.symbol: _parameter(p, chance, vary) for p in model.parameters}
+def unit_sizes(model: Model) -> dict[str, float]:
+    """How large scalar coordinates of a unit are: their largest start, or a parameter's value in
+    that unit, the median one, where that is more; 1 for pure numbers and angles, and without either.
+    """
+    values = {p.symbol: p.value if p.value is not None else 1.0 for p in model.parameters}
+    found: dict[str, float] = {}
+    for c in model.coordinates:
+        if isinstance(c, Coordinate) and c.unit not in ("", "rad"):
+            start = abs(evaluate([c.start], values)[0])
+            found[c.unit] = max(found.get(c.unit, 0.0), start if math.isfinite(start) else 0.0)
+    for unit, size in found.items():
+        same = sorted(abs(p.value) for p in model.parameters if p.unit == unit and p.value)
+        found[unit] = max(size, same[len(same) // 2] if same else 0.0) or 1.0
+    return found
+
+
+def _draw(
+    model: Model, chance: Chance, vary: bool, spread: float, sizes: Mapping[str, float]
+) -> dict[Node, float]:
+    state: dict[Node, float] = {
+        p.symbol: _parameter(p, chance, vary, sizes.get(p.unit, 1.0)) for p in model.parameters
+    }
     for given in model.inputs:
         state[given.symbol] = given.default + chance.draw()
     starts: dict[Node, float] = dict(state)
     state[model.time] = 0.5 + 0.4 * chance.draw()
     for c in model.coordinates:
         if isinstance(c, Coordinate):
-            start = evaluate([c.start], starts)[0]
-            state[c.symbol] = start + spread * max(1.0, abs(start)) * chance.draw()
-            state[c.rate_symbol] = chance.draw()
+            start, size = evaluate([c.start], starts)[0], sizes.get(c.unit, 1.0)
+            state[c.symbol] = start + spread * max(size, abs(start)) * chance.draw()
+            state[c.rate_symbol] = size * chance.draw()
         else:
             turned = [0.3 + chance.draw() for _ in range(4)] if spread else evaluate(c.start, starts)
             size = math.sqrt(sum(x * x for x in turned))
             state.update(zip(c.symbols, [x / size for x in turned]))
             state.update((symbol, chance.draw()) for symbol in c.rate_symbols)
     for speed in model.speeds:
-        state[speed.symbol] = chance.draw()
+        state[speed.symbol] = sizes.get(speed.unit.removesuffix("/s"), 1.0) * chance.draw()
     return state
 
 
-def _parameter(p: Parameter, chance: Chance, vary: bool) -> float:
+def _parameter(p: Parameter, chance: Chance, vary: bool, size: float) -> float:
     step = chance.draw()
     if p.value is not None and not vary:
         return p.value
     centre = 1.0 if p.value is None else p.value
-    value = centre + 0.2 * step * (abs(centre) or 1.0)
+    value = centre + 0.2 * step * (abs(centre) or size)
     return min(max(value, p.minimum), p.maximum)

@@ -47,15 +47,23 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "dropped": list(interface.dropped),
         "degrees_of_freedom": analysis.degrees_of_freedom - idle,
         "positional_freedom": analysis.positional_freedom - idle,
+        "more_at_start": analysis.more_at_start,
         "actions": [
             {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
             for c in equations.contributions
         ],
         "cyclic": list(analysis.cyclic),
         "conserved": [
-            {"name": c.name, "expression": written.text(c.expression), "reason": c.reason}
+            {"name": c.name, "expression": written.text(c.expression), "reason": c.reason, "proved": c.proved}
             for c in analysis.conserved
         ],
+        "seems": {
+            "cyclic": list(analysis.seems.cyclic),
+            "redundant": list(analysis.seems.redundant),
+            "degrees_of_freedom": analysis.seems.degrees_of_freedom,
+            "positional_freedom": analysis.seems.positional_freedom,
+        },
+        "not_examined": list(analysis.not_examined),
         "kinetic": kinetic and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), kinetic)},
         "potential": written.text(equations.potential),
         "pruned": _pruned(equations, program),
@@ -111,6 +119,7 @@ def _constraint(equations: EquationsOfMotion, kind: RowKind) -> Facts:
         "affine": kind.affine,
         "integrable": kind.integrable,
         "reason": kind.explanation,
+        "proved": kind.proved,
         "effect": row.effect,
         "line": row.span.line,
         "unit": row.unit,
@@ -153,9 +162,10 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("constraints", map(_constraint_line, facts["constraints"]), verbose),
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
-        _section("cyclic coordinates", facts["cyclic"] or ["none"], verbose),
+        _section("cyclic coordinates", _cyclic_lines(facts) or ["none"], verbose),
         _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing"], verbose),
         _energies_text(facts),
+        _section("not examined", facts["not_examined"], verbose),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),
         _operations_text(facts, verbose),
         _short_names_text(facts),
@@ -210,7 +220,7 @@ def _constraint_line(fact: Facts) -> str:
     if fact["kind"] != "holonomic":
         words.append("affine in the speeds" if fact["affine"] else "not affine in the speeds")
     if fact["integrable"]:
-        words.append("integrable")
+        words.append("integrable" if fact["proved"] else "integrable, it seems")
     return f"{fact['row']} (line {fact['line']}): {', '.join(words)}; {fact['reason']}"
 
 
@@ -219,21 +229,34 @@ def _action_line(fact: Facts) -> str:
 
 
 def _conserved_line(fact: Facts) -> str:
-    return f"{fact['name']} = {fact['expression']}, since {fact['reason']}"
+    if fact["proved"]:
+        return f"{fact['name']} = {fact['expression']}, since {fact['reason']}"
+    return f"{fact['name']} = {fact['expression']}, it seems: {fact['reason']} on the states tried"
+
+
+def _cyclic_lines(facts: Facts) -> list[str]:
+    seeming = facts["seems"]["cyclic"]
+    return [f"{name}, it seems" if name in seeming else name for name in facts["cyclic"]]
 
 
 def _count_text(facts: Facts) -> list[str]:
     count = facts["count"]
     n, p = count["speeds"], count["rows"]
     lines = [f"n + p = {n} + {p}: as many unknowns (accelerations, multipliers) as equations"]
+    seems = facts["seems"]
     freedom = str(facts["degrees_of_freedom"])
     if facts["positional_freedom"] != facts["degrees_of_freedom"]:
         freedom += f" of the velocities, {facts['positional_freedom']} of the positions"
+    if seems["degrees_of_freedom"] or seems["positional_freedom"]:
+        freedom += ", it seems from states on the constraints"
     lines.append(f"degrees of freedom: {freedom}")
     if facts["dropped"]:
         lines.append(f"dropped, as nothing depends on them: {', '.join(facts['dropped'])}")
+    if facts["more_at_start"]:
+        lines.append(f"at the start's posture: {facts['more_at_start']} more")
     if facts["redundant"]:
-        lines.append(f"redundant rows: {', '.join(facts['redundant'])}; their multipliers are not unique")
+        how = "redundant rows, it seems" if seems["redundant"] else "redundant rows"
+        lines.append(f"{how}: {', '.join(facts['redundant'])}; their multipliers are not unique")
     return _section("count", lines)
 
 

@@ -1,0 +1,279 @@
+"""Expressions at points of a finite field: whether they are identically zero, by exact numbers.
+
+A symbol is a random integer modulo the prime P; sums, products and quotients are those of the
+field; an angle is a random point of the circle c^2 + s^2 = 1, and the addition theorems hold; a
+function of which no relation is used has random values, the same ones for the same arguments.  So
+every map used here preserves sums, products and these relations: what vanishes identically vanishes
+here.  And what is a rational function of symbols, circles and exponentials, and not zero, has the
+value zero at a random point with a chance of its degree over P = 2^61 (J. T. Schwartz, *J. ACM* 27,
+1980; R. Zippel, 1979).  Nothing is multiplied out, whatever the length, and a coefficient of 1e-300
+counts like any other.  Signs of roots are drawn with the point.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
+from typing import TypeAlias
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+
+P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
+_PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
+_ULPS = 4
+_EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
+
+Linear: TypeAlias = dict["int | None", Fraction]  # value of a term -> coefficient; None: a number
+Circle: TypeAlias = tuple[int, int]  # cosine, sine
+
+
+class Undefined(Exception):
+    """The expression has no value at this point: a division by zero, or no root."""
+
+
+class Point:
+    """Values of symbols and functions; drawn from `seed` where they are not set.
+
+    `exact`: every function met so far had all of its relations, so what is not zero here is not
+    identically zero.  `rooted` says that roots were met: their signs are drawn, and the same holds
+    of what is zero for no choice of them.  With `roots` False a root is a function without
+    relations.
+    """
+
+    def __init__(self, seed: int, roots: bool = True) -> None:
+        self._state = 2 * seed + 1
+        self._roots = roots
+        self.exact, self.rooted = True, False
+        self.symbols: dict[Node, int] = {}
+        self._drawn: dict[tuple[object, ...], int] = {}
+        self._known: dict[Node, int] = {}
+        self._forms: dict[Node, Linear] = {}
+
+    def draw(self) -> int:
+        """A number from 1 to P - 1."""
+        self._state = (self._state * 47026247687942121848144207491837523525 + 1) % (1 << 128)
+        return (self._state >> 64) % (P - 1) + 1
+
+    def place(self, values: Mapping[Node, int]) -> None:
+        """Give symbols these values."""
+        self.symbols.update(values)
+        self._known.clear()
+        self._forms.clear()
+
+    def values(self, nodes: Sequence[Node], truths: Mapping[Node, bool] | None = None) -> list[int]:
+        """The values of `nodes`; `truths` of all comparisons in them, the same at every call.
+
+        Raises Undefined.
+        """
+        known, pending = self._known, set(nodes) - self._known.keys()
+        if pending:
+            for node in _below(pending, known):
+                known[node] = self._value(node, truths or {})
+        return [known[node] for node in nodes]
+
+    def _value(self, node: Node, truths: Mapping[Node, bool]) -> int:
+        op, known = node.op, self._known
+        if op == "add":
+            return (known[node.args[0]] + known[node.args[1]]) % P
+        if op == "mul":
+            product = 1
+            for base, exponent in zip(node.args, node.value):
+                product = product * power(known[base], exponent) % P
+            return product
+        if op == "scale":
+            return self._number(node.value) * known[node.args[0]] % P
+        if op == "const":
+            return self._number(node.value)
+        if op == "symbol":
+            if node not in self.symbols:
+                self.symbols[node] = self.draw()
+            return self.symbols[node]
+        if op == "select":
+            condition, x, y = node.args
+            return known[x] if known[condition] else known[y]
+        if op in ("lt", "le", "eq"):
+            return int(truths[node])
+        if op in ("and", "or", "not"):
+            held = [known[a] for a in node.args]
+            return 1 - held[0] if op == "not" else min(held) if op == "and" else max(held)
+        return self._function(node, op)
+
+    def _function(self, node: Node, op: str) -> int:
+        x = self._known[node.args[0]]
+        if op in ("sin", "cos", "tan"):
+            c, s = self._turned(self._form(node.args[0]))
+            return s if op == "sin" else c if op == "cos" else s * power(c, -1) % P
+        if op in ("exp", "sinh", "cosh", "tanh"):
+            return self._exponential(op, self._form(node.args[0]))
+        if op == "sqrt":
+            return self._root(x)
+        self.exact = False
+        if op == "pow":
+            return self._pow(x, node.args[1])
+        return self._any(op, *(self._known[a] for a in node.args))
+
+    def _any(self, *key: object) -> int:
+        """A random value: the same for the same `key`."""
+        if key not in self._drawn:
+            self._drawn[key] = self.draw()
+        return self._drawn[key]
+
+    # -- numbers ---------------------------------------------------------------
+
+    def _number(self, value: float) -> int:
+        turns = Fraction(value / math.pi).limit_denominator(360) if math.isfinite(value) else Fraction(0)
+        if turns and abs(float(turns) * math.pi - value) <= _ULPS * math.ulp(value):
+            return residue(turns) * self._any("pi") % P
+        meant = fraction(value)
+        if meant is None:
+            self.exact = False
+            return self._any(value)
+        return residue(meant)
+
+    # -- functions -------------------------------------------------------------
+
+    def _form(self, node: Node) -> Linear:
+        """`node` as a sum of multiples of terms: circles and exponentials know sums."""
+        forms = self._forms
+        stack = [node]
+        while stack:
+            top = stack[-1]
+            inner = [a for a in top.args if a not in forms] if top.op in ("add", "scale") else []
+            if inner:
+                stack.extend(inner)
+                continue
+            stack.pop()
+            if top not in forms:
+                forms[top] = self._split(top)
+        return forms[node]
+
+    def _split(self, node: Node) -> Linear:
+        if node.op == "add":
+            total = dict(self._forms[node.args[0]])
+            for term, c in self._forms[node.args[1]].items():
+                total[term] = total.get(term, Fraction(0)) + c
+            return {term: c for term, c in total.items() if c}
+        number = fraction(node.value) if node.op in ("const", "scale") else None
+        if node.op == "const" and number is not None:
+            return {None: number} if number else {}
+        if node.op == "scale" and number is not None:
+            return {term: number * c for term, c in self._forms[node.args[0]].items()}
+        value = self._known[node]
+        sign = 1 if 2 * value < P else -1
+        return {sign * value % P: Fraction(sign)} if value else {}
+
+    def _multiples(self, form: Linear) -> Iterable[tuple[tuple[object, ...], int]]:
+        """(base, whole multiple) of each term; a term with an odd denominator is a base of its own."""
+        for term, c in form.items():
+            if _PARTS % c.denominator == 0:
+                yield ("part", term), c.numerator * (_PARTS // c.denominator)
+            else:
+                yield ("whole", term, abs(c)), 1 if c > 0 else -1
+
+    def _turned(self, form: Linear) -> Circle:
+        """Cosine and sine of an angle."""
+        rest = dict(form)
+        quarters = 0
+        if None in rest:
+            turn = float(rest[None]) / (math.pi / 2.0)
+            if round(turn) and abs(turn - round(turn)) <= _ULPS * math.ulp(turn):
+                quarters = round(turn)
+                del rest[None]
+        turned = [(1, 0), (0, 1), (P - 1, 0), (0, P - 1)][quarters % 4]
+        for base, n in self._multiples(rest):
+            u = self._any("circle", base)
+            whole = power(1 + u * u, -1)
+            turned = _around(turned, _multiple(((1 - u * u) * whole % P, 2 * u * whole % P), n))
+        return turned
+
+    def _exponential(self, op: str, form: Linear) -> int:
+        grown = 1
+        for base, n in self._multiples(form):
+            grown = grown * power(self._any("exp", base), n) % P
+        if op == "exp":
+            return grown
+        shrunk = power(grown, -1)
+        double = {"sinh": (grown - shrunk), "cosh": (grown + shrunk)}
+        if op in double:
+            return double[op] * _HALF % P
+        return double["sinh"] * power(double["cosh"], -1) % P
+
+    def _root(self, x: int) -> int:
+        if not self._roots:
+            self.exact = False
+            return self._any("sqrt", x)
+        self.rooted = True
+        root = pow(x, (P + 1) // 4, P)
+        if root * root % P != x:
+            raise Undefined
+        return root if self._any("sign", x) % 2 else -root % P
+
+    def _pow(self, x: int, exponent: Node) -> int:
+        """x^(n + rest) = x^n x^rest for the whole part n of the number in the exponent."""
+        form = dict(self._form(exponent))
+        number = form.pop(None, Fraction(0))
+        whole = math.floor(number)
+        rest = sorted((term or 0, c) for term, c in form.items())
+        return power(x, whole) * self._any("pow", x, number - whole, *rest) % P
+
+
+def _below(nodes: Iterable[Node], known: Mapping[Node, int]) -> list[Node]:
+    """What is below `nodes` and not known yet, arguments before users."""
+    if not known:
+        return reachable(nodes)
+    seen = set(nodes)
+    stack = list(seen)
+    while stack:
+        for node in stack.pop().args:
+            if node not in seen and node not in known:
+                seen.add(node)
+                stack.append(node)
+    return sorted(seen, key=lambda node: node.index)
+
+
+def _around(a: Circle, b: Circle) -> Circle:
+    return (a[0] * b[0] - a[1] * b[1]) % P, (a[0] * b[1] + a[1] * b[0]) % P
+
+
+def _multiple(angle: Circle, n: int) -> Circle:
+    if n < 0:
+        angle, n = (angle[0], -angle[1] % P), -n
+    total = (1, 0)
+    while n:
+        if n & 1:
+            total = _around(total, angle)
+        angle = _around(angle, angle)
+        n >>= 1
+    return total
+
+
+def power(x: int, n: int) -> int:
+    """x^n; Undefined for a division by zero."""
+    if n < 0 and x % P == 0:
+        raise Undefined
+    return pow(x, n, P)
+
+
+_HALF = (P + 1) // 2
+
+
+def residue(x: Fraction) -> int:
+    """A fraction in the field."""
+    return x.numerator * power(x.denominator, -1) % P
+
+
+def fraction(value: float) -> Fraction | None:
+    """The number that a float is meant to be: a short decimal, or a fraction that it is within
+    rounding; None where it is neither."""
+    if not math.isfinite(value):
+        return None
+    written = Fraction(repr(value))
+    digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
+    if len(digits) <= _EXACT_DIGITS or value == int(value):
+        return written
+    scale = Fraction(10) ** math.floor(math.log10(abs(value)))
+    near = Fraction(value) / scale
+    near = near.limit_denominator(100_000) * scale
+    return near if abs(float(near) - value) <= _ULPS * math.ulp(value) else None

@@ -1,0 +1,96 @@
+"""The branches of piecewise expressions: every comparison held true, and held false.
+
+What is claimed of an expression is claimed on each of its branches, whether or not the states that
+are tried lie on it: a force that acts beyond three turns only is there.  Comparisons of parameters
+alone are decided by their values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable, substitute, symbols
+from lagc.records import dataclass
+
+Signs = dict[Node, int]  # difference of two sides -> 1 or -1
+_KINKS = ("abs", "sign", "min", "max")
+_COMPARISONS = ("lt", "le", "eq")
+_MOST = 6  # differences of which all combinations of signs are tried
+
+
+def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
+    """`nodes` with comparisons in the place of abs, sign, min, max."""
+    kinks = [node for node in reachable(nodes) if node.op in _KINKS]
+    if not kinks:
+        return list(nodes)
+    spelt: dict[Node, Node] = {}
+    for node in kinks:  # arguments before users
+        x, *rest = substitute(graph, node.args, spelt)
+        if node.op in ("min", "max"):
+            first = graph.binary("lt", x, rest[0])
+            sides = (x, rest[0]) if node.op == "min" else (rest[0], x)
+        else:
+            first = graph.binary("lt", graph.zero, x)
+            sides = (x, -x) if node.op == "abs" else (graph.one, -graph.one)
+        spelt[node] = graph.select(first, *sides)
+    return substitute(graph, nodes, spelt)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """lt, le or eq of two sides whose difference is `factor` times `difference`."""
+
+    node: Node
+    difference: Node
+    factor: float
+
+    def holds(self, sign: int) -> bool:
+        return self.node.op != "eq" and sign * self.factor < 0
+
+
+class Branches:
+    """Those of `nodes`, which hold no abs, sign, min, max; `values` are those of the parameters."""
+
+    def __init__(self, graph: Graph, nodes: Sequence[Node], values: Mapping[Node, float]):
+        self._graph, self._values = graph, values
+        self.comparisons = [self._comparison(x) for x in reachable(nodes) if x.op in _COMPARISONS]
+        free = [c for c in self.comparisons if not symbols([c.node]) <= values.keys()]
+        self.differences = list(dict.fromkeys(c.difference for c in free))
+
+    def _comparison(self, node: Node) -> Comparison:
+        difference = self._graph.sub(*node.args)
+        if difference.op == "scale":
+            return Comparison(node, difference.args[0], difference.value)
+        turned = self._graph.sub(node.args[1], node.args[0])
+        if turned.index < difference.index:
+            return Comparison(node, turned, -1.0)
+        return Comparison(node, difference, 1.0)
+
+    @property
+    def complete(self) -> bool:
+        """`all` gives all of them."""
+        return len(self.differences) <= _MOST
+
+    def all(self) -> Iterator[Signs]:
+        """Combinations of signs: each one, or where they are many each sign beside all others' both."""
+        count = len(self.differences)
+        if self.complete:
+            for signs in product((1, -1), repeat=count):
+                yield dict(zip(self.differences, signs))
+            return
+        for rest in (1, -1):
+            for k in range(count):
+                yield {d: -rest if i == k else rest for i, d in enumerate(self.differences)}
+
+    def truths(self, signs: Signs) -> dict[Node, bool]:
+        """Of every comparison, where the differences have these signs."""
+        found: dict[Node, bool] = {}
+        for c in self.comparisons:
+            if c.difference in signs:
+                found[c.node] = c.holds(signs[c.difference])
+            else:
+                found[c.node] = bool(evaluate([c.node], self._values)[0])
+        return found

@@ -1,0 +1,202 @@
+"""Where claims are tried: anywhere, or along the motions that the equations allow.
+
+Anywhere: positions, rates and time are free, quaternions have length one.  Along the motion: holonomic
+rows hold as far as they can be solved for coordinates or parameters that they hold linearly (a loop
+for its lengths), velocity rows hold, accelerations and multipliers solve the equations of motion.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from itertools import chain
+from typing import TypeVar
+
+from lagc.expr.derivative import gradient
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.expr.modular import P, Point, power
+from lagc.expr.walk import symbols
+from lagc.mechanics.branches import spelt_out
+from lagc.mechanics.equations import EquationsOfMotion, Row
+from lagc.mechanics.finite import RIGHT
+from lagc.mechanics.finite import solve as solve_exactly
+from lagc.mechanics.judge import Ground, Truths, defaults
+from lagc.mechanics.linear import solve
+from lagc.mechanics.samples import samples
+from lagc.mechanics.states import States
+
+Number = TypeVar("Number", int, float)
+
+_STATES = 3
+_MOST_ROWS = 40  # of which unknowns are chosen
+LARGEST = 160  # accelerations and multipliers that are solved for
+
+
+def anywhere(states: States) -> Ground:
+    """Positions, rates, speeds and time are free."""
+    tries = list(samples(states.model, _STATES))
+
+    def place(point: Point, truths: Truths) -> bool:
+        _turn(states, point)
+        return True
+
+    return Ground(states.graph, defaults(states.model), (), place, lambda truths: tries)
+
+
+def on_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:
+    """Positions and speeds meet the rows; `tries` are such states."""
+    placing = _Placing(states, rows)
+    return Ground(states.graph, defaults(states.model), placing.support, placing.place, lambda truths: tries)
+
+
+def along(
+    equations: EquationsOfMotion,
+    states: States,
+    rows: Sequence[tuple[int, Row]],
+    tries: Sequence[Mapping[Node, float]],
+) -> Ground:
+    """With the accelerations and multipliers of the motion, for the independent `rows`, by index."""
+    motion = _Motion(equations, states, rows)
+
+    def numbers(truths: Truths | None) -> Sequence[Mapping[Node, float]]:
+        moved = (motion.moved({**s, **(truths or {})}) for s in tries)
+        return [m for m in moved if m is not None]
+
+    return Ground(states.graph, defaults(states.model), motion.support, motion.place, numbers)
+
+
+def _turn(states: States, point: Point) -> None:
+    """Unit quaternions: r r/|r|^2 for a random r."""
+    for i in states.quaternions:
+        w, x, y, z = (point.draw() for _ in range(4))
+        n = power(w * w + x * x + y * y + z * z, -1)
+        squared = (w * w - x * x - y * y - z * z, 2 * w * x, 2 * w * y, 2 * w * z)
+        point.place({states.q[i + k]: e * n % P for k, e in enumerate(squared)})
+
+
+class _Placing:
+    """Points and speeds on rows."""
+
+    def __init__(self, states: States, rows: Sequence[Row]):
+        self.states = states
+        graph = states.graph
+        holonomic = [row.residual for row in rows if row.kind == "holonomic"]
+        self.linear = all(row.linear for row in rows)
+        unknowns = _solvable(states, holonomic)
+        slopes = [gradient(graph, {x: graph.one}, unknowns) for x in holonomic]
+        rates = [row.rate for row in rows if row.linear]
+        jacobians = [row.jacobian for row in rows if row.linear]
+        flat = [
+            *holonomic,
+            *rates,
+            *(x for table in slopes for x in table.values()),
+            *(x for table in jacobians for x in table.values()),
+        ]
+        self.support = spelt_out(graph, flat)
+        entries = iter(self.support)
+        self._residuals = [next(entries) for _ in holonomic]
+        self._rates = [next(entries) for _ in rates]
+        self._slopes = [{unknowns.index(x): next(entries) for x in table} for table in slopes]
+        self._jacobians = [{j: next(entries) for j in table} for table in jacobians]
+        self._unknowns = unknowns
+
+    def place(self, point: Point, truths: Truths) -> bool:
+        _turn(self.states, point)
+        met = self._meet(point, truths, self._unknowns, self._residuals, self._slopes)
+        moving = self._meet(point, truths, self.states.v, self._rates, self._jacobians)
+        return met and moving and self.linear
+
+    @staticmethod
+    def _meet(
+        point: Point,
+        truths: Truths,
+        unknowns: Sequence[Node],
+        residuals: Sequence[Node],
+        slopes: Sequence[Mapping[int, Node]],
+    ) -> bool:
+        """Solve rows that are linear in the unknowns for them; False where they cannot all hold."""
+        if not residuals:
+            return True
+        random = dict(zip(unknowns, point.values(unknowns)))
+        point.place(dict.fromkeys(unknowns, 0))
+        offsets = point.values(residuals, truths)
+        table = [dict(zip(s, point.values(list(s.values()), truths))) for s in slopes]
+        rows = [{RIGHT: -x % P, **row} for x, row in zip(offsets, table)]
+        found = solve_exactly(rows, range(len(unknowns)), point.draw)
+        point.place(random if found is None else {unknowns[j]: x for j, x in found.items()})
+        return found is not None
+
+
+def _solvable(states: States, residuals: Sequence[Node]) -> list[Node]:
+    """Coordinates and parameters in which all residuals together are linear."""
+    if not residuals or len(residuals) > _MOST_ROWS:
+        return []
+    quaternions = {states.q[i + k] for i in states.quaternions for k in range(4)}
+    parameters = [p.symbol for p in states.model.parameters]
+    asked = [x for x in (*states.q, *parameters) if x not in quaternions]
+    graph = states.graph
+    slopes = [gradient(graph, {x: graph.one}, asked) for x in residuals]
+    found: list[Node] = []
+    inside: set[Node] = set()  # symbols of the slopes by those found
+    for x in asked:
+        own = symbols([table[x] for table in slopes if x in table])
+        if any(x in table for table in slopes) and x not in inside | own and own.isdisjoint(found):
+            found.append(x)
+            inside |= own
+    return found
+
+
+class _Motion(_Placing):
+    """Accelerations and multipliers too."""
+
+    def __init__(self, equations: EquationsOfMotion, states: States, rows: Sequence[tuple[int, Row]]):
+        kept = [row for _, row in rows]
+        super().__init__(states, kept)
+        flat = [
+            *equations.mass_matrix.values(),
+            *equations.given_forces,
+            *equations.bias_forces,
+            *(row.gamma for row in kept),
+            *(x for row in kept for x in row.jacobian.values()),
+        ]
+        self._flat = spelt_out(states.graph, flat)
+        self.support = [*self.support, *self._flat]
+        self._places = list(equations.mass_matrix)
+        self._columns = [list(row.jacobian) for row in kept]
+        self._unknown = [*equations.a, *(equations.lam[k] for k, _ in rows)]
+        self._others = [x for k, x in enumerate(equations.lam) if k not in {k for k, _ in rows}]
+
+    def place(self, point: Point, truths: Truths) -> bool:
+        met = super().place(point, truths)
+        matrix, right = self._system(point.values(self._flat, truths))
+        table = [{RIGHT: r % P, **{j: x % P for j, x in row.items()}} for row, r in zip(matrix, right)]
+        found = solve_exactly(table, range(len(self._unknown)), point.draw)
+        if found is None:
+            return False
+        point.place({**{self._unknown[j]: x for j, x in found.items()}, **dict.fromkeys(self._others, 0)})
+        return met
+
+    def moved(self, state: Mapping[Node, float]) -> dict[Node, float] | None:
+        """`state` with a and lam of its motion; None where the system is singular there."""
+        matrix, right = self._system(evaluate(self._flat, state))
+        dense = [[row.get(j, 0.0) for j in range(len(right))] for row in matrix]
+        solution = solve(dense, right) if all(map(math.isfinite, chain(right, *dense))) else None
+        if solution is None:
+            return None
+        return {**state, **dict.fromkeys(self._others, 0.0), **dict(zip(self._unknown, solution))}
+
+    def _system(self, values: Sequence[Number]) -> tuple[list[dict[int, Number]], list[Number]]:
+        """M a - G^T lam = tau - h, G a = gamma."""
+        entry = iter(values)
+        n, p = len(self.states.v), len(self._columns)
+        matrix: list[dict[int, Number]] = [{} for _ in range(n + p)]
+        for i, j in self._places:
+            matrix[i][j] = matrix[j][i] = next(entry)
+        given = [next(entry) for _ in range(n)]
+        right = [t - next(entry) for t in given] + [next(entry) for _ in range(p)]
+        for k, columns in enumerate(self._columns, n):
+            for j in columns:
+                x = next(entry)
+                matrix[k][j], matrix[j][k] = x, -x
+        return matrix, right

@@ -1,0 +1,148 @@
+"""Whether expressions vanish, and how that is known.
+
+First asked of exact values in a finite field (`expr.modular`), branch by branch: zero there is
+proved, not zero is refuted where every relation of the expression's functions is known.  What
+neither settles is asked of numbers: it *seems* to vanish where terms that are not zero cancel on all
+states tried, on every branch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.modular import Point, Undefined
+from lagc.meaning.model import Model
+from lagc.mechanics.branches import Branches, Signs, spelt_out
+from lagc.mechanics.magnitude import VANISHES, magnitudes
+from lagc.records import dataclass
+
+Truths: TypeAlias = Mapping[Node, bool]
+State: TypeAlias = Mapping[Node, float]
+_POINTS = 3
+_ROOTED_POINTS = 6  # each draws the signs of roots
+_TRIES = 60  # points tried for those, where roots of random numbers are not there
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Where an expression is asked for.
+
+    `place` gives a point of the field the values that the ground demands, and says whether it meets
+    all of them; Undefined where it cannot.  `states` gives states of numbers, on a branch or (None)
+    as they are.  `support`: what both use, spelt out.
+    """
+
+    graph: Graph
+    values: State  # of the parameters, to decide on comparisons of them
+    support: Sequence[Node]
+    place: Callable[[Point, Truths], bool]
+    states: Callable[[Truths | None], Sequence[State]]
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A point, and whether it meets all that the ground demands."""
+
+    point: Point
+    met: bool
+
+
+class Judge:
+    """Answers for one ground; points are made once for each branch."""
+
+    def __init__(self, ground: Ground):
+        self._ground = ground
+        self._points: dict[frozenset[tuple[Node, int]], list[Placed]] = {}
+
+    def vanish(self, nodes: Sequence[Node]) -> bool | None:
+        """True: all of `nodes` are proved to vanish; False: they seem to; None: they do not."""
+        ground = self._ground
+        asked = [node for node in spelt_out(ground.graph, nodes) if not node.is_zero]
+        if not asked:
+            return True
+        branches = Branches(ground.graph, [*ground.support, *asked], ground.values)
+        proved, rooted = branches.complete, False
+        for signs in branches.all():
+            truths = branches.truths(signs)
+            verdict, with_roots = self._in_field(asked, signs, truths)
+            rooted = rooted or with_roots
+            if verdict is None:
+                proved = False
+                verdict = cancels(asked, [{**s, **truths} for s in ground.states(truths)])
+            if not verdict:
+                return None
+        if not proved or rooted:
+            plain = cancels(asked, ground.states(None), strict=False)
+            return proved if plain else None
+        return True
+
+    def points(self, nodes: Sequence[Node]) -> Iterator[tuple[list[Placed], dict[Node, bool]]]:
+        """Points and the truths of comparisons, for each branch of `nodes`, which are spelt out."""
+        ground = self._ground
+        branches = Branches(ground.graph, [*ground.support, *nodes], ground.values)
+        for signs in branches.all():
+            truths = branches.truths(signs)
+            yield self._placed(signs, truths), truths
+
+    def _in_field(self, nodes: Sequence[Node], signs: Signs, truths: Truths) -> tuple[bool | None, bool]:
+        """Whether they vanish (None: not settled), and whether roots were met."""
+        zero: list[bool] = []
+        exact, rooted = True, False
+        for placed in self._placed(signs, truths):
+            try:
+                zero.append(not any(placed.point.values(nodes, truths)))
+            except Undefined:
+                continue
+            exact = exact and placed.met and placed.point.exact
+            rooted = rooted or placed.point.rooted
+        if len(zero) < 2:
+            return None, rooted
+        if all(zero):
+            return True, rooted
+        return (False if exact and not any(zero) else None), rooted
+
+    def _placed(self, signs: Signs, truths: Truths) -> list[Placed]:
+        key = frozenset(signs.items())
+        if key not in self._points:
+            self._points[key] = list(self._place(truths))
+        return self._points[key]
+
+    def _place(self, truths: Truths) -> Iterator[Placed]:
+        found = 0
+        for roots, tries in ((True, _TRIES), (False, _POINTS)):
+            for seed in range(tries):
+                point = Point(seed, roots)
+                try:
+                    met = self._ground.place(point, truths)
+                    point.values(self._ground.support, truths)
+                except Undefined:
+                    continue
+                yield Placed(point, met)
+                found += 1
+                if found == (_ROOTED_POINTS if point.rooted else _POINTS):
+                    return
+            if found:
+                return
+
+
+def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True) -> bool:
+    """All of `nodes` vanish on every state where they have values.
+
+    With `strict` on one at least, and as terms that are not zero cancel there.
+    """
+    seen = [False] * len(nodes)
+    for state in states:
+        for k, (value, size) in enumerate(magnitudes(nodes, state)):
+            if math.isfinite(value) and math.isfinite(size):
+                if abs(value) > VANISHES * size:
+                    return False
+                seen[k] = seen[k] or size > 0.0
+    return all(seen) or not strict
+
+
+def defaults(model: Model) -> dict[Node, float]:
+    """The parameters' values, 1 where the run must give one."""
+    return {p.symbol: 1.0 if p.value is None else p.value for p in model.parameters}
