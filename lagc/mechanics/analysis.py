@@ -102,7 +102,7 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     met = walk(states, rows)
     moving = mobility(states, rows, met)
     places = mobility(states, [row for row in rows if row.kind == "holonomic"], met)
-    integrable = integrable_rows(states, rows)
+    integrable = integrable_rows(states, rows, met.all)
     relations = places.rank + len(integrable.rows) + integrable.combinations
     cyclic = _cyclic(states)
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]

@@ -3,6 +3,10 @@
 Anywhere: positions, rates and time are free, quaternions have length one.  Along the motion: holonomic
 rows hold as far as they can be solved for coordinates or parameters that they hold linearly (a loop
 for its lengths), velocity rows hold, accelerations and multipliers solve the equations of motion.
+
+Rows may have solutions of several kinds: a loop closes for lengths of zero too.  Those of the field are
+of the kind that the motion has where what is solved for can be solved for at a state of the motion
+as well: only then are rows solved, and what is zero for all solutions there is zero on the motion.
 """
 
 from __future__ import annotations
@@ -22,7 +26,9 @@ from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.finite import RIGHT
 from lagc.mechanics.finite import solve as solve_exactly
 from lagc.mechanics.judge import Ground, Truths, defaults
-from lagc.mechanics.linear import solve
+from lagc.mechanics.linear import Span, solve
+from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.manifold import dense
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
 
@@ -46,7 +52,7 @@ def anywhere(states: States) -> Ground:
 
 def on_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:
     """Positions and speeds meet the rows; `tries` are such states."""
-    placing = _Placing(states, rows)
+    placing = _Placing(states, rows, tries)
     return Ground(states.graph, defaults(states.model), placing.support, placing.place, lambda truths: tries)
 
 
@@ -57,7 +63,7 @@ def along(
     tries: Sequence[Mapping[Node, float]],
 ) -> Ground:
     """With the accelerations and multipliers of the motion, for the independent `rows`, by index."""
-    motion = _Motion(equations, states, rows)
+    motion = _Motion(equations, states, rows, tries)
 
     def numbers(truths: Truths | None) -> Sequence[Mapping[Node, float]]:
         moved = (motion.moved({**s, **(truths or {})}) for s in tries)
@@ -78,12 +84,13 @@ def _turn(states: States, point: Point) -> None:
 class _Placing:
     """Points and speeds on rows."""
 
-    def __init__(self, states: States, rows: Sequence[Row]):
+    def __init__(self, states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]):
         self.states = states
         graph = states.graph
-        holonomic = [row.residual for row in rows if row.kind == "holonomic"]
-        self.linear = all(row.linear for row in rows)
-        unknowns = _solvable(states, holonomic)
+        residuals = [row.residual for row in rows if row.kind == "holonomic"]
+        unknowns = _solvable(states, residuals)
+        holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
+        self.complete = all(row.linear for row in rows) and len(holonomic) == len(residuals)
         slopes = [gradient(graph, {x: graph.one}, unknowns) for x in holonomic]
         rates = [row.rate for row in rows if row.linear]
         jacobians = [row.jacobian for row in rows if row.linear]
@@ -105,7 +112,7 @@ class _Placing:
         _turn(self.states, point)
         met = self._meet(point, truths, self._unknowns, self._residuals, self._slopes)
         moving = self._meet(point, truths, self.states.v, self._rates, self._jacobians)
-        return met and moving and self.linear
+        return met and moving and self.complete
 
     @staticmethod
     def _meet(
@@ -147,12 +154,29 @@ def _solvable(states: States, residuals: Sequence[Node]) -> list[Node]:
     return found
 
 
+def _solved(residuals: Sequence[Node], unknowns: Sequence[Node], state: Mapping[Node, float]) -> list[Node]:
+    """The residuals that can be solved for the unknowns together at `state`."""
+    graph = unknowns[0].graph
+    sizes = [abs(state[x]) or 1.0 for x in unknowns]
+    place = {x: k for k, x in enumerate(unknowns)}
+    slopes = [gradient(graph, {x: graph.one}, unknowns) for x in residuals]
+    entries = iter(magnitudes([node for table in slopes for node in table.values()], state))
+    matrix = [dense({place[x]: next(entries) for x in table}, sizes) for table in slopes]
+    return [residuals[k] for k in Span(matrix).independent()]
+
+
 class _Motion(_Placing):
     """Accelerations and multipliers too."""
 
-    def __init__(self, equations: EquationsOfMotion, states: States, rows: Sequence[tuple[int, Row]]):
+    def __init__(
+        self,
+        equations: EquationsOfMotion,
+        states: States,
+        rows: Sequence[tuple[int, Row]],
+        tries: Sequence[Mapping[Node, float]],
+    ):
         kept = [row for _, row in rows]
-        super().__init__(states, kept)
+        super().__init__(states, kept, tries)
         flat = [
             *equations.mass_matrix.values(),
             *equations.given_forces,

@@ -51,8 +51,8 @@ class _Place:
         return {column[x]: value for x, value in zip(form.coefficients, values)}
 
 
-def integrable_rows(states: States, rows: Sequence[Row]) -> Integrable:
-    """The affine velocity rows among `rows` that restrict positions."""
+def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Integrable:
+    """The affine velocity rows among `rows` that restrict positions; `tries` meet the rows."""
     asked = [row for row in rows if row.kind == "velocity" and row.linear]
     if not asked:
         return Integrable()
@@ -60,7 +60,7 @@ def integrable_rows(states: States, rows: Sequence[Row]) -> Integrable:
     forms = {row.label: spelt(graph, velocity_form(states, row)) for row in asked}
     holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.kind == "holonomic"]
     given = [*unit_forms(states), *holonomic]
-    judge = Judge(on_rows(states, [row for row in rows if row.linear], ()))
+    judge = Judge(on_rows(states, [row for row in rows if row.linear], tries))
     found: list[Integrable] = []
     for labels, beside in _parts(forms, given):
         part = _Part({x: forms[x] for x in labels}, beside, bool(holonomic))

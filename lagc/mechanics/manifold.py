@@ -15,7 +15,7 @@ from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import Row
 from lagc.mechanics.linear import Span, least_norm
-from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.samples import Chance, samples, unit_sizes
 from lagc.mechanics.states import States
 from lagc.records import dataclass
@@ -43,6 +43,11 @@ class Consistent:
     beside: list[State]
     far: list[State]
 
+    @property
+    def all(self) -> list[State]:
+        """The farthest first: the least special."""
+        return [*reversed(self.far), *self.beside, *([] if self.start is None else [self.start])]
+
 
 def walk(states: States, rows: Sequence[Row]) -> Consistent:
     """Consistent states, by steps along random motions that the rows allow."""
@@ -63,6 +68,22 @@ def scales(states: States) -> dict[Node, float]:
     found: dict[Node, float] = {}
     for symbols, units in ((states.q, states.q_units), (states.v, states.v_units)):
         found.update((x, sizes.get(unit.removesuffix("/s"), 1.0)) for x, unit in zip(symbols, units))
+    return found
+
+
+def jacobian(rows: Sequence[Row], sizes: Sequence[float], state: Mapping[Node, float]) -> list[list[float]]:
+    """The Jacobian of `rows` in units of the `sizes` of the speeds."""
+    values = iter(magnitudes([node for row in rows for node in row.jacobian.values()], state))
+    return [dense({j: next(values) for j in row.jacobian}, sizes) for row in rows]
+
+
+def dense(entries: Mapping[int, tuple[float, float]], sizes: Sequence[float]) -> list[float]:
+    """A row of values that come with the sizes of their terms; zero where the terms cancel."""
+    found = [0.0] * len(sizes)
+    reach = max((size * sizes[j] for j, (_, size) in entries.items()), default=0.0)
+    if any(abs(x) * sizes[j] > VANISHES * reach for j, (x, _) in entries.items()):
+        for j, (x, _) in entries.items():
+            found[j] = x * sizes[j]
     return found
 
 
@@ -101,12 +122,7 @@ class _Manifold:
         states = self.states
         sizes = [self.scales[x] for x in states.v]
         pushed = {x: self.chance.draw() * s for x, s in zip(states.v, sizes)}
-        slopes = [node for row in self.rows for node in row.jacobian.values()]
-        values = iter(evaluate(slopes, state))
-        table = [[0.0] * len(sizes) for _ in self.rows]
-        for row, entries in zip(self.rows, table):
-            for j in row.jacobian:
-                entries[j] = next(values) * sizes[j]
+        table = jacobian(self.rows, sizes, state)
         drawn = [self.chance.draw() for _ in sizes]
         direction = Span(table).remainder(drawn)
         longest = max(map(abs, direction), default=0.0) or 1.0
@@ -133,10 +149,7 @@ class _Manifold:
             if not all(math.isfinite(size) for _, size in values):
                 return False
             entries = iter(values[len(residuals) :])
-            matrix = [[0.0] * len(sizes) for _ in slopes]
-            for row, slope in zip(matrix, slopes):
-                for x in slope:
-                    row[place[x]] = next(entries)[0] * sizes[place[x]]
+            matrix = [dense({place[x]: next(entries) for x in slope}, sizes) for slope in slopes]
             reach = [max(map(abs, row), default=0.0) for row in matrix]
             wanted = [-value for value, _ in values[: len(residuals)]]
             if all(

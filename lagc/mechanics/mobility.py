@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.modular import Undefined
 from lagc.expr.walk import depends
@@ -20,7 +19,7 @@ from lagc.mechanics.finite import Echelon
 from lagc.mechanics.grounds import on_rows
 from lagc.mechanics.judge import Judge
 from lagc.mechanics.linear import Span
-from lagc.mechanics.manifold import Consistent, scales
+from lagc.mechanics.manifold import Consistent, jacobian, scales
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -50,7 +49,7 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     if not spans:
         return Mobility(frozenset(), len(rows), None, False, False)
     best = max(spans, key=lambda span: span.rank)
-    most = _largest(states, rows)
+    most = _largest(states, rows, met)
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = first.rank if first else None
     proved = best.rank in (len(rows), most)
@@ -59,20 +58,14 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
 
 def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> Span:
     sizes = scales(states)
-    widths = [sizes[x] for x in states.v]
-    values = iter(evaluate([node for row in rows for node in row.jacobian.values()], state))
-    table = [[0.0] * len(widths) for _ in rows]
-    for row, entries in zip(rows, table):
-        for j in row.jacobian:
-            entries[j] = next(values) * widths[j]
-    return Span(table)
+    return Span(jacobian(rows, [sizes[x] for x in states.v], state))
 
 
-def _largest(states: States, rows: Sequence[Row]) -> int | None:
+def _largest(states: States, rows: Sequence[Row], met: Consistent) -> int | None:
     """The rank at random points of the field, the same on all branches: none is larger."""
     flat = spelt_out(states.graph, [node for row in rows for node in row.jacobian.values()])
     holonomic = [row for row in rows if row.kind == "holonomic"]
-    judge = Judge(on_rows(states, holonomic if depends(flat, states.q) else [], ()))
+    judge = Judge(on_rows(states, holonomic if depends(flat, states.q) else [], met.all))
     ranks: set[int] = set()
     for placed, truths in judge.points(flat):
         for x in placed:

@@ -127,7 +127,9 @@ def _follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
-    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], ())
+    met = (onto(states, others, s) for s in samples(states.model, _STATES, vary=False))
+    tries = [state for state in met if state is not None]
+    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], tries)
     asked = False
     for placed, truths in Judge(ground).points(spelt):
         for x in placed:
@@ -148,12 +150,19 @@ def _follows(states: States, row: Row, others: Sequence[Row]) -> bool:
 
 def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[bool]:
     """Of each spare row: whether it is violated on all states tried that meet the others, the one
-    next to the start included, and with parameters beside their defaults as well."""
+    next to the start included, with parameters beside their defaults as well, and no state is found
+    that meets all: others may have solutions of their own elsewhere."""
     model = states.model
     start = list(samples(model, 1, vary=False, spread=0.0))
-    near = _hold(states, independent, spare, [*start, *samples(model, _STATES, vary=False)])
+    near = [*start, *samples(model, _STATES, vary=False)]
+    here = _hold(states, independent, spare, near)
     beside = _hold(states, independent, spare, list(samples(model, _STATES)))
-    return [here == {False} and True not in there for here, there in zip(near, beside)]
+    violated = [x == {False} and True not in y for x, y in zip(here, beside)]
+    return [v and _apart(states, [*independent, row], near) for v, row in zip(violated, spare)]
+
+
+def _apart(states: States, rows: Sequence[Row], tries: Sequence[dict[Node, float]]) -> bool:
+    return all(onto(states, rows, state) is None for state in tries)
 
 
 def _hold(

@@ -1,0 +1,255 @@
+"""Degrees of freedom of closed loops, the truth being known from how they are made, and seen again
+in the singular values of a Jacobian by finite differences."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.expr.vectors import Vector, add, matmul, matvec, sub, transpose
+from lagc.meaning.model import Frame
+from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.derive import derive
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.manifold import walk
+from lagc.mechanics.mobility import mobility
+from lagc.mechanics.states import build_states
+from tests.mechanics.builder import Builder
+
+Made = tuple[Builder, int]  # with its mobility
+
+
+def twist(b: Builder, frame: Frame, skew: Sequence[Sequence[Node]]) -> list[Node]:
+    """Three rows that are zero where the matrix of a rotation is one of no turn, or of half ones."""
+    return [skew[2][1], skew[0][2], skew[1][0]]
+
+
+def ring(
+    rng: random.Random,
+    lengths: Sequence[float],
+    twists: Sequence[float],
+    offsets: Sequence[float],
+    starts: Sequence[float],
+    scale: float = 1.0,
+) -> Builder:
+    """Denavit and Hartenberg's loop: turn, offset, length, twist, until it is closed; six rows."""
+    b = Builder()
+    g = b.graph
+    at, frame = b.vector((0.0, 0.0, 0.0)), b.world
+    for k, (length, alpha, offset, start) in enumerate(zip(lengths, twists, offsets, starts)):
+        q = b.coordinate(f"q{k}", start, unit="rad")
+        frame = b.rotate(f"J{k}", frame, "z", q)
+        step = (scale * b.parameter(f"a{k}", length), g.zero, scale * b.parameter(f"d{k}", offset))
+        at = add(at, matvec(frame.axes, step))
+        frame = b.rotate(f"L{k}", frame, "x", b.parameter(f"alpha{k}", alpha))
+        b.solid(f"s{k}", g.one, (0.1, 0.2, 0.25), frame, at)
+    b.constraint("closed", *at)
+    b.constraint("turned", *twist(b, frame, frame.axes))
+    return b
+
+
+def planar(rng: random.Random, n: int = 5) -> Made:
+    """An n-bar in a plane, in space: three of six rows are spare."""
+    turns = [rng.uniform(0.4, 1.0) for _ in range(n - 1)]
+    lengths = [rng.uniform(0.7, 1.5) for _ in range(n - 1)]
+    heading, x, y = 0.0, 0.0, 0.0
+    for turn, length in zip(turns, lengths):
+        heading += turn
+        x, y = x + length * math.cos(heading), y + length * math.sin(heading)
+    back = math.atan2(-y, -x)
+    starts = [*turns, back - heading]
+    starts[0] -= back  # the last link comes back along the first axis: all turns add up to none
+    twists = [0.0] * n
+    b = ring(rng, [*lengths, math.hypot(x, y)], twists, twists, starts)
+    return b, n - 3
+
+
+def spherical(rng: random.Random, n: int = 4) -> Made:
+    """All axes through one point: the three rows of position say nothing."""
+    b = ring(rng, [0.0] * n, [rng.uniform(0.6, 1.1) for _ in range(n)], [0.0] * n,
+             [rng.uniform(1.0, 1.9) for _ in range(n)])  # fmt: skip
+    return b, n - 3
+
+
+def bennett(rng: random.Random) -> Made:
+    """G. T. Bennett's 4R: opposite links alike, sin(alpha)/a = sin(beta)/b."""
+    alpha, beta = rng.uniform(0.4, 0.8), rng.uniform(0.9, 1.4)
+    a = rng.uniform(0.5, 2.0)
+    length = a * math.sin(beta) / math.sin(alpha)
+    first = rng.uniform(0.7, 1.5)
+    ratio = math.sin((alpha + beta) / 2.0) / math.sin((beta - alpha) / 2.0)
+    second = 2.0 * math.atan(ratio / math.tan(first / 2.0))
+    starts = [first, second, -first, -second]
+    return ring(rng, [a, length] * 2, [alpha, beta] * 2, [0.0] * 4, starts), 1
+
+
+def general_7r(rng: random.Random) -> Made:
+    """Nothing special: 7 joints less 6 rows."""
+    draw = lambda low, high: [rng.uniform(low, high) for _ in range(7)]  # noqa: E731
+    return ring(rng, draw(0.5, 1.5), draw(-1.2, 1.2), draw(-0.3, 0.3), draw(0.6, 1.2)), 1
+
+
+def sarrus(rng: random.Random) -> Made:
+    """P. F. Sarrus: two legs that fold in different planes guide a plate up and down."""
+    b = Builder()
+    turn, low = rng.uniform(0.9, 2.0), rng.uniform(0.2, 0.5)
+    ends: list[tuple[Vector, Frame]] = []
+    for leg, heading in enumerate((0.0, turn)):
+        length = rng.uniform(0.8, 1.4)
+        frame = b.rotate(f"B{leg}", b.world, "z", b.graph.const(heading))
+        at = matvec(frame.axes, b.vector((1.0, 0.0, 0.0)))
+        for k, (start, reach) in enumerate([(low, length), (-2.0 * low, length), (low, 0.0)]):
+            frame = b.rotate(f"F{leg}{k}", frame, "y", b.coordinate(f"q{leg}{k}", start, unit="rad"))
+            at = add(at, matvec(frame.axes, b.vector((0.0, 0.0, reach))))
+            b.solid(f"s{leg}{k}", b.graph.one, (0.1, 0.2, 0.25), frame, at)
+        at = sub(at, matvec(frame.axes, b.vector((1.0, 0.0, 0.0))))
+        ends.append((at, b.rotate(f"E{leg}", frame, "z", b.graph.const(-heading))))
+    (left, first), (right, second) = ends
+    b.constraint("closed", *sub(left, right))
+    b.constraint("turned", *twist(b, first, matmul(transpose(first.axes), second.axes)))
+    return b, 1
+
+
+def cranks(rng: random.Random) -> Made:
+    """A plate on three to six equal parallel cranks: each beyond the second is spare."""
+    b = Builder()
+    g = b.graph
+    length = b.parameter("l", rng.uniform(0.5, 2.0))
+    start = rng.uniform(0.3, 1.2)
+    reach = rng.uniform(0.5, 2.0)
+    x = b.coordinate("x", reach * math.cos(start))
+    y = b.coordinate("y", reach * math.sin(start))
+    turn = b.coordinate("turn", 0.0, unit="rad")
+    frame = b.rotate("plate", b.world, "z", turn)
+    b.solid("s", g.one, (0.1, 0.1, 0.2), frame, (x, y, 0.0))
+    for k in range(rng.randint(3, 6)):
+        px, py = rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0)
+        hx = x + px * g.cos(turn) - py * g.sin(turn) - px
+        hy = y + px * g.sin(turn) + py * g.cos(turn) - py
+        b.constraint(f"crank{k}", g.sqrt(hx * hx + hy * hy) - length)
+    return b, 1
+
+
+def windows(rng: random.Random) -> Made:
+    """A row of parallelograms of equal links in a tilted plane, closed in space."""
+    b = Builder()
+    g = b.graph
+    n = rng.randint(1, 4)
+    tilt = b.rotate("tilt", b.world, "x", b.parameter("tilt", rng.uniform(0.2, 1.2)))
+    crank, coupler = b.parameter("a", rng.uniform(0.5, 1.5)), b.parameter("b", rng.uniform(0.5, 1.5))
+    start = rng.uniform(0.4, 1.2)
+    th = [b.coordinate(f"th{k}", start, unit="rad") for k in range(n + 1)]
+    ph = [b.coordinate(f"ph{k}", 0.0, unit="rad") for k in range(n)]
+
+    def tip(angle: Node, length: Node) -> Vector:
+        return matvec(tilt.axes, (length * g.cos(angle), length * g.sin(angle), g.zero))
+
+    for k, angle in enumerate(th):
+        b.particle(f"p{k}", g.one, tip(angle, crank))
+    for k, angle in enumerate(ph):
+        b.particle(f"c{k}", g.one, add(tip(th[k], crank), tip(angle, 0.5 * coupler)))
+        base = tip(g.zero, coupler)
+        b.constraint(
+            f"loop{k}", *sub(add(tip(th[k], crank), tip(angle, coupler)), add(base, tip(th[k + 1], crank)))
+        )
+    return b, 1
+
+
+def frames(rng: random.Random) -> Made:
+    """Random points in a plane and random rods between them: generic, so the count of M. Gruebler
+    holds where no part is overbraced: each new point hangs on at most two rods."""
+    b = Builder()
+    g = b.graph
+    fixed = [(g.const(0.0), g.const(0.0)), (g.const(1.3), g.const(0.2))]
+    points, values = list(fixed), [(0.0, 0.0), (1.3, 0.2)]
+    freedom = 0
+    for k in range(rng.randint(3, 7)):
+        at = (rng.uniform(-1.0, 2.0), rng.uniform(-1.5, 1.5))
+        x, y = b.coordinate(f"x{k}", at[0]), b.coordinate(f"y{k}", at[1])
+        b.particle(f"p{k}", g.one, (x, y, 0.0))
+        rods = rng.randint(1, 2)
+        for other in rng.sample(range(len(points)), rods):
+            (ox, oy), (sx, sy) = points[other], values[other]
+            length = b.parameter(f"l{k}_{other}", math.hypot(at[0] - sx, at[1] - sy))
+            b.constraint(f"rod{k}_{other}", (x - ox) ** 2 + (y - oy) ** 2 - length**2)
+        freedom += 2 - rods
+        points.append((x, y))
+        values.append(at)
+    return b, freedom
+
+
+KINDS: list[Callable[[random.Random], Made]] = [
+    planar, spherical, bennett, general_7r, sarrus, cranks, windows, frames,
+    lambda rng: planar(rng, rng.randint(4, 8)), lambda rng: spherical(rng, rng.randint(5, 6)),
+]  # fmt: skip
+
+
+def by_differences(e: EquationsOfMotion) -> int:
+    """n less the rank of the holonomic rows' slopes, by central differences, at a state met by a walk."""
+    met = walk(build_states(e.model), e.rows)
+    state = met.far[-1]
+    residuals = [row.residual for row in e.rows]
+    h = 1e-6
+    columns = []
+    for x in e.q:
+        ahead = evaluate(residuals, {**state, x: state[x] + h})
+        back = evaluate(residuals, {**state, x: state[x] - h})
+        columns.append([(a - c) / (2.0 * h) for a, c in zip(ahead, back)])
+    sizes = np.linalg.svd(np.array(columns).T, compute_uv=False)
+    assert np.max(np.abs(evaluate(residuals, state))) < 1e-10
+    return len(e.q) - int(np.sum(sizes > 1e-6))  # central differences err by about 1e-10
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("kind", range(len(KINDS)))
+def test_mobility_of_loops(kind: int, seed: int) -> None:
+    b, truth = KINDS[kind](random.Random(f"{kind} {seed}"))
+    e = derive(b.model())
+    states = build_states(e.model)
+    found = mobility(states, e.rows, walk(states, e.rows))
+    assert len(e.v) - found.rank == truth
+    assert len(found.spare) == len(e.rows) - found.rank
+    assert by_differences(e) == truth
+
+
+@pytest.mark.parametrize("kind", [0, 2, 4, 5, 6, 7])
+def test_mobility_is_told(kind: int) -> None:
+    b, truth = KINDS[kind](random.Random(kind))
+    a = analyse(derive(b.model()))
+    assert a.degrees_of_freedom == a.positional_freedom == truth
+    assert len(a.redundant) == a.rows - (a.speeds - truth)
+
+
+def test_what_is_redundant_where_the_loop_is_closed_only_seems_so() -> None:
+    for made in (bennett, sarrus, cranks):
+        b, _ = made(random.Random(5))
+        seems = analyse(derive(b.model())).seems
+        assert seems.degrees_of_freedom and seems.redundant
+    b, _ = frames(random.Random(5))
+    seems = analyse(derive(b.model())).seems
+    assert not seems.degrees_of_freedom and not seems.redundant
+
+
+def parallelogram_flat() -> Analysis:
+    b = Builder()
+    g = b.graph
+    one, two, three = (b.coordinate(f"q{k}", 0.0, unit="rad") for k in range(3))
+    length, base = b.parameter("l", 1.0), b.parameter("b", 2.0)
+    for k, angle in enumerate((one, two, three)):
+        b.particle(f"p{k}", g.one, (length * g.cos(angle), length * g.sin(angle), 0.0))
+    x = length * g.cos(one) + base * g.cos(two) - base - length * g.cos(three)
+    y = length * g.sin(one) + base * g.sin(two) - length * g.sin(three)
+    b.constraint("loop", x, y)
+    return analyse(derive(b.model()))
+
+
+def test_a_posture_that_adds_a_freedom_is_told() -> None:
+    """The flat parallelogram may fold either way; each way has one degree of freedom."""
+    a = parallelogram_flat()
+    assert (a.degrees_of_freedom, a.more_at_start, a.redundant) == (1, 1, ())
