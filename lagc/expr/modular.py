@@ -18,10 +18,11 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
+from lagc.expr.walk import reachable, symbols
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
+_MOST_ROOTS = 8  # of which one symbol is drawn for all
 _ULPS = 4
 _EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
 
@@ -61,6 +62,28 @@ class Point:
         self.symbols.update(values)
         self._known.clear()
         self._forms.clear()
+
+    def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, bool]) -> bool:
+        """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
+        a root in every second case, and some tens of them together next to never.  False: too many."""
+        order: dict[Node, list[Node]] = {}
+        for x in under:
+            own = sorted(symbols([x]), key=lambda symbol: symbol.index)
+            for symbol in own:
+                order.setdefault(symbol, [])
+        rank = {symbol: k for k, symbol in enumerate(order)}
+        for x in under:
+            latest = max(symbols([x]), key=lambda symbol: rank[symbol], default=None)
+            if latest is not None:
+                order[latest].append(x)
+        for symbol, ready in order.items():
+            for _ in range(8 << len(ready) if len(ready) <= _MOST_ROOTS else 0):
+                self.place({symbol: self.draw()})
+                if all(is_square(u) for u in self.values(ready, truths)):
+                    break
+            else:
+                return False
+        return True
 
     def values(self, nodes: Sequence[Node], truths: Mapping[Node, bool] | None = None) -> list[int]:
         """The values of `nodes`; `truths` of all comparisons in them, the same at every call.
@@ -109,7 +132,7 @@ class Point:
             return self._exponential(op, self._form(node.args[0]))
         if op == "sqrt":
             return self._root(x)
-        self.exact = False
+        self.exact = self.exact and op == "floor"  # of which steps are what matters
         if op == "pow":
             return self._pow(x, node.args[1])
         return self._any(op, *(self._known[a] for a in node.args))
@@ -254,6 +277,10 @@ def power(x: int, n: int) -> int:
     if n < 0 and x % P == 0:
         raise Undefined
     return pow(x, n, P)
+
+
+def is_square(x: int) -> bool:
+    return pow(x, (P - 1) // 2, P) == 1
 
 
 _HALF = (P + 1) // 2

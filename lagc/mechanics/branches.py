@@ -7,6 +7,7 @@ alone are decided by their values.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 
@@ -22,13 +23,20 @@ _MOST = 6  # differences of which all combinations of signs are tried
 
 
 def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """`nodes` with comparisons in the place of abs, sign, min, max."""
-    kinks = [node for node in reachable(nodes) if node.op in _KINKS]
+    """`nodes` with comparisons in the place of abs, sign, min, max and roots of squares."""
+    kinks = [node for node in reachable(nodes) if node.op in _KINKS or _is_root_of_square(node)]
     if not kinks:
         return list(nodes)
     spelt: dict[Node, Node] = {}
     for node in kinks:  # arguments before users
         x, *rest = substitute(graph, node.args, spelt)
+        if node.op == "sqrt":
+            factor, square = (x.value, x.args[0]) if x.op == "scale" else (1.0, x)
+            root = graph.scale(
+                math.sqrt(factor), graph.product((b, e // 2) for b, e in zip(square.args, square.value))
+            )
+            spelt[node] = graph.select(graph.binary("lt", graph.zero, root), root, -root)
+            continue
         if node.op in ("min", "max"):
             first = graph.binary("lt", x, rest[0])
             sides = (x, rest[0]) if node.op == "min" else (rest[0], x)
@@ -37,6 +45,15 @@ def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
             sides = (x, -x) if node.op == "abs" else (graph.one, -graph.one)
         spelt[node] = graph.select(first, *sides)
     return substitute(graph, nodes, spelt)
+
+
+def _is_root_of_square(node: Node) -> bool:
+    if node.op != "sqrt":
+        return False
+    (x,) = node.args
+    if x.op == "scale" and x.value > 0.0:
+        x = x.args[0]
+    return x.op == "mul" and all(e % 2 == 0 for e in x.value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,13 +14,15 @@ from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.modular import Point, Undefined
+from lagc.expr.walk import reachable
 from lagc.meaning.model import Model
 from lagc.mechanics.branches import Branches, Signs, spelt_out
-from lagc.mechanics.magnitude import VANISHES, magnitudes
+from lagc.mechanics.magnitude import magnitudes
 from lagc.records import dataclass
 
 Truths: TypeAlias = Mapping[Node, bool]
 State: TypeAlias = Mapping[Node, float]
+_SEEMS = 1e-11  # of its terms: what cancels leaves 1e-16, times what linear systems amplify
 _POINTS = 3
 _ROOTED_POINTS = 6  # each draws the signs of roots
 _TRIES = 60  # points tried for those, where roots of random numbers are not there
@@ -102,7 +104,7 @@ class Judge:
             return None, rooted
         if all(zero):
             return True, rooted
-        return (False if exact and not any(zero) else None), rooted
+        return (False if exact else None), rooted
 
     def _placed(self, signs: Signs, truths: Truths) -> list[Placed]:
         key = frozenset(signs.items())
@@ -112,10 +114,13 @@ class Judge:
 
     def _place(self, truths: Truths) -> Iterator[Placed]:
         found = 0
+        under = [node.args[0] for node in reachable(self._ground.support) if node.op == "sqrt"]
         for roots, tries in ((True, _TRIES), (False, _POINTS)):
             for seed in range(tries):
                 point = Point(seed, roots)
                 try:
+                    if roots and not point.seek_roots(under, truths):
+                        break
                     met = self._ground.place(point, truths)
                     point.values(self._ground.support, truths)
                 except Undefined:
@@ -137,7 +142,7 @@ def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True)
     for state in states:
         for k, (value, size) in enumerate(magnitudes(nodes, state)):
             if math.isfinite(value) and math.isfinite(size):
-                if abs(value) > VANISHES * size:
+                if abs(value) > _SEEMS * size:
                     return False
                 seen[k] = seen[k] or size > 0.0
     return all(seen) or not strict
