@@ -23,6 +23,7 @@ from lagc.expr.walk import reachable, symbols
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
 _MOST_ROOTS = 8  # of which one symbol is drawn for all
+_MOST_DECIMALS = 20  # of which products are looked for
 _ULPS = 4
 _EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
 
@@ -49,6 +50,7 @@ class Point:
         self.exact, self.rooted = True, False
         self.symbols: dict[Node, int] = {}
         self._drawn: dict[tuple[object, ...], int] = {}
+        self._decimals: dict[float, int] = {}
         self._known: dict[Node, int] = {}
         self._forms: dict[Node, Linear] = {}
 
@@ -152,8 +154,31 @@ class Point:
         meant = fraction(value)
         if meant is None:
             self.exact = False
-            return self._any(value)
+            return self._rounded(value)
         return residue(meant)
+
+    def _rounded(self, value: float) -> int:
+        """A decimal number with rounding in it: random, but for multiples, products and quotients of
+        those before, and cosines of numbers that are sines."""
+        if value in self._decimals:
+            return self._decimals[value]
+        found = self._decimals.items()
+        bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
+        pairs = [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]
+        for known, number in [*bases, *pairs] if len(bases) <= _MOST_DECIMALS else bases:
+            ratio = Fraction(value / known).limit_denominator(100)
+            if ratio and abs(float(ratio) * known - value) <= _ULPS * math.ulp(value):
+                return residue(ratio) * number % P
+        cosine, sine = self._circle(value)
+        self._decimals[value] = sine
+        if abs(value) < 1.0:
+            self._decimals[math.sqrt(1.0 - value * value)] = cosine
+        return sine
+
+    def _circle(self, key: object) -> Circle:
+        u = self._any("circle", key)
+        whole = power(1 + u * u, -1)
+        return (1 - u * u) * whole % P, 2 * u * whole % P
 
     # -- functions -------------------------------------------------------------
 
@@ -206,9 +231,7 @@ class Point:
                 del rest[None]
         turned = [(1, 0), (0, 1), (P - 1, 0), (0, P - 1)][quarters % 4]
         for base, n in self._multiples(rest):
-            u = self._any("circle", base)
-            whole = power(1 + u * u, -1)
-            turned = _around(turned, _multiple(((1 - u * u) * whole % P, 2 * u * whole % P), n))
+            turned = _around(turned, _multiple(self._circle(base), n))
         return turned
 
     def _exponential(self, op: str, form: Linear) -> int:

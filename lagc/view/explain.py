@@ -220,8 +220,9 @@ def _constraint_line(fact: Facts) -> str:
     if fact["kind"] != "holonomic":
         words.append("affine in the speeds" if fact["affine"] else "not affine in the speeds")
     if fact["integrable"]:
-        words.append("integrable" if fact["proved"] else "integrable, it seems")
-    return f"{fact['row']} (line {fact['line']}): {', '.join(words)}; {fact['reason']}"
+        words.append("integrable")
+    seems = "" if fact["proved"] else ", it seems"
+    return f"{fact['row']} (line {fact['line']}): {', '.join(words)}; {fact['reason']}{seems}"
 
 
 def _action_line(fact: Facts) -> str:
