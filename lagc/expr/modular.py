@@ -50,6 +50,7 @@ class Point:
         self.exact, self.rooted = True, False
         self.symbols: dict[Node, int] = {}
         self._drawn: dict[tuple[object, ...], int] = {}
+        self._numbers: dict[float, int] = {}
         self._decimals: dict[float, int] = {}
         self._known: dict[Node, int] = {}
         self._forms: dict[Node, Linear] = {}
@@ -148,6 +149,11 @@ class Point:
     # -- numbers ---------------------------------------------------------------
 
     def _number(self, value: float) -> int:
+        if value not in self._numbers:
+            self._numbers[value] = self._meant(value)
+        return self._numbers[value]
+
+    def _meant(self, value: float) -> int:
         turns = Fraction(value / math.pi).limit_denominator(360) if math.isfinite(value) else Fraction(0)
         if turns and abs(float(turns) * math.pi - value) <= _ULPS * math.ulp(value):
             return residue(turns) * self._any("pi") % P
@@ -158,10 +164,8 @@ class Point:
         return residue(meant)
 
     def _rounded(self, value: float) -> int:
-        """A decimal number with rounding in it: random, but for multiples, products and quotients of
-        those before, and cosines of numbers that are sines."""
-        if value in self._decimals:
-            return self._decimals[value]
+        """The value of a decimal number with rounding in it: random, but for multiples, products and
+        quotients of those before, and cosines of numbers that are sines."""
         found = self._decimals.items()
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
         pairs = [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]

@@ -101,7 +101,8 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     rows = equations.rows
     met = walk(states, rows)
     moving = mobility(states, rows, met)
-    places = mobility(states, [row for row in rows if row.kind == "holonomic"], met)
+    holonomic = [row for row in rows if row.kind == "holonomic"]
+    places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
     integrable = integrable_rows(states, rows, met.all)
     relations = places.rank + len(integrable.rows) + integrable.combinations
     cyclic = _cyclic(states)
@@ -205,11 +206,11 @@ def _conserved(
     """Quantities that are constant along the motion, with the independent `rows`, by index; and
     whether total momenta were examined."""
     kept = [row for _, row in rows]
-    tries = _tries(states, kept, met)
+    small = len(equations.v) + len(rows) <= LARGEST
+    tries = _tries(states, kept, met, small)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     found: list[Conserved] = []
-    small = len(equations.v) + len(rows) <= LARGEST
     positions = on_rows(states, kept, tries)
     motion = Judge(along(equations, states, rows, tries) if small else positions)
     at_rows = Judge(positions)
@@ -231,9 +232,10 @@ def _conserved(
     return found, small or not equations.model.bodies
 
 
-def _tries(states: States, rows: Sequence[Row], met: Consistent) -> list[dict[Node, float]]:
+def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) -> list[dict[Node, float]]:
     """Consistent states with the default parameters, near the start and farther, and with others."""
-    beside = (onto(states, rows, s) for s in samples(states.model, _STATES))
+    count = _STATES if small else 1
+    beside = (onto(states, rows, s) for s in samples(states.model, count))
     start = [] if met.start is None else [met.start]
     return [*start, *met.beside[:1], *met.far[-2:], *(s for s in beside if s is not None)]
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from operator import mul
 
 _SPARE = 1e-6  # of a row of size one: less may be rounding, or what Newton's steps left
+_LITTLE = 1e-2
 _ROUNDING = 1e-16
 
 
@@ -51,19 +52,21 @@ class Span:
             size = sizes[best]
             if size <= _ROUNDING:
                 break
-            e = self._orthogonal([x / size for x in rest.pop(best)])
+            e = [x / size for x in rest.pop(best)]
+            if size < _LITTLE:  # once more: what was left is rounding in part
+                e = self._orthogonal(e)
             self.basis.append(e)
             self.left.append(size)
             self.made.append((best, [*parts.pop(best), size]))
             for k, row in rest.items():
                 part = dot(e, row)
                 parts[k].append(part)
-                rest[k] = [x - part * y for x, y in zip(row, e)]
+                if part:
+                    rest[k] = [x - part * y for x, y in zip(row, e)]
         self.rank, self._threshold = _gap(self.left)
         del self.basis[self.rank :]
 
     def _orthogonal(self, e: list[float]) -> list[float]:
-        """Once more, where little was left of a row and that is mostly rounding."""
         e = self.remainder(e)
         size = math.sqrt(dot(e, e))
         return [x / size for x in e] if size else e

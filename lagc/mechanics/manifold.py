@@ -24,6 +24,7 @@ _ITERATIONS = 40
 _CONVERGED = 1e-12
 _NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
 _STEPS = 4
+_MANY = 40  # rows with which fewer states will do
 LARGEST = 150  # rows for which states are looked for
 
 State = dict[Node, float]
@@ -56,8 +57,9 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
         start = manifold.met({**given, states.model.time: 0.0})
         if start is None:
             break
-        beside = list(manifold.steps(start, _NEAR, 2, restart=True))
-        return Consistent(start, beside, list(manifold.steps(start, _FAR, _STEPS)))
+        few = len(rows) > _MANY
+        beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
+        return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)))
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
     return Consistent(None, [], [s for s in found if s is not None])
 

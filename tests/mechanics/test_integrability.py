@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from itertools import pairwise
 
 import pytest
 
@@ -142,7 +143,7 @@ def test_rows_of_many_positions_that_hang_together() -> None:
     b, q = space(20)
     total = b.graph.sum(x * x for x in q)
     b.constraint("sum", b.der(total))
-    b.constraint("other", (1.0 + q[0] ** 2) * b.der(b.graph.sum(x * y for x, y in zip(q, q[1:]))))
+    b.constraint("other", (1.0 + q[0] ** 2) * b.der(b.graph.sum(x * y for x, y in pairwise(q))))
     b.constraint("mixed", q[3] * b.der(total) + contact(b, q[0], q[1], q[2]))
     found = answers(analyse(derive(b.model())))
     assert found == {"sum": True, "other": True, "mixed": False}
