@@ -3,6 +3,7 @@ what breaks them is seen wherever it hides."""
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable
 
@@ -41,8 +42,8 @@ POTENTIALS: dict[str, Callable[[Builder, list[Node], list[Node]], Node]] = {
     "smooth": lambda b, p, q: b.graph.unary("exp", -gap(b, p, q)),
     "logarithm": lambda b, p, q: b.graph.unary("log", 1.0 + gap(b, p, q)),
     "stops": lambda b, p, q: b.graph.binary("max", 0.0 * p[0] + b.graph.const(0.0), gap(b, p, q) - 2.0) ** 2,
-    "switched": lambda b, p, q: b.graph.select(
-        b.graph.binary("lt", gap(b, p, q), b.graph.const(40.0)), gap(b, p, q), 3.0 * gap(b, p, q)
+    "switched": lambda b, p, q: gap(b, p, q) + b.graph.select(
+        b.graph.binary("lt", gap(b, p, q), b.graph.const(40.0)), b.graph.zero, (gap(b, p, q) - 40.0) ** 3
     ),
 }  # fmt: skip
 TOTALS = [f"{head}().{axis}" for head in ("momentum", "angular_momentum") for axis in "xyz"]
@@ -84,7 +85,7 @@ def beyond_a_stop(b: Builder, x: Node, rng: random.Random) -> Node:
 def both_conditions(b: Builder, x: Node, rng: random.Random) -> Node:
     g = b.graph
     inside = g.binary("and", g.binary("lt", g.const(11.0), x), g.binary("lt", x, g.const(12.0)))
-    return g.select(inside, x, g.zero)
+    return g.select(inside, (x - 11.0) ** 2 * (x - 12.0) ** 2, g.zero)
 
 
 def half_of_a_line(b: Builder, x: Node, rng: random.Random) -> Node:
@@ -92,7 +93,8 @@ def half_of_a_line(b: Builder, x: Node, rng: random.Random) -> Node:
 
 
 def stairs(b: Builder, x: Node, rng: random.Random) -> Node:
-    return b.graph.unary("floor", 0.01 * x + 0.5) * x
+    steps = 0.01 * x + 0.5
+    return b.graph.unary("floor", steps) * b.graph.sin(math.pi * steps) ** 2
 
 
 BREAKERS: list[Breaker] = [
