@@ -132,8 +132,7 @@ class _Manifold:
         speeds = {x: size * d / longest * s for x, d, s in zip(states.v, direction, sizes)}
         moved = evaluate(states.qdot, {**state, **speeds})
         places = {q: state[q] + b - a for q, a, b in zip(states.q, rest, moved)}
-        if any(row.time_dependent for row in self.rows):
-            pushed[states.model.time] = state[states.model.time] + size * abs(self.chance.draw())
+        pushed[states.model.time] = state[states.model.time] + size * abs(self.chance.draw())
         return {**state, **pushed, **places}
 
     def _solve(
