@@ -103,12 +103,13 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     moving = mobility(states, rows, met)
     holonomic = [row for row in rows if row.kind == "holonomic"]
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
-    integrable = integrable_rows(states, rows, met.all)
-    relations = places.rank + len(integrable.rows) + integrable.combinations
+    asked = [row for k, row in enumerate(rows) if row.kind == "velocity" or k not in places.spare]
+    integrable = integrable_rows(states, asked, met.all)
+    relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
     spare = tuple([rows[k].label for k in sorted(moving.spare)])
-    conserved, closed = _conserved(equations, states, kept, met, cyclic)
+    conserved, closed = _conserved(equations, states, kept, met, cyclic, moving.proved)
     return Analysis(
         coordinates=len(equations.q),
         speeds=len(equations.v),
@@ -202,9 +203,10 @@ def _conserved(
     rows: Sequence[tuple[int, Row]],
     met: Consistent,
     cyclic: Mapping[str, bool],
+    sure: bool,
 ) -> tuple[list[Conserved], bool]:
-    """Quantities that are constant along the motion, with the independent `rows`, by index; and
-    whether total momenta were examined."""
+    """Quantities that are constant along the motion, with the independent `rows`, by index, `sure` or
+    not that these are all; and whether total momenta were examined."""
     kept = [row for _, row in rows]
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)
@@ -216,7 +218,8 @@ def _conserved(
     at_rows = Judge(positions)
     steady = motion.vanish([equations.power])
     if steady is not None:
-        found.append(Conserved("energy", equations.energy, "nothing brings power or takes it", steady))
+        proved = steady and (sure or equations.power.is_zero)
+        found.append(Conserved("energy", equations.energy, "nothing brings power or takes it", proved))
     forces = _along_rates(equations, states)
     for c in states.model.coordinates:
         if isinstance(c, Coordinate) and c.name in cyclic:
@@ -228,7 +231,7 @@ def _conserved(
                 found.append(Conserved(f"momentum({c.name})", momentum, reason, proved))
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
-        found.extend(_totals(states, quantities, motion, at_rows))
+        found.extend(_totals(states, quantities, motion, at_rows, sure))
     return found, small or not equations.model.bodies
 
 
@@ -250,7 +253,9 @@ def _along_rates(equations: EquationsOfMotion, states: States) -> dict[Node, lis
     return found
 
 
-def _totals(states: States, quantities: Quantities, motion: Judge, at_rows: Judge) -> list[Conserved]:
+def _totals(
+    states: States, quantities: Quantities, motion: Judge, at_rows: Judge, sure: bool
+) -> list[Conserved]:
     """Components of the total momenta that are constant along the motion, where they are not zero."""
     found: list[Conserved] = []
     for head, reason in (
@@ -264,5 +269,5 @@ def _totals(states: States, quantities: Quantities, motion: Judge, at_rows: Judg
                 continue
             proved = motion.vanish([tangent(states.graph, [node], states.flow)[0]])
             if proved is not None:
-                found.append(Conserved(name, node, reason, proved))
+                found.append(Conserved(name, node, reason, proved and sure))
     return found

@@ -14,7 +14,7 @@ Differentiable Manifolds and Lie Groups*, th. 2.32); combinations are not looked
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.expr.modular import P, Point, Undefined
@@ -30,10 +30,12 @@ from lagc.records import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Integrable:
-    """Label -> why, of the integrable rows; how many more relations between positions their
-    combinations bring; whether all that is proved; and labels of rows that were not examined."""
+    """Label -> why, of the integrable rows; how many relations between positions the velocity rows add
+    to the holonomic ones, and how many of these lie in no row alone; whether all that is proved; and
+    labels of rows that were not examined."""
 
     rows: dict[str, str] = field(default_factory=dict)
+    relations: int = 0
     combinations: int = 0
     proved: bool = True
     open: tuple[str, ...] = ()
@@ -52,7 +54,10 @@ class _Place:
 
 
 def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Integrable:
-    """The affine velocity rows among `rows` that restrict positions; `tries` meet the rows."""
+    """The affine velocity rows among `rows` that restrict positions.
+
+    The holonomic rows are to be independent; `tries` meet all.
+    """
     asked = [row for row in rows if row.kind == "velocity" and row.linear]
     if not asked:
         return Integrable()
@@ -68,6 +73,7 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
     integrable = {label: why for x in found for label, why in x.rows.items()}
     return Integrable(
         {label: integrable[label] for label in forms if label in integrable},
+        sum(x.relations for x in found),
         sum(x.combinations for x in found),
         all(x.proved for x in found),
         tuple([label for x in found for label in x.open]),
@@ -102,7 +108,7 @@ class _Part:
     def answer(self, judge: Judge) -> Integrable:
         """Integrable on each branch; the fewest relations of all branches."""
         nodes = [x for form in (*self.forms.values(), *self.given) for x in form.nodes]
-        verdicts: list[tuple[dict[str, str], int]] = []
+        verdicts: list[tuple[dict[str, str], int, int]] = []
         proved = True
         for placed, truths in judge.points(nodes):
             tried = 0
@@ -117,20 +123,28 @@ class _Part:
                     break
             if not tried:
                 return Integrable(open=tuple(self.forms))
-        common = set(verdicts[0][0]).intersection(*(found for found, _ in verdicts))
+        common = set(verdicts[0][0]).intersection(*(found for found, _, _ in verdicts))
         rows = {label: why for label, why in verdicts[0][0].items() if label in common}
-        return Integrable(rows, min(more for _, more in verdicts), proved)
+        relations = min(count for _, count, _ in verdicts)
+        return Integrable(rows, relations, min(more for _, _, more in verdicts), proved)
 
-    def _at(self, place: _Place) -> tuple[dict[str, str], int]:
+    def _at(self, place: _Place) -> tuple[dict[str, str], int, int]:
+        """Reasons of integrable rows, all new relations, and those of combinations alone."""
         if len(self.where) > LARGEST:
-            return self._closed_rows(place), 0
+            reasons = self._closed_rows(place)
+            return reasons, self._rank(place, reasons) - self._rank(place, ()), 0
         kept = self._kept(place, [*self.forms.values(), *self.given])
         inside = {label for label, form in self.forms.items() if self._annuls(place, form, kept)}
-        held = Echelon()
-        for form in (*self.given, *(self.forms[label] for label in inside)):
-            held.grows(place.row(form, self.column))
+        whole = len(self.where) - len(kept)
         reasons = {label: self._reason(place, label) for label in self.forms if label in inside}
-        return reasons, len(self.where) - len(kept) - held.rank
+        return reasons, whole - self._rank(place, ()), whole - self._rank(place, inside)
+
+    def _rank(self, place: _Place, labels: Iterable[str]) -> int:
+        """Of the forms given and the labelled ones."""
+        held = Echelon()
+        for form in (*self.given, *(self.forms[label] for label in labels)):
+            held.grows(place.row(form, self.column))
+        return held.rank
 
     def _kept(self, place: _Place, forms: Sequence[Form]) -> list[Entries]:
         (graph,) = {x.graph for x in self.where}

@@ -253,3 +253,52 @@ def test_a_posture_that_adds_a_freedom_is_told() -> None:
     """The flat parallelogram may fold either way; each way has one degree of freedom."""
     a = parallelogram_flat()
     assert (a.degrees_of_freedom, a.more_at_start, a.redundant) == (1, 1, ())
+
+
+@pytest.mark.parametrize("rolls", [False, True])
+def test_velocity_rows_beside_a_loop_with_redundant_rows(rolls: bool) -> None:
+    """A disc that rolls at the end of a Bennett linkage's joint adds a coordinate and a relation; one that
+    is pushed along as dz = y dx adds three coordinates, a row and no relation."""
+    b, _ = bennett(random.Random(3))
+    g = b.graph
+    joint = g.symbol("coordinate", "q0")
+    spin = b.coordinate("spin", 0.0, unit="rad")
+    b.lagrangian("disc", 0.5 * b.der(spin) ** 2, is_kinetic=True)
+    if rolls:
+        b.constraint("roll", b.der(spin) - 2.0 * b.der(joint))
+    else:
+        x, y = b.coordinate("x"), b.coordinate("y")
+        b.lagrangian("cart", 0.5 * (b.der(x) ** 2 + b.der(y) ** 2), is_kinetic=True)
+        b.constraint("roll", b.der(x) - y * b.der(spin) - b.der(joint))
+    a = analyse(derive(b.model()))
+    assert len(a.redundant) == 3
+    assert (a.degrees_of_freedom, a.positional_freedom) == ((1, 1) if rolls else (3, 4))
+
+
+@pytest.mark.parametrize("scale", [1e-15, 1e15])
+def test_mobility_at_any_size(scale: float) -> None:
+    b = Builder()
+    g = b.graph
+    start = b.parameter("l", scale)
+    x, y = b.coordinate("x", 0.6 * scale, unit="m"), b.coordinate("y", 0.8 * scale, unit="m")
+    turn = b.coordinate("turn", 0.0, unit="rad")
+    frame = b.rotate("plate", b.world, "z", turn)
+    b.solid("s", g.one, (0.1 * scale**2,) * 3, frame, (x, y, 0.0))
+    for k, (px, py) in enumerate([(0.3, 0.1), (-0.5, 0.4), (0.2, -0.9), (0.8, 0.7)]):
+        px, py = scale * px, scale * py
+        hx = x + px * g.cos(turn) - py * g.sin(turn) - px
+        hy = y + px * g.sin(turn) + py * g.cos(turn) - py
+        b.constraint(f"crank{k}", hx * hx + hy * hy - start**2)
+    a = analyse(derive(b.model()))
+    assert (a.degrees_of_freedom, a.redundant) == (1, ("crank2", "crank3"))
+
+
+def test_what_is_held_to_second_order_is_held() -> None:
+    """Two rods in line: the point between them may move sideways to first order only."""
+    b = Builder()
+    x, y = b.coordinate("x", 0.0), b.coordinate("y", 0.3)
+    b.particle("p", b.graph.one, (x, y, 0.0))
+    b.constraint("left", (x + 1.0) ** 2 + (y - 0.3) ** 2 - 1.0)
+    b.constraint("right", (x - 1.0) ** 2 + (y - 0.3) ** 2 - 1.0)
+    a = analyse(derive(b.model()))
+    assert (a.degrees_of_freedom, a.more_at_start) == (0, 1)
