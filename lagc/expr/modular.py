@@ -27,7 +27,7 @@ _MOST_DECIMALS = 20  # of which products are looked for
 _ULPS = 4
 _EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
 
-Linear: TypeAlias = dict["int | None", Fraction]  # value of a term -> coefficient; None: a number
+Linear: TypeAlias = dict["int | str", Fraction]  # value of a term -> coefficient; "1": a number; "pi"
 Circle: TypeAlias = tuple[int, int]  # cosine, sine
 
 
@@ -135,9 +135,9 @@ class Point:
             return self._exponential(op, self._form(node.args[0]))
         if op == "sqrt":
             return self._root(x)
-        self.exact = self.exact and op == "floor"  # of which steps are what matters
         if op == "pow":
             return self._pow(x, node.args[1])
+        self.exact = self.exact and op == "floor"  # of which steps are what matters
         return self._any(op, *(self._known[a] for a in node.args))
 
     def _any(self, *key: object) -> int:
@@ -154,8 +154,8 @@ class Point:
         return self._numbers[value]
 
     def _meant(self, value: float) -> int:
-        turns = Fraction(value / math.pi).limit_denominator(360) if math.isfinite(value) else Fraction(0)
-        if turns and abs(float(turns) * math.pi - value) <= _ULPS * math.ulp(value):
+        turns = turns_of(value)
+        if turns:
             return residue(turns) * self._any("pi") % P
         meant = fraction(value)
         if meant is None:
@@ -207,14 +207,27 @@ class Point:
             for term, c in self._forms[node.args[1]].items():
                 total[term] = total.get(term, Fraction(0)) + c
             return {term: c for term, c in total.items() if c}
-        number = fraction(node.value) if node.op in ("const", "scale") else None
-        if node.op == "const" and number is not None:
-            return {None: number} if number else {}
-        if node.op == "scale" and number is not None:
-            return {term: number * c for term, c in self._forms[node.args[0]].items()}
-        value = self._known[node]
-        sign = 1 if 2 * value < P else -1
-        return {sign * value % P: Fraction(sign)} if value else {}
+        if node.op == "const":
+            turns, number = turns_of(node.value), fraction(node.value)
+            if turns:
+                return {"pi": turns}
+            if number is not None:
+                return {"1": number} if number else {}
+        elif node.op == "scale":
+            turns, number = turns_of(node.value), fraction(node.value)
+            if not turns and number is not None:
+                return {term: number * c for term, c in self._forms[node.args[0]].items()}
+            if turns:
+                node = node.args[0]
+                return self._term(self._known[node] * self._any("pi") % P, turns)
+        return self._term(self._known[node], Fraction(1))
+
+    @staticmethod
+    def _term(value: int, c: Fraction) -> Linear:
+        """c times a term, of which the opposite is the same one."""
+        if not value:
+            return {}
+        return {value: c} if 2 * value < P else {P - value: -c}
 
     def _multiples(self, form: Linear) -> Iterable[tuple[tuple[object, ...], int]]:
         """(base, whole multiple) of each term; a term with an odd denominator is a base of its own."""
@@ -228,11 +241,8 @@ class Point:
         """Cosine and sine of an angle."""
         rest = dict(form)
         quarters = 0
-        if None in rest:
-            turn = float(rest[None]) / (math.pi / 2.0)
-            if round(turn) and abs(turn - round(turn)) <= _ULPS * math.ulp(turn):
-                quarters = round(turn)
-                del rest[None]
+        if "pi" in rest and rest["pi"].denominator <= 2:
+            quarters = int(2 * rest.pop("pi"))
         turned = [(1, 0), (0, 1), (P - 1, 0), (0, P - 1)][quarters % 4]
         for base, n in self._multiples(rest):
             turned = _around(turned, _multiple(self._circle(base), n))
@@ -263,9 +273,12 @@ class Point:
     def _pow(self, x: int, exponent: Node) -> int:
         """x^(n + rest) = x^n x^rest for the whole part n of the number in the exponent."""
         form = dict(self._form(exponent))
-        number = form.pop(None, Fraction(0))
+        number = form.pop("1", Fraction(0))
         whole = math.floor(number)
-        rest = sorted((term or 0, c) for term, c in form.items())
+        if not form and number - whole == Fraction(1, 2):
+            return power(x, whole) * self._root(x) % P
+        self.exact = False
+        rest = sorted((str(term), c) for term, c in form.items())
         return power(x, whole) * self._any("pow", x, number - whole, *rest) % P
 
 
@@ -316,6 +329,14 @@ _HALF = (P + 1) // 2
 def residue(x: Fraction) -> int:
     """A fraction in the field."""
     return x.numerator * power(x.denominator, -1) % P
+
+
+def turns_of(value: float) -> Fraction | None:
+    """The simple multiple of pi that a float is within rounding, other than none."""
+    if not math.isfinite(value):
+        return None
+    near = Fraction(value / math.pi).limit_denominator(360)
+    return near if near and abs(float(near) * math.pi - value) <= _ULPS * math.ulp(value) else None
 
 
 def fraction(value: float) -> Fraction | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from itertools import combinations, product
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
@@ -20,6 +20,7 @@ Signs = dict[Node, int]  # difference of two sides -> 1 or -1
 _KINKS = ("abs", "sign", "min", "max")
 _COMPARISONS = ("lt", "le", "eq")
 _MOST = 6  # differences of which all combinations of signs are tried
+_MOST_PAIRED = 12  # of which pairs are
 
 
 def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
@@ -92,15 +93,18 @@ class Branches:
         return len(self.differences) <= _MOST
 
     def all(self) -> Iterator[Signs]:
-        """Combinations of signs: each one, or where they are many each sign beside all others' both."""
+        """Combinations of signs: each one, or where they are many those that differ from all alike in
+        one or two."""
         count = len(self.differences)
         if self.complete:
             for signs in product((1, -1), repeat=count):
                 yield dict(zip(self.differences, signs))
             return
+        other = [(k,) for k in range(count)]
+        pairs = list(combinations(range(count), 2)) if count <= _MOST_PAIRED else []
         for rest in (1, -1):
-            for k in range(count):
-                yield {d: -rest if i == k else rest for i, d in enumerate(self.differences)}
+            for turned in [(), *other, *pairs]:
+                yield {d: -rest if k in turned else rest for k, d in enumerate(self.differences)}
 
     def truths(self, signs: Signs) -> dict[Node, bool]:
         """Of every comparison, where the differences have these signs."""

@@ -10,7 +10,7 @@ import pytest
 from lagc.cli.main import main
 from lagc.optimize.optimize import optimize
 from lagc.view.explain import Facts, explanation, text
-from tests.view.models import MODELS, derived
+from tests.view.models import MODELS, derived, equations_of
 
 
 def facts(name: str, scene: str | None = None) -> Facts:
@@ -89,3 +89,41 @@ def test_the_command_prints_text_and_json(capsys: pytest.CaptureFixture[str]) ->
     assert json.loads(capsys.readouterr().out)["status"] == "ok"
     assert main(["equations", path, "--json", "--format", "latex"]) == 0
     assert json.loads(capsys.readouterr().out)["format"] == "latex"
+
+
+THREE_CRANKS = """
+model ThreeCranks "A plate on three equal parallel cranks"
+  parameter Mass m = 1 [kg];
+  parameter Length l = 1 [m];
+  coordinate Length x(start = 0.6 [m]), y(start = 0.8 [m]);
+  coordinate Angle turn;
+  frame F = rotate_z(world, turn);
+  body plate = Solid(mass = m, inertia = m*l^2*{1/8, 1/8, 1/4}, frame = F, com = {x, y, 0});
+  point a = {x, y, 0} + l*(F.x/2 - F.y/3);
+  point b = {x, y, 0} - l*F.x;
+  point c = {x, y, 0} + l*(F.y - F.x/4);
+  constraint first: norm(a - l*{1/2, -1/3, 0}) = l;
+  constraint second: norm(b - l*{-1, 0, 0}) = l;
+  constraint third: norm(c - l*{-1/4, 1, 0}) = l;
+end ThreeCranks;
+"""
+
+
+def test_what_is_not_proved_seems_so() -> None:
+    """The third crank follows from the two others where all hold, and nowhere else."""
+    equations = equations_of(THREE_CRANKS)
+    found = explanation(equations, optimize(equations))
+    assert (found["degrees_of_freedom"], found["redundant"]) == (1, ["third"])
+    assert found["seems"] == {
+        "cyclic": [], "redundant": ["third"], "degrees_of_freedom": True, "positional_freedom": True,
+    }  # fmt: skip
+    written = text(found)
+    assert "degrees of freedom: 1, it seems from states on the constraints" in written
+    assert "redundant rows, it seems: third" in written
+    proved = {c["name"]: c["proved"] for c in found["conserved"]}
+    assert proved == {"energy": True, "angular_momentum().z": False}
+    assert "angular_momentum().z = " in written and ", it seems: no net torque" in written
+
+
+def test_what_is_proved_is_told_plainly() -> None:
+    assert "seems" not in text(facts("classic/rolling_disc"))
