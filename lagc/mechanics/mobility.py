@@ -1,8 +1,8 @@
 """How many motions the rows leave: the rank of their Jacobian at states that meet them.
 
 Off the constraints the rank of a closed loop is too large: rows that depend on each other where the
-loop is closed do not elsewhere.  So it is taken along motions that the rows allow, from the start
-on (`manifold.walk`), and the largest one counts: postures where it is less are passed.  It is proved
+loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
+(`manifold.walk`), and the largest one counts: postures where it is less are passed.  It is proved
 where it cannot be larger: as many as there are rows, or as at a random point of a finite field.
 """
 
@@ -43,7 +43,7 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
     if not rows:
         return Mobility(frozenset(), 0, 0, True, True)
-    tried = [_span(states, rows, state) for state in (*met.beside, *met.far)]
+    tried = [_span(states, rows, state) for state in met.beside or met.far]
     first = None if met.start is None else _span(states, rows, met.start)
     spans = [*tried, first] if first else tried
     if not spans:
