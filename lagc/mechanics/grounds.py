@@ -2,7 +2,8 @@
 
 Anywhere: positions, rates and time are free, quaternions have length one.  Along the motion: holonomic
 rows hold as far as they can be solved for coordinates or parameters that they hold linearly (a loop
-for its lengths), velocity rows hold, accelerations and multipliers solve the equations of motion.
+for its lengths) or as squares (a rod for its length), velocity rows hold, accelerations and
+multipliers solve the equations of motion.
 
 Rows may have solutions of several kinds: a loop closes for lengths of zero too.  Those of the field are
 of the kind that the motion has where what is solved for can be solved for at a state of the motion
@@ -16,26 +17,28 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import TypeVar
 
-from lagc.expr.derivative import gradient
+from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.expr.modular import P, Point, power
+from lagc.expr.modular import P, Point, Undefined, is_square, power
 from lagc.expr.walk import symbols
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.finite import RIGHT
 from lagc.mechanics.finite import solve as solve_exactly
-from lagc.mechanics.judge import Ground, Truths, defaults
+from lagc.mechanics.judge import Ground, State, Truths, defaults
 from lagc.mechanics.linear import Span, solve
-from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import dense
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 Number = TypeVar("Number", int, float)
 
 _STATES = 3
 _MOST_ROWS = 40  # of which unknowns are chosen
+_DRAWS = 40
 LARGEST = 160  # accelerations and multipliers that are solved for
 
 
@@ -90,7 +93,10 @@ class _Placing:
         residuals = [row.residual for row in rows if row.kind == "holonomic"]
         unknowns = _solvable(states, residuals)
         holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
-        self.complete = all(row.linear for row in rows) and len(holonomic) == len(residuals)
+        left = [x for x in residuals if x not in holonomic]
+        squares = _squares(states, left, holonomic, tries[0]) if tries else []
+        known = len(holonomic) + len(squares) == len(residuals)
+        self.complete = all(row.linear for row in rows) and known
         slopes = [gradient(graph, {x: graph.one}, unknowns) for x in holonomic]
         rates = [row.rate for row in rows if row.linear]
         jacobians = [row.jacobian for row in rows if row.linear]
@@ -99,6 +105,7 @@ class _Placing:
             *rates,
             *(x for table in slopes for x in table.values()),
             *(x for table in jacobians for x in table.values()),
+            *(x for square in squares for x in square.nodes),
         ]
         self.support = spelt_out(graph, flat)
         entries = iter(self.support)
@@ -106,11 +113,14 @@ class _Placing:
         self._rates = [next(entries) for _ in rates]
         self._slopes = [{unknowns.index(x): next(entries) for x in table} for table in slopes]
         self._jacobians = [{j: next(entries) for j in table} for table in jacobians]
+        self._squares = [_Square(x.unknown, x.others, [next(entries) for _ in x.nodes]) for x in squares]
         self._unknowns = unknowns
 
     def place(self, point: Point, truths: Truths) -> bool:
         _turn(self.states, point)
         met = self._meet(point, truths, self._unknowns, self._residuals, self._slopes)
+        for square in self._squares:
+            square.place(point, truths)
         moving = self._meet(point, truths, self.states.v, self._rates, self._jacobians)
         return met and moving and self.complete
 
@@ -135,13 +145,66 @@ class _Placing:
         return found is not None
 
 
+@dataclass(frozen=True, slots=True)
+class _Square:
+    """A row that is a quadratic polynomial in one `unknown`: `nodes` are its residual and the first two
+    derivatives; `others` may be drawn again, so that it has a root."""
+
+    unknown: Node
+    others: list[Node]
+    nodes: list[Node]
+
+    def place(self, point: Point, truths: Truths) -> None:
+        """Solve it, with one sign or the other.  Raises Undefined."""
+        for _ in range(_DRAWS):
+            point.place({self.unknown: 0})
+            c, b, a = point.values(self.nodes, truths)
+            discriminant = (b * b - 2 * a * c) % P
+            if a and is_square(discriminant):
+                root = pow(discriminant, (P + 1) // 4, P) * (1 if point.draw() % 2 else -1)
+                point.place({self.unknown: (root - b) * power(a, -1) % P})
+                return
+            point.place({x: point.draw() for x in self.others})
+        raise Undefined
+
+
+def _squares(
+    states: States, residuals: Sequence[Node], solved: Sequence[Node], state: State
+) -> list[_Square]:
+    """For each residual an unknown that those solved before do not hold, and that it can be solved for
+    at `state`; residuals without one are left out."""
+    graph = states.graph
+    fixed = symbols(solved)
+    found: list[_Square] = []
+    asked = _scalars(states)
+    for residual in residuals[:_MOST_ROWS]:
+        held = symbols([residual]) - fixed
+        for x in asked if held else ():
+            if x not in held:
+                continue
+            slope = tangent(graph, [residual], {x: graph.one})[0]
+            curve = tangent(graph, [slope], {x: graph.one})[0]
+            ((value, size),) = magnitudes([slope], state)
+            if not curve.is_zero and x not in symbols([curve]) and abs(value) > VANISHES * size:
+                found.append(
+                    _Square(x, [y for y in asked if y in held and y is not x], [residual, slope, curve])
+                )
+                fixed |= held
+                break
+    return found
+
+
+def _scalars(states: States) -> list[Node]:
+    """Coordinates that are no parts of quaternions, and parameters."""
+    quaternions = {states.q[i + k] for i in states.quaternions for k in range(4)}
+    return [x for x in (*states.q, *(p.symbol for p in states.model.parameters)) if x not in quaternions]
+
+
 def _solvable(states: States, residuals: Sequence[Node]) -> list[Node]:
     """Coordinates and parameters in which all residuals together are linear."""
     if not residuals or len(residuals) > _MOST_ROWS:
         return []
-    quaternions = {states.q[i + k] for i in states.quaternions for k in range(4)}
-    parameters = [p.symbol for p in states.model.parameters]
-    asked = [x for x in (*states.q, *parameters) if x not in quaternions]
+    asked = _scalars(states)
     graph = states.graph
     slopes = [gradient(graph, {x: graph.one}, asked) for x in residuals]
     found: list[Node] = []

@@ -217,3 +217,25 @@ def test_a_loop_that_closes_for_nothing_too_is_not_taken_for_that() -> None:
     x = length * g.cos(one) + base * g.cos(two) - base - length * g.cos(three)
     b.constraint("loop", x, length * g.sin(one) + base * g.sin(two) - length * g.sin(three))
     assert facts(analyse(derive(b.model()))) == {}
+
+
+@pytest.mark.parametrize("push", [0.0, 1e-13, 1e-200])
+@pytest.mark.parametrize("squared", [False, True])
+def test_rods_hold_where_it_is_asked(squared: bool, push: float) -> None:
+    """A triangle of rods keeps all its momenta, given as lengths or squares, and a tiny push is seen."""
+    b = Builder()
+    g = b.graph
+    starts = ((0.1, 0.2, 0.3), (1.1, 0.4, 0.2), (0.5, 1.2, 0.6))
+    places = [[b.coordinate(f"{k}{i}", x) for k, x in zip("xyz", at)] for i, at in enumerate(starts)]
+    for i, place in enumerate(places):
+        b.particle(f"p{i}", b.parameter(f"m{i}", 1.0 + i), place)
+        for j in range(i):
+            square, length = gap(b, place, places[j]), b.parameter(f"l{i}{j}")
+            b.constraint(f"rod{i}{j}", square - length**2 if squared else g.sqrt(square) - length)
+    if push:
+        b.force("push", (push * places[0][1], 0.0, 0.0), places[0])
+    found = facts(analyse(derive(b.model())))
+    if push:
+        assert found == dict.fromkeys(["momentum().y", "momentum().z", "angular_momentum().x"], True)
+    else:
+        assert found == dict.fromkeys(["energy", *TOTALS], True)
