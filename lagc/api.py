@@ -120,7 +120,7 @@ class CompiledModel:
         compiled again.  Raises Refused where one is unknown or out of its bounds."""
         bound = CompiledModel.__new__(CompiledModel)
         bound._loaded = self._loaded
-        bound._given = {**self._given, **quantities(parameters)}
+        bound._given = self._with_given(parameters)
         bound._own, bound._recent = {}, None
         bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
         return bound
@@ -310,8 +310,18 @@ class CompiledModel:
         return (*self.interface.q_names, *self.interface.v_names)
 
     def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
-        given = {**self._given, **quantities(parameters)} if parameters else self._given
+        given = self._with_given(parameters) if parameters else self._given
         return bound_parameters(self.interface, given, self.artifact.unused, demanding)
+
+    def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
+        """The values of this model, with those of `parameters` in their place."""
+        more = quantities(parameters)
+        for name in self.artifact.built_in:
+            if name in more and more[name] != self._given.get(name):
+                fault = Fault("LAG0607", f"`{name}` is built into the compiled model: no run can change it",
+                              remedy="give it to `compile(parameters=...)`")  # fmt: skip
+                raise Refused([fault])
+        return {**self._given, **more}
 
     def _repr_latex_(self) -> str:
         from lagc.view.latex import equations_latex

@@ -35,13 +35,18 @@ class Head:
 
 @dataclass(frozen=True)
 class Artifact:
-    """A compiled model.  `unused` are the parameters that reach nothing: they may be given, to
-    no effect.  `code` is the compiled text of a Python target."""
+    """A compiled model.  `unused` are the parameters that reach nothing, which may be given, to no
+    effect; and those that are `built_in`.  `code` is the compiled text of a Python target."""
 
     interface: Interface
     sources: Mapping[str, str]
     unused: tuple[Field, ...] = ()
     code: CodeType | None = None
+
+    @property
+    def built_in(self) -> tuple[str, ...]:
+        """The parameters whose values are a part of the code: no run can change them."""
+        return tuple([f.name for f in self.unused if f.value is None and not f.place])
 
     def __getstate__(self) -> dict[str, object]:
         """Without `code`, which belongs to one version of Python: it can be made from the text."""

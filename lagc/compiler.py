@@ -281,7 +281,8 @@ def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Prog
 
 
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
-    """The parameters of the model that reach nothing or are built in: a run may name them, to no effect."""
+    """The parameters of the model that reach nothing, and those that are built in, which have no value
+    and no place here."""
     kept = {f.name for f in interface.parameters}
     fields = [
         Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit,

@@ -99,6 +99,26 @@ def test_structural_integers_are_built_in() -> None:
     assert again.interface == two.interface
 
 
+def test_what_is_built_in_belongs_to_no_run() -> None:
+    chain = lagc.load("classic/chain").compile(parameters={"n": 2}, backend="numpy")
+    derived = lagc.loads(
+        "model M\n  parameter Mass m = 2 [kg], twice = 2*m, idle = 1 [kg];\n"
+        "  coordinate Length x(start = 1);\n"
+        "  body b = Particle(mass = twice, at = {x, 0, 0});\n  potential V = 1 [N/m]*x^2;\nend M;\n"
+    ).compile(backend="numpy")
+    for model, name in ((chain, "n"), (derived, "twice")):
+        for ask in (
+            lambda given, model=model: model.bind(given),
+            lambda given, model=model: model.simulate(stop=0.1, parameters=given),
+            lambda given, model=model: model.start(given),
+        ):
+            with pytest.raises(lagc.Refused) as refused:
+                ask({name: 5})
+            assert [f.code for f in refused.value.faults] == ["LAG0607"]
+    assert chain.bind({"n": 2}).interface.nq == 2  # as it is
+    assert derived.bind({"idle": 3.0, "m": 4.0}).rhs(0.0, [1.0, 0.0])[1] == -2.0 / 8.0
+
+
 def test_a_data_frame(pendulum: lagc.CompiledModel) -> None:
     pytest.importorskip("pandas")
     frame = pendulum.simulate(stop=1, points=5).to_pandas()

@@ -34,6 +34,11 @@ ENTRIES: dict[str, Entry] = {
         "`--start NAME=...` names a coordinate (`theta`) or a speed (`der(theta)`, or the name of a "
         "declared `speed`).",
     ),
+    "LAG0607": Entry(
+        "a run gives a parameter that is built into the compiled model",
+        "Structural parameters, and those whose value depends on others, are a part of the code: they are "
+        "given to `model.compile(parameters=...)`, before `bind`, `simulate` or `rhs`.",
+    ),
     "LAG0610": Entry(
         "no start meets all conditions",
         "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
