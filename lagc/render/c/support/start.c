@@ -395,10 +395,24 @@ static void lagc_unwind(const lagc_params *p, double t, double *y, lagc_start_wo
         lagc_copy(y, w->turned);
 }
 
-/* Look for a start from the spreads begin..end-1, what is free moving; w->y is the best found. */
+/* How far what nobody stated is from the guess, in weights. */
+static double lagc_strayed(const double *y, const lagc_start_work *w)
+{
+    double total = 0.0;
+    int i;
+    for (i = 0; i < LAGC_NU; i++)
+        if (w->levels[i] == LAGC_UNSTATED) {
+            const double way = (y[i] - w->home[i]) / w->weights[i];
+            total += way * way;
+        }
+    return sqrt(total);
+}
+
+/* Look for a start from the spreads begin..end-1, what is free moving; w->y is the best found: the first
+ * that is near, else the nearest. */
 static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_start_work *w)
 {
-    double least = HUGE_VAL;
+    double least = HUGE_VAL, nearest = HUGE_VAL;
     int i, k, pass, any = 0, stated = 0;
     lagc_copy(w->best, w->home);
     for (i = 0; i < LAGC_NU; i++) {
@@ -414,23 +428,29 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
             w->ease = LAGC_SLIGHT;
             size = lagc_farthest(p, t, w->now, LAGC_ALL, w);
             if (size <= LAGC_ACCEPTED) {
-                w->first = k;
+                double far;
                 lagc_unwind(p, t, w->now, w);
                 if (k > 0 || pass)
                     lagc_nearer(p, t, w->now, w);
-                lagc_copy(w->y, w->now);
-                return 1;
+                far = lagc_strayed(w->now, w);
+                if (far < nearest) {
+                    lagc_copy(w->best, w->now);
+                    least = 0.0;
+                    nearest = far;
+                    w->first = k;
+                }
+                break;
             }
             if (size < least) {
                 lagc_copy(w->best, w->now);
                 least = size;
             }
         }
-        if (!any)
+        if (nearest <= 8.0 || !any)
             break;
     }
     lagc_copy(w->y, w->best);
-    return 0;
+    return nearest < HUGE_VAL;
 }
 
 /* Whether there is a start with what is free now, from the guess, beside it, or where one was found. */

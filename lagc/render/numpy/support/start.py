@@ -28,6 +28,7 @@ SHORTEST = 2.0**-14  # part of a step that is tried at last
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
 SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # of the widths: how far from the guess attempts begin
 BESIDE = 2  # the spread that leaves a singular guess well behind
+NEAR = 8.0  # weights from the guess: a start farther off is not taken before others are sought
 HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
 MOST_TRIALS = 2000  # sets of stated values of one level that are tried
@@ -285,8 +286,9 @@ class Consistency:
     # -- the way to a start --
 
     def solve(self, first: int, end: int) -> bool:
-        """Look for a start from the spreads first..end-1, what is free moving; `y` is the best found."""
-        least, stated = inf, False
+        """Look for a start from the spreads first..end-1, what is free moving; `y` is the best found: the
+        first that is near, else the nearest."""
+        least, nearest, stated = inf, inf, False
         best = self.home[:]
         for i in range(self.n):
             stated = stated or (self.free[i] and self.levels[i] > UNSTATED)
@@ -297,16 +299,18 @@ class Consistency:
                 self.ease = SLIGHT
                 size = self.worst(y, self.rows)[0]
                 if size <= ACCEPTED:
-                    self.begin = k
                     y = self.unwound(y)
-                    self.y = self.nearer(y) if k > 0 or ease > SLIGHT else y
-                    return True
+                    y = self.nearer(y) if k > 0 or ease > SLIGHT else y
+                    far = self.strayed(y)
+                    if far < nearest:
+                        best, least, nearest, self.begin = y, 0.0, far, k
+                    break
                 if size < least:
                     best, least = y, size
-            if True not in self.free:
+            if nearest <= NEAR or True not in self.free:
                 break
         self.y = best
-        return False
+        return nearest < inf
 
     def spread(self, k: int) -> list[float]:
         """The guess, with what is free moved by up to SPREADS[k] of its width: a guess may be singular."""
@@ -453,6 +457,15 @@ class Consistency:
         for i in range(self.n):
             way = (y[i] - self.home[i]) / self.weight(i)
             total += way * way
+        return sqrt(total)
+
+    def strayed(self, y: list[float]) -> float:
+        """How far what nobody stated is from the guess, in weights."""
+        total = 0.0
+        for i in range(self.n):
+            if self.levels[i] == UNSTATED:
+                way = (y[i] - self.home[i]) / self.weights[i]
+                total += way * way
         return sqrt(total)
 
     def unwound(self, y: list[float]) -> list[float]:
