@@ -19,6 +19,7 @@ from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.redundancy import drop_redundant
 from lagc.mechanics.smoothness import refuse_breaks
 from lagc.mechanics.states import build_states
+from lagc.mechanics.touching import refuse_touching
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -34,16 +35,18 @@ def derive(model: Model) -> EquationsOfMotion:
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)
-    classified, dropped = drop_redundant(states, classify(states))
+    rows = classify(states)
+    refuse_touching(states, rows)
+    classified, dropped = drop_redundant(states, rows)
     lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
     totals = energies(states, parts, acting, free, classified, lam)
     matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
     bias = _sum(graph, [bias_forces(states, parts), free.bias])
     given = _sum(graph, [x.contribution.forces for x in acting])
     zero = graph.zero
-    rows = tuple([x.row for x in classified])
+    kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
-    warnings = (*points_of_their_own(states, rows), *feeding_loads(states, rows, contributions))
+    warnings = (*points_of_their_own(states, kept), *feeding_loads(states, kept, contributions))
     return EquationsOfMotion(
         model=model,
         graph=graph,
@@ -61,7 +64,7 @@ def derive(model: Model) -> EquationsOfMotion:
         mass_matrix=matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
-        rows=rows,
+        rows=kept,
         contributions=contributions,
         kinetic=totals.kinetic,
         potential=totals.potential,

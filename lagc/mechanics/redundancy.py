@@ -10,7 +10,7 @@ depend on others but can never hold with them are refused.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
@@ -59,6 +59,18 @@ class _Reduced:
         self.bases.append((max(row, key=lambda j: abs(row[j])), row, made))
 
 
+def _tables(states: States, rows: Sequence[Row], vary: bool = True) -> Iterator[_Reduced]:
+    """The Jacobian of the rows on states chosen at random, as `samples` does."""
+    flat = [node for row in rows for node in row.jacobian.values()]
+    for sample in samples(states.model, _STATES, vary) if rows else ():
+        entries = magnitudes(flat, sample)
+        if all(math.isfinite(size) for _, size in entries):
+            entry = iter(entries)
+            jacobians = [{j: next(entry) for j in row.jacobian} for row in rows]
+            sizes = [max([size for _, size in row.values()], default=0.0) for row in jacobians]
+            yield _Reduced([{j: x for j, (x, _) in row.items()} for row in jacobians], sizes)
+
+
 @dataclass(frozen=True, slots=True)
 class Redundant:
     """A row that follows from those of index `others`."""
@@ -87,7 +99,11 @@ def drop_redundant(
         others = [classified[k] for k in redundant.others]
         if contradiction:
             faults.append(_contradiction(x, others))
-        elif x.row.kind == "velocity" and _follows(states, x.row, independent):
+        elif (
+            x.row.kind == "velocity"
+            and _steady(states, classified, redundant)
+            and _follows(states, x.row, independent)
+        ):
             dropped[redundant.row] = _reason(x.row, [y.row for y in others])
     if faults:
         raise Refused(faults)
@@ -95,17 +111,27 @@ def drop_redundant(
     return kept, [(classified[k].row.label, reason) for k, reason in dropped.items()]
 
 
+def _steady(states: States, classified: Sequence[Classified], redundant: Redundant) -> bool:
+    """Whether the row is the same combination of the others at every posture.
+
+    One that is not, cos(a) s and sin(a) s of rolling in a plane, is all that is left of both where
+    the other vanishes.
+    """
+    rows = [classified[k].row for k in (*redundant.others, redundant.row)]
+    known: dict[int, float] = {}
+    for reduced in _tables(states, rows, vary=False):
+        for k in range(len(rows) - 1):
+            reduced.add(*reduced.reduce(k))
+        made = reduced.reduce(len(rows) - 1)[1]
+        for k, x in made.items():
+            if abs(x - known.setdefault(k, x)) > _KEPT * abs(x):
+                return False
+    return True
+
+
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     """The rows whose Jacobian depends on those before, on every state tried."""
-    flat = [node for row in rows for node in row.jacobian.values()]
-    tables: list[_Reduced] = []
-    for sample in samples(states.model, _STATES) if rows else ():
-        entries = magnitudes(flat, sample)
-        if all(math.isfinite(size) for _, size in entries):
-            entry = iter(entries)
-            jacobians = [{j: next(entry) for j in row.jacobian} for row in rows]
-            sizes = [max([size for _, size in row.values()], default=0.0) for row in jacobians]
-            tables.append(_Reduced([{j: x for j, (x, _) in row.items()} for row in jacobians], sizes))
+    tables = list(_tables(states, rows))
     found: list[Redundant] = []
     for k in range(len(rows) if tables else 0):
         reduced = [table.reduce(k) for table in tables]

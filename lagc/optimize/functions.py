@@ -77,6 +77,19 @@ def scales(places: Places) -> Function:
     return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
 
 
+def gamma_sizes(places: Places) -> Function:
+    """The sum of the absolute values of the terms of each row's gamma, as `scales` of its residual:
+    where the row's gradient vanishes nothing else tells whether gamma is more than rounding."""
+    graph, speeds = places.graph, places.equations.v
+    sizes: list[Node] = []
+    for row in places.equations.rows:
+        slopes = gradient(graph, {row.gamma: graph.one}, speeds)
+        parts = [*terms(graph, row.gamma), *(slope * v for v, slope in slopes.items())]
+        sizes.append(graph.sum(graph.unary("abs", part) for part in parts))
+    described = "size of the terms of each row's gamma"
+    return _function(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
+
+
 def terms(graph: Graph, node: Node) -> list[Node]:
     """What `node` is the sum of."""
     found: list[Node] = []

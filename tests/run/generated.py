@@ -109,6 +109,7 @@ def pendulum(
         trace("system", PTX, (("qdot", 2), ("M", 3), ("r", 2), ("G", 2 * nc), ("gamma", nc)), system),
         trace("position", PTX, (("phi", nc),), phi),
         trace("velocity", PTX, (("psi", nc),), psi),
+        trace("gamma_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
         trace("scales", PTX, (("s", nc),), scales),
         trace("start", ("p",), (("x", 4),), lambda p: ((0.6, -0.8, 1.6, 1.2),)),
     ]
@@ -203,6 +204,7 @@ def body_on_a_pivot() -> Program:
         trace("system", PTX, (("qdot", 7), ("M", 21), ("r", 6), ("G", 18), ("gamma", 3)), system),
         trace("position", PTX, (("phi", 3),), phi),
         trace("velocity", PTX, (("psi", 3),), psi),
+        trace("gamma_sizes", PTX, (("s", 3),), lambda p, t, x: ((0.0, 0.0, 0.0),)),
         trace("scales", PTX, (("s", 3),), lambda p, t, x: ((1.0, 1.0, 1.0),)),
         trace("displace", (*PTX, "d"), (("dq", 7),), displace),
         trace("energies", PTX, (("e", 3),), energies),

@@ -119,6 +119,14 @@ ENTRIES: dict[str, Entry] = {
         _on_disc("  force F = -2 [kg/s]*velocity(disc) on disc at G - R*world.z;\n"),
         _on_disc("  force F = -2 [kg/s]*velocity(disc, at = G - R*world.z) on disc at G - R*world.z;\n"),
     ),
+    "LAG0413": Entry(
+        "a constraint whose gradient vanishes where it holds",
+        "A constraint acts along its gradient.  `x^2 = 0` or `norm(a - b) = 0` touches zero and does not "
+        "cross it: wherever it holds, its gradient vanishes or has no direction: no force can enforce it.  "
+        "What is meant is that what is squared vanishes.",
+        _on_particle("  constraint c: x^2 = 0;\n"),
+        _on_particle("  constraint c: x = 0;\n"),
+    ),
     "LAG0421": Entry(
         "a constraint with a kink or a jump",
         "Where a row bends or jumps, in the coordinates or in time, the speeds that it allows jump: that "

@@ -41,7 +41,9 @@ static void lagc_row(lagc_work *w, int i)
 }
 
 /* The next vector is the first row that is long enough, not the longest, so that it is always the
- * same rows that are said to depend on those before. */
+ * same rows that are said to depend on those before.  Rows are passed by whose gamma is made of much
+ * larger terms for their length than that of others: near where a gradient vanishes, those that tell
+ * the same are better. */
 static void lagc_orthogonalise(lagc_work *w, double dependent)
 {
     int i, j, k;
@@ -51,7 +53,7 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
     }
     for (k = 0; k < LAGC_NC; k++) {
         int best = -1;
-        double longest = 0.0, length;
+        double longest = 0.0, steadiest = HUGE_VAL, length;
         double *q;
         for (j = k; j < LAGC_NC; j++) {
             const double value = lagc_square(w->b + w->order[j] * LAGC_NV);
@@ -63,9 +65,18 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
             w->rank = k;
             return;
         }
-        for (j = k; j < LAGC_NC; j++)
-            if (w->free[w->order[j]] >= 0.1 * longest && (best < 0 || w->order[j] < w->order[best]))
+        for (j = k; j < LAGC_NC; j++) {
+            i = w->order[j];
+            if (w->free[i] >= 0.1 * longest && w->sizes[i] / w->lengths[i] < steadiest)
+                steadiest = w->sizes[i] / w->lengths[i];
+        }
+        for (j = k; j < LAGC_NC; j++) {
+            i = w->order[j];
+            if (w->free[i] < 0.1 * longest || w->sizes[i] / w->lengths[i] > 100.0 * steadiest)
+                continue;
+            if (best < 0 || i < w->order[best])
                 best = j;
+        }
         i = w->order[best];
         w->order[best] = w->order[k];
         w->order[k] = i;
@@ -90,7 +101,7 @@ static void lagc_orthogonalise(lagc_work *w, double dependent)
  * but vanishes has a direction that says little: it counts for less than one (`slight`).  Where M
  * alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a is
  * given. */
-static int lagc_factor_fallback(lagc_work *w)
+static int lagc_factor_fallback(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
     int i;
     double trace = 0.0, squares = 0.0;
@@ -98,6 +109,8 @@ static int lagc_factor_fallback(lagc_work *w)
     if (30.0 * w->miss > least)
         least = 30.0 * w->miss < 0.1 ? 30.0 * w->miss : 0.1;
     w->weight = 0.0;
+    for (i = 0; i < LAGC_NC; i++)
+        w->sizes[i] = 0.0;
     if (!w->lost && lagc_cholesky(w)) {
         lagc_orthogonalise(w, least);
         if (w->rank == LAGC_NC)
@@ -111,6 +124,7 @@ static int lagc_factor_fallback(lagc_work *w)
         w->weight = trace > 0.0 ? trace / squares : 1.0 / squares;
     if (!lagc_cholesky(w))
         return LAGC_SINGULAR_MASS;
+    lagc_fn_gamma_sizes(p, t, x, w->sizes);
     lagc_orthogonalise(w, least);
     if (w->rank == LAGC_NC)
         return LAGC_OK;
@@ -179,7 +193,9 @@ static void lagc_multipliers(lagc_work *w, double *c, double *lam)
     }
 }
 
-/* M z - G^T lam = r1, G z = r2; z holds r1 at first. */
+/* M z - G^T lam = r1, G z = r2; z holds r1 at first.  A row that depends on others contradicts them
+ * where it misses r2 by more than a share of what r2 is made of: of the accelerations, and of the
+ * terms of gamma, which are all that is left where its gradient vanishes. */
 static int lagc_solve_fallback(lagc_work *w, const double *r2, double *z, double *lam)
 {
     const int rank = w->rank;
@@ -212,7 +228,7 @@ static int lagc_solve_fallback(lagc_work *w, const double *r2, double *z, double
         for (j = 0; j < rank; j++)
             value += w->f[j * LAGC_NC + i] * c[j];
         value = r2[i] - w->lengths[i] * value;
-        share = fabs(value) / (fabs(r2[i]) + size + 1e-300);
+        share = fabs(value) / (fabs(r2[i]) + size + w->sizes[i] + 1e-300);
         if (share > worst) {
             status = LAGC_INCONSISTENT;
             w->culprit = i;

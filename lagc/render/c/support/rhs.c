@@ -94,7 +94,7 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
     }
 #if LAGC_NC
     lagc_trust(p, t, x, w);
-    status = lagc_factor_fallback(w);
+    status = lagc_factor_fallback(p, t, x, w);
     w->lost = status == LAGC_REDUNDANT;
     for (i = w->rank; w->lost && i < LAGC_NC; i++)
         w->redundant[w->order[i]] = 1;

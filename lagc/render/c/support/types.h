@@ -19,6 +19,7 @@ typedef struct {
 #if LAGC_NC
     double G[LAGC_NC * LAGC_NV];
     double gamma[LAGC_NC];
+    double sizes[LAGC_NC]; /* of the terms of gamma */
     double weight;
     double miss;
     double slight[LAGC_NC];

@@ -4,8 +4,8 @@ orthogonal factors of G in its metric.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import sqrt
+from collections.abc import Callable, Sequence
+from math import inf, sqrt
 
 from lagc.render.numpy.support.base import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
 
@@ -22,6 +22,7 @@ STILL_DEPENDENT = 1e-4
 # of the way to the constraints.
 MISSED = 30.0
 MOST_DEPENDENT = 0.1
+UNSTEADY = 100.0  # times the size of the steadiest row's gamma, each over the row's length
 CONTRADICTION = 1e-3  # of the size of accelerations
 
 
@@ -42,22 +43,31 @@ class Fallback:
         self.r = [[0.0] * m for _ in range(m)]
         self.lengths = [0.0] * m
         self.slight = [1.0] * m
+        self.sizes = [0.0] * m
         self.order = list(range(m))
         self.rank = m
         self.culprit = -1
 
     def factor(
-        self, mass: list[float], g: list[float], lost: bool, miss: float = 0.0, slight: Sequence[float] = ()
+        self,
+        mass: list[float],
+        g: list[float],
+        lost: bool,
+        miss: float = 0.0,
+        slight: Sequence[float] = (),
+        gamma_sizes: Callable[[], list[float]] | None = None,
     ) -> int:
         """From M (packed lower rows) and G (by rows).  `lost`: rows were dependent before; `miss`:
         how far, scaled, the posture is from the constraints; `slight`: 1 for each row, less for one
-        whose gradient all but vanishes, so that its direction says little."""
+        whose gradient all but vanishes, so that its direction says little; `gamma_sizes` finds what
+        the terms of gamma add up to."""
         self.slight = list(slight) if slight else [1.0] * self.m
         least = STILL_DEPENDENT if lost else DEPENDENT
         if MISSED * miss > least:
             least = MISSED * miss if MISSED * miss < MOST_DEPENDENT else MOST_DEPENDENT
         self.g = g
         self.weight = 0.0
+        self.sizes = [0.0] * self.m
         if self.m == 0:
             return OK if self._cholesky(mass) else SINGULAR_MASS
         if not lost and self._cholesky(mass):
@@ -73,6 +83,8 @@ class Fallback:
             self.weight = trace / squares if trace > 0.0 else 1.0 / squares
         if not self._cholesky(mass):
             return SINGULAR_MASS
+        if gamma_sizes is not None:
+            self.sizes = gamma_sizes()
         self._orthogonalise(least)
         if self.rank == self.m:
             return OK
@@ -80,7 +92,11 @@ class Fallback:
         return REDUNDANT
 
     def solve(self, r1: list[float], r2: list[float]) -> tuple[int, list[float], list[float]]:
-        """(status, s1, s2) with M s1 - G^T s2 = r1, G s1 = r2; s2 as short as possible."""
+        """(status, s1, s2) with M s1 - G^T s2 = r1, G s1 = r2; s2 as short as possible.
+
+        A row that depends on others contradicts them where it misses r2 by more than a share of what r2
+        is made of: of the accelerations, and of the terms of gamma, which are all that is left where its
+        gradient vanishes."""
         n, m, rank, order, r, b, lengths = self.n, self.m, self.rank, self.order, self.r, self.b, self.lengths
         z = r1[:]
         if self.weight > 0.0:
@@ -111,7 +127,7 @@ class Fallback:
             for j in range(rank):
                 value += r[j][i] * w[j]
             value = r2[i] - lengths[i] * value
-            share = abs(value) / (abs(r2[i]) + size + 1e-300)
+            share = abs(value) / (abs(r2[i]) + size + self.sizes[i] + 1e-300)
             if share > worst:
                 status, self.culprit, worst = INCONSISTENT, i, share
         for k in range(rank):
@@ -192,7 +208,9 @@ class Fallback:
         """Modified Gram-Schmidt; each new vector is cleaned a second time.
 
         The next is the first row that is long enough, not the longest, so that it is always the
-        same rows that are said to depend on those before.
+        same rows that are said to depend on those before.  Rows are passed by whose gamma is made of
+        much larger terms for their length than that of others: near where a gradient vanishes, those
+        that tell the same are better.
         """
         m, b, r, order = self.m, self.b, self.r, self.order
         squares = [0.0] * m
@@ -208,9 +226,16 @@ class Fallback:
             if not longest > dependent * dependent:
                 self.rank = k
                 return
+            steadiest = inf
+            for i in order[k:]:
+                if squares[i] >= 0.1 * longest and self.sizes[i] / self.lengths[i] < steadiest:
+                    steadiest = self.sizes[i] / self.lengths[i]
             best = -1
             for j in range(k, m):
-                if squares[order[j]] >= 0.1 * longest and (best < 0 or order[j] < order[best]):
+                i = order[j]
+                if squares[i] < 0.1 * longest or self.sizes[i] / self.lengths[i] > UNSTEADY * steadiest:
+                    continue
+                if best < 0 or i < order[best]:
                     best = j
             order[k], order[best] = order[best], order[k]
             i = order[k]

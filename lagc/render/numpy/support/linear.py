@@ -174,7 +174,8 @@ class Equations:
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
-        status = fallback.factor(mass, g, self.lost, *self._trust(t, x, g) if self.nc else ())
+        trust = (*self._trust(t, x, g), lambda: self._call("gamma_sizes", self.nc, t, x)) if self.nc else ()
+        status = fallback.factor(mass, g, self.lost, *trust)
         self.lost = status == REDUNDANT
         if status != OK:
             self.culprit = fallback.culprit

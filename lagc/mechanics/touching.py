@@ -1,0 +1,128 @@
+"""Rows that touch zero and do not cross it: `x^2 = 0`, `norm(a - b) = 0`.
+
+The gradient of such a row vanishes wherever the row holds, so no multiplier can enforce it, and what
+it restricts is more than one row says.  Sums of squares are seen as such.  Others are found by Newton's
+method: towards a simple zero its steps shrink faster and faster, towards one of multiplicity m each is
+1 - 1/m of that before.  A norm has half the multiplicity of what is below its root, so it is asked of that.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
+from lagc.mechanics.constraints import Classified
+from lagc.mechanics.equations import Row
+from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.samples import samples
+from lagc.mechanics.states import States
+
+_STATES = 3
+_STEPS = 200
+_LAST = 6  # steps by which a zero is judged
+_SLOW = 0.3  # ratio of these, on average, towards a multiple zero at least
+_ARRIVED = 1e-14  # of the coordinates: a step that is rounding
+_CANCELS = 1e-12  # of its terms: a residual that is rounding
+_LARGEST = 60  # rows beyond which this is not asked
+_HELD = re.compile(r"\s*(?:norm\((?P<norm>.*)\)|dot\((?P<dot>.*)\)|(?P<square>.*)\^\d+)\s*")
+
+
+def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
+    """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold."""
+    if len(classified) > _LARGEST:
+        return
+    tries = [*samples(states.model, _STATES, vary=False), *samples(states.model, _STATES)]
+    faults = []
+    for x in classified:
+        if x.row.kind == "holonomic" or not x.row.linear:
+            zeros = [_is_multiple(states, x.row, state) for state in tries]
+            if _is_sum_of_squares(x.row.residual) or (True in zeros and False not in zeros):
+                faults.append(_fault(x))
+    if faults:
+        raise Refused(faults)
+
+
+def _is_multiple(states: States, row: Row, sample: Mapping[Node, float]) -> bool | None:
+    """Whether the zero of the residual next to a state is a multiple one; None where none is found."""
+    state, moving = dict(sample), states.v if row.kind == "velocity" else states.q
+    share = 0.5 if _is_root(row.residual) else 1.0
+    columns, slopes = [states.v[j] for j in row.jacobian], list(row.jacobian.values())
+    lengths: list[float] = []
+    for _ in range(_STEPS):
+        ((value, size),) = magnitudes([row.residual], state)
+        gradient = evaluate(slopes, state)
+        square = sum(g * g for g in gradient)
+        if value == 0.0 or not 0.0 < square < math.inf or abs(value) <= _CANCELS * size:
+            break
+        step = {v: -share * value * g / square for v, g in zip(columns, gradient)}
+        change = step if row.kind == "velocity" else _displacement(states, state, step)
+        state.update((x, state[x] + d) for x, d in change.items())
+        lengths.append(math.hypot(*change.values()))
+        if lengths[-1] <= _ARRIVED * max(abs(state[x]) for x in moving):
+            break
+    else:
+        if not lengths[-1] < 1e-9 * lengths[0]:
+            return None
+    return len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
+
+
+def _is_root(node: Node) -> bool:
+    return (node.args[0] if node.op == "scale" else node).op == "sqrt"
+
+
+def _is_sum_of_squares(node: Node) -> bool:
+    """Of one or more, or its root, all of one sign."""
+    node = node.args[0] if node.op == "scale" else node
+    terms, signs = [node.args[0] if node.op == "sqrt" else node], set()
+    while terms:
+        term = terms.pop()
+        if term.op == "add":
+            terms.extend(term.args)
+            continue
+        signs.add(term.op == "scale" and term.value < 0.0)
+        factor = term.args[0] if term.op == "scale" else term
+        if factor.op != "mul" or any(exponent % 2 or exponent < 0 for exponent in factor.value):
+            return False
+    return len(signs) == 1
+
+
+def _displacement(
+    states: States, state: Mapping[Node, float], step: Mapping[Node, float]
+) -> dict[Node, float]:
+    """What a step of the speeds changes the coordinates by."""
+    still = {**state, **dict.fromkeys(states.v, 0.0)}
+    drift = evaluate(states.qdot, still)
+    moved = evaluate(states.qdot, {**still, **step})
+    return {q: b - a for q, a, b in zip(states.q, drift, moved)}
+
+
+def _fault(x: Classified) -> Fault:
+    return Fault(
+        "LAG0413",
+        f"the gradient of the constraint `{x.row.label}` vanishes wherever the constraint holds, so that no "
+        "force can enforce it",
+        x.constraint.span,
+        remedy=_remedy(x.constraint.left_span.text, x.constraint.right_span.text)
+        or "write what has to vanish itself, each part as a row of its own: `a = b` in place of "
+        "`norm(a - b) = 0`",
+    )
+
+
+def _remedy(left: str, right: str) -> str | None:
+    """For the usual ways to write such a row, what it says."""
+    found = _HELD.fullmatch(left)
+    if found is None or right.strip() != "0":
+        return None
+    if found["square"] is not None:
+        return f"write `{found['square'].strip()} = 0`" if "+" not in found["square"] else None
+    inside = found["norm"]
+    if inside is None:
+        first, comma, second = found["dot"].partition(",")
+        if comma == "" or first.strip() != second.strip():
+            return None
+        inside = first
+    return f"write `{inside.strip()} = {{0, 0, 0}}`, a row for each component"
