@@ -15,9 +15,9 @@ from collections.abc import Mapping, Sequence
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.walk import symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
-from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
 
@@ -26,9 +26,11 @@ _STEPS = 200
 _LAST = 6  # steps by which a zero is judged
 _SLOW = 0.3  # ratio of these, on average, towards a multiple zero at least
 _ARRIVED = 1e-14  # of the coordinates: a step that is rounding
-_CANCELS = 1e-12  # of its terms: a residual that is rounding
+_FLAT = 1e-3  # of the steepest gradient on the way
+_FOUND = 1e-6  # of the residual at first
+_NOISE = 1e-6  # of the coordinates: steps that grow and are shorter are rounding
 _LARGEST = 60  # rows beyond which this is not asked
-_HELD = re.compile(r"\s*(?:norm\((?P<norm>.*)\)|dot\((?P<dot>.*)\)|(?P<square>.*)\^\d+)\s*")
+_HELD = re.compile(r"\s*(?:norm\((?P<norm>.*)\)|dot\((?P<dot>.*)\)|(?P<square>[^+^]*)\^\d+)\s*")
 
 
 def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
@@ -40,7 +42,7 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     for x in classified:
         if x.row.kind == "holonomic" or not x.row.linear:
             zeros = [_is_multiple(states, x.row, state) for state in tries]
-            if _is_sum_of_squares(x.row.residual) or (True in zeros and False not in zeros):
+            if _is_made_of_squares(states, x.row.residual) or (True in zeros and False not in zeros):
                 faults.append(_fault(x))
     if faults:
         raise Refused(faults)
@@ -49,45 +51,65 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
 def _is_multiple(states: States, row: Row, sample: Mapping[Node, float]) -> bool | None:
     """Whether the zero of the residual next to a state is a multiple one; None where none is found."""
     state, moving = dict(sample), states.v if row.kind == "velocity" else states.q
-    share = 0.5 if _is_root(row.residual) else 1.0
+    rooted = _is_root(row.residual)
     columns, slopes = [states.v[j] for j in row.jacobian], list(row.jacobian.values())
     lengths: list[float] = []
+    steepness: list[float] = []
+    first = abs(evaluate([row.residual], state)[0])
     for _ in range(_STEPS):
-        ((value, size),) = magnitudes([row.residual], state)
+        value = evaluate([row.residual], state)[0]
         gradient = evaluate(slopes, state)
         square = sum(g * g for g in gradient)
-        if value == 0.0 or not 0.0 < square < math.inf or abs(value) <= _CANCELS * size:
+        if value == 0.0 or not 0.0 < square < math.inf:
             break
+        steepness.append(math.sqrt(square) * (abs(value) if rooted else 1.0))
+        share = 0.5 if rooted else 1.0
         step = {v: -share * value * g / square for v, g in zip(columns, gradient)}
         change = step if row.kind == "velocity" else _displacement(states, state, step)
         state.update((x, state[x] + d) for x, d in change.items())
         lengths.append(math.hypot(*change.values()))
-        if lengths[-1] <= _ARRIVED * max(abs(state[x]) for x in moving):
+        reach = max(abs(state[x]) for x in moving)
+        if lengths[-1] <= _ARRIVED * reach:
+            break
+        if len(lengths) > 2 and lengths[-2] < lengths[-1] < _NOISE * reach:
+            del lengths[-2:]
             break
     else:
-        if not lengths[-1] < 1e-9 * lengths[0]:
-            return None
-    return len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
+        return None
+    if not abs(value) <= _FOUND * first:
+        return None
+    slow = len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
+    return slow and lengths[-1] > _SLOW * lengths[-2] and steepness[-1] < _FLAT * max(steepness)
 
 
 def _is_root(node: Node) -> bool:
     return (node.args[0] if node.op == "scale" else node).op == "sqrt"
 
 
-def _is_sum_of_squares(node: Node) -> bool:
-    """Of one or more, or its root, all of one sign."""
+def _is_made_of_squares(states: States, node: Node) -> bool:
+    """A sum of squares of one sign, or one product of powers beyond the first, or the root of these."""
     node = node.args[0] if node.op == "scale" else node
-    terms, signs = [node.args[0] if node.op == "sqrt" else node], set()
-    while terms:
-        term = terms.pop()
+    pending, terms = [node.args[0] if node.op == "sqrt" else node], []
+    while pending:
+        term = pending.pop()
         if term.op == "add":
-            terms.extend(term.args)
-            continue
-        signs.add(term.op == "scale" and term.value < 0.0)
-        factor = term.args[0] if term.op == "scale" else term
-        if factor.op != "mul" or any(exponent % 2 or exponent < 0 for exponent in factor.value):
+            pending.extend(term.args)
+        else:
+            terms.append((term.value < 0.0, term.args[0]) if term.op == "scale" else (False, term))
+    given = {p.symbol for p in states.model.parameters}
+    moving = 0
+    for _, term in terms:
+        if term.op != "mul":
             return False
-    return len(signs) == 1
+        for base, exponent in zip(term.args, term.value):
+            if symbols([base]) <= given:
+                if exponent % 2 and len(terms) > 1:
+                    return False
+            elif exponent < 2 or (exponent % 2 and len(terms) > 1):
+                return False
+            else:
+                moving += 1
+    return moving >= len(terms) and len({sign for sign, _ in terms}) == 1
 
 
 def _displacement(
@@ -118,7 +140,7 @@ def _remedy(left: str, right: str) -> str | None:
     if found is None or right.strip() != "0":
         return None
     if found["square"] is not None:
-        return f"write `{found['square'].strip()} = 0`" if "+" not in found["square"] else None
+        return f"write `{found['square'].strip()} = 0`"
     inside = found["norm"]
     if inside is None:
         first, comma, second = found["dot"].partition(",")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
 from lagc.optimize.kkt import applied_forces, row_comments
@@ -78,16 +79,45 @@ def scales(places: Places) -> Function:
 
 
 def gamma_sizes(places: Places) -> Function:
-    """The sum of the absolute values of the terms of each row's gamma, as `scales` of its residual:
-    where the row's gradient vanishes nothing else tells whether gamma is more than rounding."""
+    """What the terms of each row's gamma add up to: where the row's gradient vanishes nothing else
+    tells whether gamma is more than rounding."""
     graph, speeds = places.graph, places.equations.v
     sizes: list[Node] = []
     for row in places.equations.rows:
         slopes = gradient(graph, {row.gamma: graph.one}, speeds)
-        parts = [*terms(graph, row.gamma), *(slope * v for v, slope in slopes.items())]
-        sizes.append(graph.sum(graph.unary("abs", part) for part in parts))
+        parts = [row.gamma, *(slope * v for v, slope in slopes.items())]
+        sizes.append(graph.sum(magnitudes(graph, parts)))
     described = "size of the terms of each row's gamma"
     return _function(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
+
+
+def gradient_sizes(places: Places) -> Function:
+    """What the terms of each row's gradient add up to, over its entries: beside that, a gradient that
+    all but vanishes is rounding."""
+    graph = places.graph
+    sizes = [graph.sum(magnitudes(graph, list(row.jacobian.values()))) for row in places.equations.rows]
+    described = "size of the terms of each row's gradient"
+    return _function(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
+
+
+def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
+    """The absolute values of `nodes` before anything in them cancels: they add in sums and multiply in
+    products."""
+    found: dict[Node, Node] = {}
+    for node in reachable(nodes):
+        if node.op == "add":
+            found[node] = graph.add(*(found[a] for a in node.args))
+        elif node.op == "scale":
+            found[node] = graph.scale(abs(node.value), found[node.args[0]])
+        elif node.op == "mul":
+            factors = [
+                (found[base] if exponent > 0 else graph.unary("abs", base), exponent)
+                for base, exponent in zip(node.args, node.value)
+            ]
+            found[node] = graph.product(factors)
+        else:
+            found[node] = graph.unary("abs", node)
+    return [found[node] for node in nodes]
 
 
 def terms(graph: Graph, node: Node) -> list[Node]:

@@ -174,6 +174,7 @@ class Program:
       velocity    (p,t,x)         -> psi[nc]    rates of all rows
       scales      (p,t,x)         -> s[nc]      size of each row's terms, for scaled residuals
       gamma_sizes (p,t,x)         -> s[nc]      size of the terms of each row's gamma
+      gradient_sizes (p,t,x)      -> s[nc]      size of the terms of each row's gradient
       energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
       outputs     (p,t,x,a,lam)   -> y[ny]

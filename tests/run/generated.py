@@ -110,6 +110,7 @@ def pendulum(
         trace("position", PTX, (("phi", nc),), phi),
         trace("velocity", PTX, (("psi", nc),), psi),
         trace("gamma_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
+        trace("gradient_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
         trace("scales", PTX, (("s", nc),), scales),
         trace("start", ("p",), (("x", 4),), lambda p: ((0.6, -0.8, 1.6, 1.2),)),
     ]
@@ -205,6 +206,7 @@ def body_on_a_pivot() -> Program:
         trace("position", PTX, (("phi", 3),), phi),
         trace("velocity", PTX, (("psi", 3),), psi),
         trace("gamma_sizes", PTX, (("s", 3),), lambda p, t, x: ((0.0, 0.0, 0.0),)),
+        trace("gradient_sizes", PTX, (("s", 3),), lambda p, t, x: ((0.0, 0.0, 0.0),)),
         trace("scales", PTX, (("s", 3),), lambda p, t, x: ((1.0, 1.0, 1.0),)),
         trace("displace", (*PTX, "d"), (("dq", 7),), displace),
         trace("energies", PTX, (("e", 3),), energies),

@@ -61,6 +61,7 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
         trace("position", PTX, (("phi", nc),), phi),
         trace("velocity", PTX, (("psi", nc),), psi),
         trace("gamma_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
+        trace("gradient_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
         trace("scales", PTX, (("s", nc),), lambda p, t, x: ([r[2] * r[2] for r in rods],)),
         trace("energies", PTX, (("e", 3),), energies),
         trace("start", ("p",), (("x", 2 * n),), lambda p: (list(start),)),

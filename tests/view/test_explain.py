@@ -127,3 +127,22 @@ def test_what_is_not_proved_seems_so() -> None:
 
 def test_what_is_proved_is_told_plainly() -> None:
     assert "seems" not in text(facts("classic/rolling_disc"))
+
+
+def test_what_is_dropped_is_named_and_counted_apart() -> None:
+    """Neither the coordinates on which nothing depends nor their speeds are degrees of freedom."""
+    model = """
+model Idle
+  coordinate Length x, spare, gone;
+  coordinate Orientation turn;
+  body p = Particle(mass = 1, at = {x, 0, 0});
+end Idle;
+"""
+    equations = equations_of(model)
+    found = explanation(equations, optimize(equations))
+    assert found["dropped"] == ["spare", "gone", "turn"]
+    assert found["count"] == {
+        "coordinates": 1, "speeds": 1, "rows": 0, "unknowns": 1, "equations": 1, "dropped": 3,
+    }  # fmt: skip
+    assert found["degrees_of_freedom"] == found["positional_freedom"] == 1
+    assert "dropped, as nothing depends on them: spare, gone, turn" in text(found)

@@ -68,6 +68,31 @@ static void lagc_trust(const lagc_params *p, double t, const double *x, lagc_wor
 }
 #endif
 
+#if LAGC_NC
+/* A gradient that is much shorter than others may be rounding of its terms: its direction says
+ * little then. */
+static void lagc_faint(const lagc_params *p, double t, const double *x, lagc_work *w)
+{
+    int i, j;
+    double largest = 0.0, smallest = HUGE_VAL;
+    for (i = 0; i < LAGC_NC; i++) {
+        w->free[i] = 0.0;
+        for (j = 0; j < LAGC_NV; j++)
+            w->free[i] += fabs(w->G[i * LAGC_NV + j]);
+        if (w->free[i] > largest)
+            largest = w->free[i];
+        if (w->free[i] < smallest)
+            smallest = w->free[i];
+    }
+    if (!(smallest < 1e-6 * largest))
+        return;
+    lagc_fn_gradient_sizes(p, t, x, w->found);
+    for (i = 0; i < LAGC_NC; i++)
+        if (w->free[i] > 0.0 && w->free[i] < w->slight[i] * w->found[i])
+            w->slight[i] = w->free[i] / w->found[i];
+}
+#endif
+
 /* Factors of the equations at (t, x) that hold for any rank. */
 static int lagc_factor_dense(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
@@ -94,6 +119,7 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
     }
 #if LAGC_NC
     lagc_trust(p, t, x, w);
+    lagc_faint(p, t, x, w);
     status = lagc_factor_fallback(p, t, x, w);
     w->lost = status == LAGC_REDUNDANT;
     for (i = w->rank; w->lost && i < LAGC_NC; i++)

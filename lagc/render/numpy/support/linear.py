@@ -13,6 +13,7 @@ from lagc.render.numpy.support.fallback import Fallback
 LEAST_PIVOT = 1e-13  # pivot ratio of a straight solve that is good enough
 LEAST_PIVOT_OF_ROWS = 1e-10  # the same with constraints: the square of what counts as dependent
 LARGEST_RESIDUAL = 1e-20  # square of one that is good enough
+FAINT = 1e-6  # of the longest gradient of a row: of a shorter one the terms are looked at
 ROUNDING = 1e-28  # the same, beyond which a straight solve is refined
 
 
@@ -174,8 +175,13 @@ class Equations:
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
-        trust = (*self._trust(t, x, g), lambda: self._call("gamma_sizes", self.nc, t, x)) if self.nc else ()
-        status = fallback.factor(mass, g, self.lost, *trust)
+        if self.nc:
+            miss, slight = self._trust(t, x, g)
+            self._faint(t, x, g, slight)
+            sizes = lambda: self._call("gamma_sizes", self.nc, t, x)  # noqa: E731
+            status = fallback.factor(mass, g, self.lost, miss, slight, sizes)
+        else:
+            status = fallback.factor(mass, g, self.lost)
         self.lost = status == REDUNDANT
         if status != OK:
             self.culprit = fallback.culprit
@@ -204,6 +210,21 @@ class Equations:
             share = total * reach / size
             slight.append(share if share < 1.0 else 1.0)
         return miss, slight
+
+    def _faint(self, t: float, x: Sequence[float], g: list[float], slight: list[float]) -> None:
+        """A gradient that is much shorter than others may be rounding of its terms: its direction says
+        little then."""
+        totals = []
+        for i in range(self.nc):
+            total = 0.0
+            for a in g[i * self.nv : (i + 1) * self.nv]:
+                total += abs(a)
+            totals.append(total)
+        if not min(totals) < FAINT * max(totals):
+            return
+        for i, (total, size) in enumerate(zip(totals, self._call("gradient_sizes", self.nc, t, x))):
+            if 0.0 < total < slight[i] * size:
+                slight[i] = total / size
 
     def _refined(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> None:
         """The right-hand side once more with one step of iterative refinement."""

@@ -1,0 +1,172 @@
+"""Rows whose gradient vanishes at a posture, where the others determine the motion: a wheel that rolls
+in or on a circular track, its rolling written as one vector, against the one-coordinate pendulum
+theta'' = -g sin(theta) / (s (1 + k)), s the distance of the centres and k m r^2 the moment of inertia."""
+
+from __future__ import annotations
+
+import math
+
+import numpy
+import pytest
+from scipy.integrate import solve_ivp
+
+import lagc
+
+ANGLES = """
+model Track
+  parameter Length R = 1 [m], r = 0.2 [m], s = %(s)s [m];
+  parameter Real k = 0.5;
+  coordinate Angle th(start = %(start)s [deg], rate = %(rate)s [rad/s], fixed = true), phi;
+  point down = %(down)s;
+  point side = %(side)s;
+  point G = s/(1 [m])*(cos(th)*down + sin(th)*side);
+  point contact = R/(1 [m])*(cos(th)*down + sin(th)*side);
+  frame B = rotate(world, cross(down, side)/(1 [m2]), phi);
+  body wheel = Solid(mass = 2 [kg], inertia = k*2 [kg]*r^2*{1, 1, 1}, frame = B, com = G);
+  Gravity field(direction = down/(1 [m]));
+  constraint roll: velocity(wheel, at = contact) = {0, 0, 0};
+  output Length along = dot(G, side)/(1 [m]);
+end Track;
+"""
+PLACES = ANGLES.replace(
+    "coordinate Angle th(start = %(start)s [deg], rate = %(rate)s [rad/s], fixed = true), phi;",
+    "coordinate Length a(start = %(a)s [m], rate = %(da)s [m/s], fixed = true), "
+    "b(start = %(b)s [m], rate = %(db)s [m/s], fixed = true); coordinate Angle phi;",
+).replace("s/(1 [m])*(cos(th)*down + sin(th)*side)", "(a*down + b*side)/(1 [m])").replace(
+    "R/(1 [m])*(cos(th)*down + sin(th)*side)", "R/s*G"
+).replace("constraint roll:", "constraint track: norm(G) = s;\n  constraint roll:")  # fmt: skip
+PLANES = {
+    "xz": ("{0, 0, -1}", "{1, 0, 0}"),
+    "zx": ("{1, 0, 0}", "{0, 0, 1}"),
+    "yx": ("{-1, 0, 0}", "{0, 1, 0}"),
+    "yz": ("{0, 0, -1}", "{0, -1, 0}"),
+    "tilted": ("{0.6, 0, -0.8}", "{0.64, 0.6, 0.48}"),
+}
+STARTS = [(0.0, 1.5), (90.0, 0.0), (-90.0, 0.0), (180.0, 2.0), (120.0, 0.0), (37.0, -1.0), (0.0, 7.0)]
+
+
+def text(way: str, plane: str, start: float, rate: float, outside: bool = False) -> str:
+    s = 1.2 if outside else 0.8
+    angle = math.radians(start)
+    down, side = PLANES[plane]
+    places = {
+        "a": s * math.cos(angle), "b": s * math.sin(angle),
+        "da": -s * math.sin(angle) * rate, "db": s * math.cos(angle) * rate,
+    }  # fmt: skip
+    model = ANGLES if way == "angles" else PLACES
+    return model % {"s": s, "start": start, "rate": rate, "down": down, "side": side, **places}
+
+
+def pendulum(start: float, rate: float, s: float, times: numpy.ndarray) -> numpy.ndarray:
+    def slope(t: float, y: numpy.ndarray) -> list[float]:
+        return [y[1], -9.81 * math.sin(y[0]) / (s * 1.5)]
+
+    begin = [math.radians(start), rate]
+    return solve_ivp(slope, (0.0, times[-1]), begin, "DOP853", times, rtol=1e-12, atol=1e-13).y[0]
+
+
+def rolled(model: str, backend: str = "numpy") -> lagc.api.Run:
+    run = lagc.loads(model).compile(backend=backend).simulate(stop=1.5, accuracy=1e-6, points=16)
+    assert run.status == "ok", run.message
+    return run
+
+
+@pytest.mark.parametrize("way", ["angles", "places"])
+@pytest.mark.parametrize(("plane", "start"), [
+    *(("xz", start) for start in STARTS), *((plane, STARTS[k]) for plane in PLANES for k in (0, 1)),
+])  # fmt: skip
+def test_a_wheel_rolls_in_a_track(way: str, plane: str, start: tuple[float, float]) -> None:
+    run = rolled(text(way, plane, *start))
+    expected = 0.8 * numpy.sin(pendulum(*start, 0.8, run.t))
+    assert run["along"] == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize("start", [(180.0, 0.5), (90.0, 0.0), (0.0, 1.0)])
+def test_a_wheel_rolls_on_a_track(start: tuple[float, float]) -> None:
+    run = rolled(text("angles", "zx", *start, outside=True))
+    assert run["along"] == pytest.approx(1.2 * numpy.sin(pendulum(*start, 1.2, run.t)), abs=1e-5)
+
+
+@pytest.mark.parametrize(("way", "plane", "start"), [
+    ("angles", "xz", STARTS[1]), ("angles", "zx", STARTS[0]), ("places", "zx", STARTS[1]),
+])  # fmt: skip
+def test_both_backends_take_the_same_steps(way: str, plane: str, start: tuple[float, float]) -> None:
+    model = text(way, plane, *start)
+    one, other = rolled(model), rolled(model, "c")
+    assert one.states == other.states
+
+
+def test_the_force_of_the_track_is_shared_along_the_tangent() -> None:
+    """Friction is m k s theta'' along the track, whichever of its rows vanish."""
+    model = text("angles", "xz", 90.0, 0.0).replace(
+        "output", "output Force f[3] = reaction(roll);\n  output", 1
+    )
+    run = rolled(model)
+    angle = pendulum(90.0, 0.0, 0.8, run.t)
+    force = 2 * 0.5 * 0.8 * (-9.81 * numpy.sin(angle) / (0.8 * 1.5))
+    tangent = numpy.array([numpy.cos(angle), 0 * angle, numpy.sin(angle)])
+    for k in (1, 3):
+        assert run[f"f[{k}]"] == pytest.approx(-force * tangent[k - 1], abs=2e-4)
+
+
+# -- rows that only touch zero ---------------------------------------------------------------------
+
+TWO = """
+model Two
+  parameter Real k = 3, l = %(l)s;
+  coordinate Length x(start = %(size)s [m]), y(start = 0.4 [m]), z;
+  parameter Length one = 1 [m];
+  body a = Particle(mass = 1, at = {x, y, 0});
+  body b = Particle(mass = 1, at = {z, one, 0.5*x});
+  %(lines)s
+end Two;
+"""
+APART = "position(a) - position(b)"
+TOUCHING = {
+    f"norm({APART}) = 0": f"`{APART} = {{0, 0, 0}}`",
+    f"dot({APART}, {APART}) = 0": f"`{APART} = {{0, 0, 0}}`",
+    "norm(velocity(a)) = 0": "`velocity(a) = {0, 0, 0}`",
+    "x^2 = 0": "`x = 0`",
+    "(x - one)^2 = 0": "`(x - one) = 0`",
+    "der(x)^2 = 0": "`der(x) = 0`",
+    "x^3 = 0": "`x = 0`",
+    "(x - one)^2 + y^2 = 0": "a row of its own",
+    "-(x^2 + 2*y^4/one^2 + z^2) = 0": "a row of its own",
+    "k*(x - one)^2 = 0": "`k*(x - one) = 0`",
+    "1 - cos(x/one) = 0": "a row of its own",
+    "x^2 + y^2 = 2*x*y": "a row of its own",
+    "k*x^2*(y - one)^4 = 0": "a row of its own",
+    "sqrt(x^2 + y^2 + z^2) = 0": "a row of its own",
+    "der(x)^2 + der(y)^2 = 0": "a row of its own",
+}
+CROSSING = [
+    "x = 0", "norm(position(a)) = one", "norm(position(a)) = l*one", "x^2 + y^2 = l^2*one^2", "x^2 = l*one^2",
+    "x*y = l*one^2", "x*y = 0", "sin(x/one) = 0", "atan2(y, x) = l", "(x - one)^2 = l*one^2",
+    "(x - y)^3 = l*one^3", "norm(position(a) - position(b)) = l*one", "exp(x/one) = 1",
+    "x^2 + y^2 - z^2 = 0", "der(x)^2 + der(y)^2 = 1 [m2/s2]", "der(x)*der(y) = 1 [m2/s2]",
+    "position(a) = position(b)",
+]  # fmt: skip
+
+
+STEEP = ["cosh(x/one) = 1", "exp((x/one)^2) = 1"]
+
+
+@pytest.mark.parametrize(("row", "size"), [
+    *((row, size) for row in TOUCHING for size in (1e-6, 0.3, 1e6)), *((row, 0.3) for row in STEEP),
+])  # fmt: skip
+def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: float) -> None:
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(TWO % {"l": 0.3, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+    (fault,) = refused.value.faults
+    assert fault.code == "LAG0413"
+    assert fault.remedy is not None and TOUCHING.get(row, "a row of its own") in fault.remedy
+
+
+@pytest.mark.parametrize("size", [1e-6, 0.3, 1e6])
+@pytest.mark.parametrize("row", CROSSING)
+@pytest.mark.parametrize("l", [1e-9, 0.3, 1e9])
+def test_rows_that_cross_zero_are_accepted(row: str, l: float, size: float) -> None:  # noqa: E741
+    try:
+        lagc.loads(TWO % {"l": l, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+    except lagc.Refused as refused:
+        assert "LAG0413" not in [fault.code for fault in refused.faults]
