@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from operator import attrgetter
 
 from lagc.expr.graph import BINARY, UNARY, Node
 from lagc.expr.walk import reachable
@@ -19,6 +20,19 @@ def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]
         if node not in known:
             known[node] = _value(node, known)
     return [known[node] for node in nodes]
+
+
+def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
+    """Add to `known` the values of `nodes` and of all below them that it lacks; as `evaluate`."""
+    missing = {node for node in nodes if node not in known}
+    stack = list(missing)
+    while stack:
+        for argument in stack.pop().args:
+            if argument not in known and argument not in missing:
+                missing.add(argument)
+                stack.append(argument)
+    for node in sorted(missing, key=attrgetter("index")):
+        known[node] = _value(node, known)
 
 
 def _value(node: Node, known: Mapping[Node, float]) -> float:

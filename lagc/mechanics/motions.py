@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
-from lagc.expr.evaluate import evaluate
+from lagc.expr.evaluate import evaluate, extend
 from lagc.expr.graph import Node
 from lagc.meaning.model import Frame
 from lagc.mechanics.equations import Row
@@ -26,8 +26,10 @@ State = dict[Node, float]
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """A state of the motion and the same at rest; both give rates and declared speeds."""
+    """A state of the motion and the same at rest; both give rates and declared speeds, and keep what is
+    found in them.  `place` counts the positions that motions are from."""
 
+    place: int
     state: State
     rest: State
     near: tuple[State, State]  # all but at rest, forth and back
@@ -44,21 +46,24 @@ class Motion:
         """That share of the way to another motion from the same place."""
 
         def part(a: State, b: State) -> State:
-            return {x: value + share * (b[x] - value) for x, value in a.items()}
+            return {x: value + share * (b[x] - value) for x, value in a.items() if x.op == "symbol"}
 
         near = part(self.near[0], other.near[0]), part(self.near[1], other.near[1])
-        return Motion(part(self.state, other.state), self.rest, near)
+        return Motion(self.place, part(self.state, other.state), self.rest, near)
 
 
 def random_motions(
-    states: States, rows: Sequence[Row] = (), sizes: Mapping[Node, float] | None = None
+    states: States,
+    rows: Sequence[Row] = (),
+    sizes: Mapping[Node, float] | None = None,
+    each: int = _MOTIONS,
 ) -> Iterator[Motion]:
-    """Random motions, with speeds up to `sizes` (1 where none is given): those that `rows` allow,
-    where they are not too many to tell."""
+    """Random motions, with speeds up to `sizes` (1 where none is given), `each` from a place: those that
+    `rows` allow, where they are not too many to tell."""
     chance = Chance(77003)
     bound = rows if len(rows) + len(states.v) <= _LARGEST else ()
-    for sample in samples(states.model, _STATES):
-        for _ in range(_MOTIONS):
+    for place, sample in enumerate(samples(states.model, _STATES)):
+        for _ in range(each):
             speeds = {v: (sizes or {}).get(v, 1.0) * chance.draw() for v in states.v}
             state: State | None = {**sample, **speeds}
             if bound:
@@ -66,15 +71,17 @@ def random_motions(
             if state is None:
                 break
             sample = {**sample, **{q: state[q] for q in states.q}}
-            yield _motion(states, state)
+            yield _motion(states, state, place)
 
 
-def equal_speeds(states: States, vectors: Sequence[Callable[[State], Numbers]]) -> dict[Node, float]:
-    """For each speed the size at which alone it brings 1 to the largest of `vectors`."""
+def equal_speeds(
+    states: States, moving: Sequence[Node], vectors: Sequence[Callable[[State], Numbers]]
+) -> dict[Node, float]:
+    """For each speed of `moving` the size at which alone it brings 1 to the largest of `vectors`."""
     found: dict[Node, float] = {}
     still = dict.fromkeys(states.v, 0.0)
     for sample in samples(states.model, 1):
-        for v in states.v:
+        for v in moving:
             alone = _motion(states, {**sample, **still, v: 1.0})
             size = max(length(alone.change(vector)) for vector in vectors)
             if size > 0.0:
@@ -82,7 +89,7 @@ def equal_speeds(states: States, vectors: Sequence[Callable[[State], Numbers]]) 
     return found
 
 
-def _motion(states: States, state: State) -> Motion:
+def _motion(states: States, state: State, place: int = 0) -> Motion:
     rates = dict(zip(states.rates, evaluate(list(states.rates.values()), state)))
 
     def at(factor: float) -> State:
@@ -90,18 +97,18 @@ def _motion(states: States, state: State) -> Motion:
         spelt = states.spelt
         return {**scaled, **dict(zip(spelt, evaluate(list(spelt.values()), scaled)))}
 
-    return Motion(at(1.0), at(0.0), (at(_NEAR_REST), at(-_NEAR_REST)))
+    return Motion(place, at(1.0), at(0.0), (at(_NEAR_REST), at(-_NEAR_REST)))
 
 
 def values(vector: Sequence[Node], state: State) -> Numbers:
-    x, y, z = evaluate(vector, state)
-    return x, y, z
+    extend(state, vector)
+    x, y, z = vector
+    return state[x], state[y], state[z]
 
 
 def turned(frame: Frame, x: Numbers, state: State) -> Numbers:
     """Components in `frame` to those in the world."""
-    axes = evaluate([entry for row in frame.axes for entry in row], state)
-    a, b, c = (sum(axes[3 * i + k] * x[k] for k in range(3)) for i in range(3))
+    a, b, c = (dot(values(row, state), x) for row in frame.axes)
     return a, b, c
 
 

@@ -9,13 +9,13 @@ velocities that are the same on the constraints are the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain, combinations, pairwise
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.evaluate import evaluate
-from lagc.expr.vectors import Vector
-from lagc.expr.walk import depends
+from lagc.expr.vectors import Vector, matvec, sub
+from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Torque
 from lagc.mechanics.equations import Contribution, Row
 from lagc.mechanics.magnitude import VANISHES
@@ -86,13 +86,24 @@ def feeding_loads(
     loads = [load for load in _moved(states) if not _is_plain(load)][:_MOST]
     pairs = _paired(loads, list(random_motions(states))) if loads else []
     for pair in pairs:
-        candidates = list(_candidates(states, pair))
-        sizes = equal_speeds(states, [pair.acted.value, *(c.value for c in candidates)])
-        opposed = _opposed(pair, pairs, candidates, list(random_motions(states, (), sizes)))
-        if opposed and rows:
-            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
-        if opposed:
-            yield _opposes_another(pair, opposed)
+        moving = _speeds_of(states, pair)
+        sizes = equal_speeds(states, moving, [v.value for v in (pair.acted, *_written(pair.load))])
+        if _brings(pair, random_motions(states, (), sizes)):
+            candidates = list(_candidates(states, pair))
+            sizes = equal_speeds(states, moving, [pair.acted.value, *(c.value for c in candidates)])
+            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, (), sizes)))
+            if opposed and rows:
+                opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
+            if opposed:
+                yield _opposes_another(pair, opposed)
+
+
+def _speeds_of(states: States, pair: _Pair) -> list[Node]:
+    """The speeds that the vector or the velocity depends on: all of them where some are declared."""
+    if not states.plain:
+        return list(states.v)
+    reached = symbols([*pair.load.vector, *(x for _, _, vector in pair.acted.terms for x in vector)])
+    return [v for v in states.v if v in reached]
 
 
 def _moved(states: States) -> list[Load]:
@@ -104,12 +115,16 @@ def _moved(states: States) -> list[Load]:
 
 
 def _is_plain(load: Load) -> bool:
-    """Whether it is written with the velocity that it acts on, and with no other."""
-    return (
-        isinstance(load, Force)
-        and bool(load.mentioned)
-        and all(vector == load.velocity for vector, _ in load.mentioned)
-    )
+    """Whether it is written with the velocity that it acts on, or with both that make it up, and with
+    no other."""
+    written = list(dict.fromkeys(vector for vector, _ in load.mentioned))
+    if isinstance(load, Force):
+        acted = [load.velocity]
+        return written == acted or (
+            len(written) == 2 and load.velocity in (sub(*written), sub(*written[::-1]))
+        )
+    acted = [matvec(f.axes, f.angular_velocity) for f in (load.frame, load.reaction) if f is not None]
+    return set(written) == set(acted)
 
 
 def _opposed(
@@ -117,12 +132,16 @@ def _opposed(
 ) -> _Velocity | None:
     """A velocity on which the power is never positive, where on that which is acted on it may be;
     None where all loads together bring none."""
-    motions = [*motions, *_strongest(pair, motions)]
-    if not any(p > KEPT * size for p, size in (pair.power(m, pair.acted) for m in motions)):
-        return None
-    if _take_together(pairs, motions):
+    if not _brings(pair, motions) or _take_together(pairs, motions):
         return None
     return next((c for c in candidates if _takes(pair, c, motions)), None)
+
+
+def _brings(pair: _Pair, motions: Iterable[Motion]) -> bool:
+    """Whether the power on the velocity that is acted on is ever positive."""
+    found = list(motions)
+    powers = [pair.power(m, pair.acted) for m in (*found, *_strongest(pair, found))]
+    return any(p > KEPT * size for p, size in powers)
 
 
 def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
@@ -132,7 +151,7 @@ def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
         return pair.power(motion, pair.acted)[0]
 
     for one, other in pairwise(motions):
-        if one.rest == other.rest:
+        if one.place == other.place:
             start, middle, end = power(one), power(one.towards(other, 0.5)), power(other)
             bend = start + end - 2.0 * middle
             if bend < 0.0:
@@ -191,11 +210,15 @@ def _ratio(one: Load, other: Load, motions: Sequence[Motion]) -> int:
     return max(signs, default=0)
 
 
+def _written(load: Load) -> list[_Velocity]:
+    return [_Velocity(((1.0, None, v),), span.text, span) for v, span in load.mentioned]
+
+
 def _candidates(states: States, pair: _Pair) -> Iterator[_Velocity]:
     """What a load may be meant to oppose: velocities that it was written with, their differences,
     those of bodies or frames, and those of frames in the frames that they turn in."""
     load, model = pair.load, states.model
-    written = [_Velocity(((1.0, None, v),), span.text, span) for v, span in load.mentioned]
+    written = _written(load)
     yield from written
     for a, b in combinations(written, 2):
         yield a.less(b)

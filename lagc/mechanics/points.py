@@ -32,48 +32,57 @@ from lagc.mechanics.motions import (
 )
 from lagc.mechanics.states import States, key
 
+_EACH = 2  # motions from a place
 _MOST = 8  # bodies that a point is compared with
 
 
 def points_of_their_own(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
     """LAG0411 of forces at points that move relative to the body that they seem to be of, or not at all."""
-    for force in states.model.actions:
-        if isinstance(force, Force) and force.at is not None:
-            fault = _own_point(states, rows, force, force.at)
-            if fault is not None:
-                yield fault
+    bodies = states.model.bodies
+    places = {body.position for body in bodies}
+    forces = [x for x in states.model.actions if isinstance(x, Force) and x.at and x.at not in places]
+    if not forces:
+        return
+    moved_by = [(body, _coordinates([*body.position, *_axes(body)])) for body in bodies]
+    free = list(random_motions(states, each=_EACH))
+    for force in forces:
+        assert force.at is not None
+        fault = _own_point(states, rows, force, force.at, _tied(force.at, moved_by), free)
+        if fault is not None:
+            yield fault
 
 
-def _own_point(states: States, rows: Sequence[Row], force: Force, at: Vector) -> Fault | None:
-    if any(at == body.position for body in states.model.bodies):
-        return None
-    near = _tied(states, at)[:_MOST]
+def _own_point(
+    states: States,
+    rows: Sequence[Row],
+    force: Force,
+    at: Vector,
+    near: Sequence[Body],
+    free: Sequence[Motion],
+) -> Fault | None:
     tied = [body for body in near if body.frame is not None]
-    free = list(random_motions(states))
     if any(_carries(body, force, at, free) for body in near):
         return None
     if rows and near:
-        bound = list(random_motions(states, rows))
+        bound = list(random_motions(states, rows, each=_EACH))
         if any(_carries(body, force, at, bound) for body in near):
             return None
-    still = all(length(m.change(lambda s: values(force.velocity, s))) == 0.0 for m in free)
-    if still:
+    if all(length(m.change(lambda s: values(force.velocity, s))) == 0.0 for m in free):
         return _unmoved(force, [body for body in states.model.bodies if body.frame is not None])
     if not tied or _is_of_a_link(states, force, at, tied, free):
         return None
     return _two_readings(force, tied[0])
 
 
-def _tied(states: States, at: Vector) -> list[Body]:
-    """The bodies that move with coordinates of the point, the nearest relative first."""
+def _tied(at: Vector, moved_by: Sequence[tuple[Body, set[Node]]]) -> list[Body]:
+    """The bodies that move with coordinates of the point, some, the nearest relative first."""
     own = _coordinates(at)
-    found: list[tuple[int, int, Body]] = []
-    for body in states.model.bodies:
-        axes = body.frame.axes if body.frame is not None else ()
-        theirs = _coordinates([*body.position, *chain.from_iterable(axes)])
-        if own & theirs:
-            found.append((len(own - theirs), len(theirs - own), body))
-    return [body for _, _, body in sorted(found, key=lambda x: x[:2])]
+    found = [(len(own - theirs), len(theirs - own), body) for body, theirs in moved_by if own & theirs]
+    return [body for _, _, body in sorted(found, key=lambda x: x[:2])][:_MOST]
+
+
+def _axes(body: Body) -> Iterator[Node]:
+    return chain.from_iterable(body.frame.axes if body.frame is not None else ())
 
 
 def _coordinates(nodes: Sequence[Node]) -> set[Node]:

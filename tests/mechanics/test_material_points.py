@@ -158,6 +158,48 @@ def test_dry_friction_slows_and_spins(k: float) -> None:
     assert run["der(phi)"] == pytest.approx([0.2 * 9.81 * t / (k * 0.3) for t in run.t], rel=1e-8, abs=1e-12)
 
 
+RIM = [
+    "force pull = 4 [N]*world.x on wheel at G + R*world.z;",
+    "force pull = 4 [N]*world.x at wheel; torque turn = R*4 [N]*world.y on wheel;",
+    "body p = Particle(mass = 0, at = G); force pull = 4 [N]*world.x at p; torque turn = R*4 [N]*B.y on B;",
+]
+
+
+@pytest.mark.parametrize("load", RIM)
+def test_a_wheel_pulled_at_its_rim_rolls_twice_as_fast(load: str) -> None:
+    rolls = "constraint roll: der(x) = R*der(phi);"
+    text = (SLIDES % {"k": 0.5, "load": load + rolls}).replace("rate = 3", "rate = 0")
+    run = lagc.loads(text).compile().simulate(stop=2, accuracy=1e-9)
+    assert not run.system.interface.warnings
+    assert run["der(x)"] == pytest.approx([2 * 4 * t / (2 * 1.5) for t in run.t], rel=1e-8, abs=1e-12)
+    assert run.energy.work == pytest.approx(2 * 4 * run["x"][-1], rel=1e-8)
+
+
+PUSHED = """
+model Pushed
+  parameter Force f = 3;
+  parameter Velocity u = 0.5;
+  coordinate Angle th;
+  frame rod = rotate_z(world, th);
+  body bar = Solid(mass = 1, inertia = {0.1, 0.75, 0.75}, frame = rod, com = 0.5 [m]*rod.x);
+  point hand = u*time*rod.x;
+  %s
+end Pushed;
+"""
+
+
+@pytest.mark.parametrize("load", [
+    "force push = f*rod.y on bar at hand;",
+    "force push = f*rod.y at hand;",
+    "torque push = f*u*time*world.z on bar;",
+    "body p = Particle(mass = 0, at = hand); force push = f*rod.y at p;",
+])  # fmt: skip
+def test_a_rod_is_pushed_where_a_hand_slides_along_it(load: str) -> None:
+    run = lagc.loads(PUSHED % load).compile().simulate(stop=1.5, accuracy=1e-9)
+    assert not run.system.interface.warnings
+    assert run["th"] == pytest.approx([3 * 0.5 * t**3 / 6 for t in run.t], rel=1e-8, abs=1e-12)
+
+
 # -- what is warned of -------------------------------------------------------------------------------
 
 SCENE = """
