@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from itertools import chain, combinations, pairwise
+from itertools import chain, combinations
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, matvec, sub
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Torque
@@ -35,6 +36,7 @@ from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 Load = Force | Torque
+_NEXT = 5  # motions that each is taken together with, less 1
 _MOST = 40  # loads that are looked at
 
 
@@ -120,9 +122,8 @@ def _is_plain(load: Load) -> bool:
     written = list(dict.fromkeys(vector for vector, _ in load.mentioned))
     if isinstance(load, Force):
         acted = [load.velocity]
-        return written == acted or (
-            len(written) == 2 and load.velocity in (sub(*written), sub(*written[::-1]))
-        )
+        both = (sub(written[0], written[1]), sub(written[1], written[0])) if len(written) == 2 else ()
+        return written == acted or load.velocity in both
     acted = [matvec(f.axes, f.angular_velocity) for f in (load.frame, load.reaction) if f is not None]
     return set(written) == set(acted)
 
@@ -150,7 +151,7 @@ def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
     def power(motion: Motion) -> float:
         return pair.power(motion, pair.acted)[0]
 
-    for one, other in pairwise(motions):
+    for one, other in chain(*(zip(motions, motions[k:]) for k in range(1, _NEXT))):
         if one.place == other.place:
             start, middle, end = power(one), power(one.towards(other, 0.5)), power(other)
             bend = start + end - 2.0 * middle

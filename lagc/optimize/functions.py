@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import tangent
+from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
