@@ -18,6 +18,9 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
+from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.manifold import onto
+from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
 
@@ -27,6 +30,7 @@ _LAST = 6  # steps by which a zero is judged
 _SLOW = 0.3  # ratio of these, on average, towards a multiple zero at least
 _ARRIVED = 1e-14  # of the coordinates: a step that is rounding
 _FLAT = 1e-3  # of the steepest gradient on the way
+_HOLDS = 1e-7  # of its terms, on a state that meets other rows to 1e-12
 _FOUND = 1e-6  # of the residual at first
 _NOISE = 1e-6  # of the coordinates: steps that grow and are shorter are rounding
 _LARGEST = 60  # rows beyond which this is not asked
@@ -34,18 +38,31 @@ _HELD = re.compile(r"\s*(?:norm\((?P<norm>.*)\)|dot\((?P<dot>.*)\)|(?P<square>[^
 
 
 def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
-    """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold."""
+    """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold, and that others do not
+    bring about."""
     if len(classified) > _LARGEST:
         return
     tries = [*samples(states.model, _STATES, vary=False), *samples(states.model, _STATES)]
-    faults = []
+    suspects = []
     for x in classified:
         if x.row.kind == "holonomic" or not x.row.linear:
             zeros = [_is_multiple(states, x.row, state) for state in tries]
             if _is_made_of_squares(states, x.row.residual) or (True in zeros and False not in zeros):
-                faults.append(_fault(x))
+                suspects.append(x)
+    if not suspects:
+        return
+    rows = [x.row for x in classified if x not in suspects]
+    spare = {r.row for r in dependent_rows(states, rows)}
+    met = [onto(states, [row for k, row in enumerate(rows) if k not in spare], s) for s in tries]
+    faults = [_fault(x) for x in suspects if not _follows(x.row, [s for s in met if s is not None])]
     if faults:
         raise Refused(faults)
+
+
+def _follows(row: Row, met: Sequence[Mapping[Node, float]]) -> bool:
+    """Whether it holds on states that meet the other rows: then nothing has to enforce it."""
+    found = [magnitudes([row.residual], state)[0] for state in met]
+    return bool(found) and all(abs(value) <= _HOLDS * size for value, size in found)
 
 
 def _is_multiple(states: States, row: Row, sample: Mapping[Node, float]) -> bool | None:
