@@ -4,7 +4,8 @@ The error of a trajectory is the largest |x_i - exact_i| / scale_i over all reco
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
 same kind (coordinates, or speeds, of the same unit), at least 1e-9.  It behaves as C tol^p.  Pilots
 at 1e-5 and 1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the
-finer one is returned with the error that their difference tells.
+finer one is returned with the error that their difference tells.  What both share is added to it, the
+part of rounding (`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
 """
 
 from __future__ import annotations
@@ -16,7 +17,9 @@ from math import floor, inf, isfinite, log10
 from lagc import cache
 from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
+from lagc.run.balance import Balance, balance
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
+from lagc.run.rounding import rounding_rate
 
 SAFETY = 2.0  # on every estimate
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
@@ -38,8 +41,9 @@ Progress = Callable[[float], None]
 class Verified:
     """The trajectory to return and what is known of its error.
 
-    `estimated` is infinite where no two runs could be compared.  `horizon` is the time until which
-    the two finest runs agree to the accuracy asked; None where they do to the end.
+    `estimated` is infinite where no two runs could be compared; `rounding` is the part of it that no
+    tolerance makes smaller.  `horizon` is the time until which the two finest runs agree to the accuracy
+    asked; None where they do to the end.  `balance` is None where the estimate missed the target anyway.
     """
 
     trajectory: Trajectory
@@ -48,6 +52,9 @@ class Verified:
     horizon: float | None = None
     tried: list[Trajectory] = field(default_factory=list)
     failed: Trajectory | None = None  # at a finer tolerance
+    rounding: float = 0.0
+    balance: Balance | None = None
+    beside: Trajectory | None = None  # the next finest run
 
 
 def method_for(accuracy: float) -> str:
@@ -66,15 +73,19 @@ def verified_run(
     name = _memory_name(system, x0, times, accuracy, search.method)
     remembered = _recall(name)
     if remembered is not None:
-        rtol, search.size, estimated = remembered
-        options = search.options(rtol)
-        trajectory = search.run(rtol)
+        search.size = remembered.size
+        options = search.options(remembered.rtol)
+        trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
-            return Verified(trajectory, options, estimated, None, search.tried)
+            strays = _strays(trajectory, remembered.end, system.interface)
+            if strays <= remembered.estimated:
+                return Verified(trajectory, options, remembered.estimated, None, search.tried)
         search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
-    if found.trajectory.status == OK and found.estimated <= accuracy:
-        _remember(name, found.options.rtol, search.size, found.estimated)
+    trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
+    if found.trajectory.status == OK and trusted:
+        answer = _Remembered(found.options.rtol, search.size, found.estimated, found.trajectory.states[-1])
+        cache.store(name, json.dumps(vars(answer)).encode())
     return found
 
 
@@ -89,6 +100,8 @@ class _Search:
     size: float = 1.0  # of the smallest kind of states, at most 1
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
     compared: dict[tuple[float, float], tuple[float, float | None]] = field(default_factory=dict)
+    drifts: dict[float, float] = field(default_factory=dict)  # by tolerance
+    balance: Balance | None = None
 
     @property
     def method(self) -> str:
@@ -114,8 +127,7 @@ class _Search:
         for _ in range(ATTEMPTS + 1):
             if stopped is not None:
                 return stopped
-            estimated = self.estimate()
-            if estimated <= self.accuracy or tol <= FINEST:
+            if self._settled() or tol <= FINEST:
                 break
             coarse = max(10.0 * FINEST, min(self._predicted(), tol))
             for tol in (_plain(coarse), _plain(coarse / 10.0)):
@@ -163,9 +175,43 @@ class _Search:
         estimated, _ = self._compare(done)
         return Verified(done, self.options(tol), estimated, None, self.tried)
 
+    def _settled(self) -> bool:
+        """Whether no finer run is needed, or none would help."""
+        if self.truncation() > self.accuracy:
+            return len(self.runs) > 2 and self.drift() > self.accuracy
+        if self.estimate() > self.accuracy:
+            return self.rounding() > self.accuracy
+        before, self.balance = self.balance, self._balance()
+        return self.balance.holds or (before is not None and self.balance.imbalance > 0.5 * before.imbalance)
+
     def estimate(self) -> float:
-        """The error of the finest run: of the next coarser one by their difference, carried on by
-        the slope over three runs where that is consistent.
+        """The error of the finest run."""
+        return self.truncation() + (self.rounding() if len(self.runs) > 1 else 0.0)
+
+    def rounding(self) -> float:
+        """What rounding may bring to the finest run: it grows as the errors of the method do, which are
+        the tolerance at each step at first."""
+        tol = min(self.runs)
+        injected = SAFETY * max(self.runs[tol].steps, 1) * tol
+        return self.drift() * max(1.0, self.truncation() / injected)
+
+    def drift(self) -> float:
+        """What rounding brings to the finest run, where it does not grow."""
+        tol = min(self.runs)
+        found = self.drifts.get(tol)
+        if found is None:
+            run = self.runs[tol]
+            rate = rounding_rate(self.system, run, sizes(run, self.system.interface))
+            found = self.drifts[tol] = SAFETY * rate * abs(self.times[-1] - self.times[0])
+        return found
+
+    def _balance(self) -> Balance:
+        run = self.runs[min(self.runs)]
+        return balance(self.system, run, sizes(run, self.system.interface), self.accuracy)
+
+    def truncation(self) -> float:
+        """The error of the finest run that its steps bring: of the next coarser one by their difference,
+        carried on by the slope over three runs where that is consistent.
 
         Two runs may happen to err alike: their difference counts for no less than the one before
         lets expect.
@@ -209,6 +255,8 @@ class _Search:
     def _predicted(self) -> float:
         """The coarser tolerance of the pair that should meet the target, in steps of a quarter decade."""
         tols = sorted(self.runs)
+        if self.balance is not None:  # the runs agree, and yet they are wrong
+            return tols[0] / 10.0
         slope = self._slope() or 1.0
         difference, _ = self._difference(tols[0], tols[1])
         error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
@@ -240,7 +288,16 @@ class _Search:
         horizon = None
         if estimated > self.accuracy and len(tols) > 1:
             _, horizon = self._difference(tols[0], tols[1])
-        return Verified(self.runs[tols[0]], self.options(tols[0]), estimated, horizon, self.tried)
+        options, rounding = self.options(tols[0]), self.rounding() if len(tols) > 1 else 0.0
+        return Verified(
+            self.runs[tols[0]], options, estimated, horizon, self.tried, None, rounding, self.balance,
+            self.runs[tols[1]] if len(tols) > 1 else None,
+        )  # fmt: skip
+
+
+def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
+    """The indices of the states of each kind, and their scale."""
+    return [(group, scale(trajectory, group)) for group in kinds(interface)]
 
 
 def kinds(interface: Interface) -> list[list[int]]:
@@ -296,19 +353,28 @@ def _memory_name(
 ) -> str:
     """The same question has the same answer, whether it is remembered or not; so all of it counts."""
     interface = system.interface
-    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), len(times), times[-1])]
+    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
     tool = cache.tool_fingerprint()
-    return cache.key("accuracy 4", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 5", tool, interface.model_hash, method, system.backend, *values)
 
 
-def _recall(name: str) -> tuple[float, float, float] | None:
-    """Tolerance, size and estimated error."""
+@dataclass
+class _Remembered:
+    """`end`: the last state, which the same run reaches again."""
+
+    rtol: float
+    size: float
+    estimated: float
+    end: list[float]
+
+
+def _recall(name: str) -> _Remembered | None:
     body = cache.load(name)
-    if body is None:
-        return None
-    plain = json.loads(body)
-    return float(plain["rtol"]), float(plain["size"]), float(plain["estimated"])
+    return None if body is None else _Remembered(**json.loads(body))
 
 
-def _remember(name: str, rtol: float, size: float, estimated: float) -> None:
-    cache.store(name, json.dumps({"rtol": rtol, "size": size, "estimated": estimated}).encode())
+def _strays(trajectory: Trajectory, end: Sequence[float], interface: Interface) -> float:
+    """The scaled distance between the last state and `end`."""
+    last = trajectory.states[-1]
+    groups = sizes(trajectory, interface)
+    return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)

@@ -12,7 +12,7 @@ from lagc.api import Run
 from lagc.library import read as read_model
 from lagc.run.backends.compile import compiler
 from lagc.run.problem import OK, Options
-from lagc.run.simulate import verdict
+from lagc.run.verdict import verdict
 from tests.physics.references import read
 
 BACKEND = "c" if compiler() is not None else "numpy"

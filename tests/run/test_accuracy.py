@@ -11,8 +11,9 @@ import lagc
 from lagc.api import Run
 from lagc.library import library_models
 from lagc.run.accuracy import difference, kinds, scale
+from lagc.run.cause import losing_rank
 from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
-from lagc.run.simulate import losing_rank, verdict
+from lagc.run.verdict import verdict
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 

@@ -1,0 +1,24 @@
+"""What states, speeds and rows are called in messages."""
+
+from __future__ import annotations
+
+from lagc.run.problem import System
+
+
+def state_name(system: System, k: int) -> str:
+    """State k, an index of x."""
+    interface = system.interface
+    names = [*interface.q_names, *interface.v_names]
+    if 0 <= k < len(names):
+        return f"`{names[k]}`"
+    return "the work of the given actions" if k == len(names) else "a state"
+
+
+def speed_name(system: System, k: int) -> str:
+    names = system.interface.v_names
+    return f"`{names[k]}`" if 0 <= k < len(names) else "some speed"
+
+
+def row_name(system: System, k: int) -> str:
+    labels = system.interface.row_labels
+    return f"constraint `{labels[k]}`" if 0 <= k < len(labels) else "a constraint"

@@ -1,0 +1,123 @@
+"""What is said of a run: whether it is good, and else what was found, where and why."""
+
+from __future__ import annotations
+
+from lagc.records import dataclass
+from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
+from lagc.run.balance import Balance
+from lagc.run.cause import cause, growth
+from lagc.run.names import row_name, speed_name, state_name
+from lagc.run.problem import (
+    INCONSISTENT,
+    INTERRUPTED,
+    MAX_STEPS,
+    NOT_FINITE,
+    OK,
+    REDUNDANT,
+    SINGULAR_MASS,
+    STEP_UNDERFLOW,
+    System,
+    Trajectory,
+)
+
+UNKNOWN = "the cause is not known"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """`status` "ok" or "failed"; the trajectory to return, which may be a part of what was computed,
+    and the estimate of its error."""
+
+    status: str
+    message: str
+    trajectory: Trajectory
+    estimated: float | None
+
+
+def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict:
+    """Of a run that was to meet the accuracy `asked`."""
+    run, estimated = found.trajectory, found.estimated
+    status, message = verdict(system, run, stop)
+    if status != "ok":
+        return Verdict(status, message, run, estimated)
+    if estimated > asked:
+        told = _missed(system, found, asked)
+        if found.failed is not None:
+            message = f"{told.message}; with a finer tolerance, {verdict(system, found.failed, stop)[1]}"
+            return Verdict(told.status, message, told.trajectory, told.estimated)
+        return told
+    if found.balance is not None and not found.balance.holds:
+        return Verdict("failed", _unbalanced(found.balance, asked), run, estimated)
+    return Verdict(status, message, run, estimated)
+
+
+def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, str]:
+    """("ok" or "failed", what happened, by name and time)."""
+    status, t = trajectory.status, f"t = {trajectory.t:.6g} s"
+    k = trajectory.culprit
+    if status in (OK, REDUNDANT):
+        return "ok", f"reached {t}"
+    if status == INTERRUPTED:
+        return "failed", f"interrupted at {t}"
+    if status == SINGULAR_MASS:
+        return (
+            "failed",
+            f"at {t} the mass matrix is singular: nothing has inertia along {speed_name(system, k)}",
+        )
+    if status == INCONSISTENT:
+        return "failed", f"at {t} the constraints contradict each other: {row_name(system, k)}"
+    if status == NOT_FINITE:
+        when = f"after {t}" if trajectory.steps else "at the start"
+        return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
+    why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
+    if status == STEP_UNDERFLOW:
+        return "failed", f"at {t} the step became too small: {why}"
+    if status == MAX_STEPS:
+        tried = trajectory.steps + trajectory.rejected
+        return "failed", f"the limit of {tried} steps was reached at {t}, before {stop:g} s: {why}"
+    return "failed", f"the integration ended at {t} with status {status}"
+
+
+def _missed(system: System, found: Verified, asked: float) -> Verdict:
+    """What is said and returned where the accuracy asked was not reached, and its error.
+
+    Where the end of the motion is known to less than a hundredth, no point of it beyond the
+    horizon is an answer, and none is given.
+    """
+    run, estimated, horizon = found.trajectory, found.estimated, found.horizon
+    if estimated < MEANINGLESS or horizon is None or found.beside is None:
+        if found.rounding > 0.5 * estimated:
+            why = (f"rounding moves the motion by up to {found.rounding:.2g}, as the equations are "
+                   "ill-conditioned or small differences grow")  # fmt: skip
+        elif found.options.rtol <= 10.0 * FINEST:
+            why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
+        else:
+            message = f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}"
+            return Verdict("failed", message, run, estimated)
+        message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}"
+        return Verdict("failed", message, run, estimated)
+    kept = sum(1 for t in run.times if t <= horizon)
+    times, states = run.times[:kept], run.states[:kept]
+    tenfold = growth(system, run, found.beside, horizon)
+    if tenfold is not None:
+        why = f"differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
+    else:
+        why = cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN
+    message = (f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, "
+               f"runs of different tolerance part; {why}")  # fmt: skip
+    cut = run.changed(times=times, states=states, t=times[-1], x=states[-1])
+    return Verdict("failed", message, cut, asked)
+
+
+def _unbalanced(out: Balance, asked: float) -> str:
+    return (f"at t = {out.t:.6g} s the energy is out of balance by {out.imbalance:.2g} J, where errors of "
+            f"{asked:g} in the states explain {out.explained:.2g} J at most: the motion is wrong, though "
+            f"runs of different tolerance agree; {UNKNOWN}")  # fmt: skip
+
+
+def redundancy(system: System, trajectory: Trajectory) -> str:
+    """A note on rows that were found to depend on others."""
+    rows = ", ".join(row_name(system, k) for k in trajectory.redundant_rows)
+    several = len(trajectory.redundant_rows) > 1
+    return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "
+            "the multipliers are the smallest ones possible")  # fmt: skip
