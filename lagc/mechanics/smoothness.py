@@ -12,7 +12,7 @@ two different analytic functions do not agree (Schwartz-Zippel).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault, Refused, Span
@@ -30,7 +30,8 @@ from lagc.records import dataclass
 State: TypeAlias = dict[Node, float]
 
 _JUMPS = frozenset(("sign", "floor", "lt", "le", "eq"))
-_BENDS = frozenset(("abs", "min", "max"))
+_BENDS = frozenset(("abs", "min", "max", "sqrt"))  # a root of a square is an `abs`
+_ROOT = frozenset(("sqrt",))
 _LOGIC = frozenset(("and", "or", "not"))
 _ALIKE = 1e-11  # of their terms: two sides agree
 _WAYS = tuple([4.0**k for k in range(-16, 33)])  # along which a change is looked for
@@ -49,13 +50,14 @@ class Break:
 def refuse_breaks(states: States) -> None:
     """Raises Refused: LAG0421 a constraint with a kink or jump, LAG0422 a body whose place or frame has
     one, LAG0423 an energy that jumps, LAG0424 a declared speed that does."""
-    if not any(node.op in _JUMPS or node.op in _BENDS for node in states.graph.nodes):
+    if not any(_switches(node, _JUMPS | _BENDS) for node in states.graph.nodes):
         return
     place = [*states.q, states.model.time]
     rates = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
     faults: list[Fault | None] = []
     for constraint in states.model.constraints:
-        faults.append(_bent_row(constraint, _smooth(states, constraint.residuals, [*place, *rates])))
+        found = _smooth(states, constraint.residuals, [*place, *rates], rows=True)
+        faults.append(_bent_row(constraint, found))
     for body in states.model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
         faults.append(_bent_body(body, _smooth(states, [*body.position, *axes], place)))
@@ -78,9 +80,14 @@ def jumps_in_time(states: States, energy: Node) -> bool:
     return _whole(states, energy, [states.model.time]) is not None
 
 
-def _smooth(states: States, nodes: Sequence[Node], leaves: Sequence[Node]) -> Break | None:
-    """The first break of `nodes` along `leaves`; a change that is not found may be one."""
-    return _break(states, nodes, leaves, _JUMPS | _BENDS, slopes=True)
+def _smooth(
+    states: States, nodes: Sequence[Node], leaves: Sequence[Node], rows: bool = False
+) -> Break | None:
+    """The first break of `nodes` along `leaves`; a change that is not found may be one.
+
+    `rows`: where `nodes` are zero, so that the root of a square is no break if they are not at its zero.
+    """
+    return _break(states, nodes, leaves, _JUMPS | _BENDS, slopes=True, rows=rows)
 
 
 def _whole(states: States, node: Node, leaves: Sequence[Node]) -> Break | None:
@@ -89,11 +96,16 @@ def _whole(states: States, node: Node, leaves: Sequence[Node]) -> Break | None:
 
 
 def _break(
-    states: States, nodes: Sequence[Node], leaves: Sequence[Node], ops: frozenset[str], slopes: bool
+    states: States,
+    nodes: Sequence[Node],
+    leaves: Sequence[Node],
+    ops: frozenset[str],
+    slopes: bool,
+    rows: bool = False,
 ) -> Break | None:
     graph = states.graph
     nodes = states.in_rates(nodes)
-    switches = [x for x in reachable(nodes) if x.op in ops]
+    switches = [x for x in reachable(nodes) if _switches(x, ops)]
     if not switches:
         return None
     moving = depends(nodes, leaves)
@@ -102,22 +114,46 @@ def _break(
     along = [[leaf for leaf in leaves if leaf in set(reachable([x]))] for x in switches]
     starts = _starts(states, switches, sides, along)
     for switch, side, ways in zip(switches, sides, along):
-        met, kind = False, ""
-        for state in starts:
-            for leaf in ways:
-                edge = _edge(switch, side, state, leaf)
-                if edge is not None:
-                    met = True
-                    kind = _kind(graph, nodes, leaves if slopes else (), *edge) or kind
-                    if kind == "jump":
-                        return Break(kind, _where(switch))
-        if kind or (slopes and not met):
-            return Break(kind or "possible kink", _where(switch))
+        found = [_edge(switch, side, state, leaf) for state in starts for leaf in ways]
+        edges = [edge for edge in found if edge is not None]
+        if rows and switch.op == "sqrt" and _never_zero(nodes, [at for at, _, _ in edges]):
+            continue
+        kinds = {_kind(graph, nodes, leaves if slopes else (), *edge) for edge in edges}
+        if not edges and slopes:
+            return Break("possible kink", _where(switch))
+        for kind in ("jump", "kink"):
+            if kind in kinds:
+                return Break(kind, _where(switch))
     return None
+
+
+def _switches(node: Node, ops: frozenset[str]) -> bool:
+    if node.op != "sqrt" or node.op not in ops:
+        return node.op in ops
+    square = node.args[0]
+    if square.op == "scale" and square.value > 0.0:
+        square = square.args[0]
+    return square.op == "mul" and all(e % 2 == 0 for e in square.value)
+
+
+def _square_root(root: Node, held: Mapping[Node, Node]) -> Node:
+    """u where `root` is that of u^2, a product of even powers; its factors replaced by those of `held`."""
+    graph, square, c = root.graph, root.args[0], 1.0
+    if square.op == "scale":
+        c, square = math.sqrt(square.value), square.args[0]
+    return graph.scale(c, graph.product((held.get(b, b), e // 2) for b, e in zip(square.args, square.value)))
+
+
+def _never_zero(nodes: Sequence[Node], states: Sequence[State]) -> bool:
+    """Whether one of `nodes` has the same sign on all of `states`."""
+    signs = [{_sign(x) for x in (evaluate([node], state)[0] for state in states)} for node in nodes]
+    return {1} in signs or {-1} in signs
 
 
 def _difference(graph: Graph, switch: Node) -> Node:
     """What is zero where `switch` changes; for `floor` what is a whole number there."""
+    if switch.op == "sqrt":
+        return _square_root(switch, {})
     return switch.args[0] if len(switch.args) == 1 else graph.sub(*switch.args)
 
 
@@ -125,7 +161,7 @@ def _starts(
     states: States, switches: Sequence[Node], sides: Sequence[Node], along: Sequence[Sequence[Node]]
 ) -> list[State]:
     """States at random, and on both sides of every change, so that no branch is left out."""
-    found = [*samples(states.model, 3), *samples(states.model, 3, spread=3.0)]
+    found = [state for spread in (0.3, 3.0, 30.0) for state in samples(states.model, 3, spread=spread)]
     beside: list[State] = []
     for switch, side, ways in zip(switches, sides, along):
         for state in found[:1] if found else ():
@@ -221,6 +257,9 @@ def _branch(graph: Graph, nodes: Sequence[Node], state: State) -> list[Node]:
         args = tuple([held[a] for a in node.args])
         if node.op == "abs":
             held[node] = args[0] if value[node.args[0]] >= 0.0 else -args[0]
+        elif _switches(node, _ROOT):
+            root = _square_root(node, held)
+            held[node] = root if evaluate([root], state)[0] >= 0.0 else -root
         elif node.op in ("min", "max"):
             held[node] = args[0] if value[node] == value[node.args[0]] else args[1]
         elif (node.op in _JUMPS or node.op in _LOGIC) and math.isfinite(value[node]):
@@ -279,6 +318,8 @@ def _where(switch: Node) -> str:
     if switch.op == "floor":
         return f"`{text(switch.args[0])}` passes a whole number"
     left, right = (*switch.args, switch.graph.zero)[:2]
+    if switch.op == "sqrt":
+        left = _square_root(switch, {})
     if left.is_const:
         left, right = right, left
     return f"`{text(left)}` passes {text(right) if right.is_const else f'`{text(right)}`'}"

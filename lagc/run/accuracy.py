@@ -22,6 +22,7 @@ from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 from lagc.run.rounding import rounding_rate
 
 SAFETY = 2.0  # on every estimate
+ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-14  # no tolerance is below this
@@ -42,8 +43,9 @@ class Verified:
     """The trajectory to return and what is known of its error.
 
     `estimated` is infinite where no two runs could be compared; `rounding` is the part of it that no
-    tolerance makes smaller.  `horizon` is the time until which the two finest runs agree to the accuracy
-    asked; None where they do to the end.  `balance` is None where the estimate missed the target anyway.
+    tolerance makes smaller, `drift` what it would be if differences did not grow.  `horizon` is the time
+    until which the two finest runs agree to the accuracy asked; None where they do to the end.
+    `balance` is None where the estimate missed the target anyway.
     """
 
     trajectory: Trajectory
@@ -53,6 +55,7 @@ class Verified:
     tried: list[Trajectory] = field(default_factory=list)
     failed: Trajectory | None = None  # at a finer tolerance
     rounding: float = 0.0
+    drift: float = 0.0
     balance: Balance | None = None
     beside: Trajectory | None = None  # the next finest run
 
@@ -80,8 +83,10 @@ def verified_run(
             strays = _strays(trajectory, remembered.end, system.interface)
             if strays <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, None, search.tried)
-        search = _Search(system, x0, times, accuracy, progress)
+    before = search.tried
+    search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
+    found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
         answer = _Remembered(found.options.rtol, search.size, found.estimated, found.trajectory.states[-1])
@@ -180,7 +185,7 @@ class _Search:
         if self.truncation() > self.accuracy:
             return len(self.runs) > 2 and self.drift() > self.accuracy
         if self.estimate() > self.accuracy:
-            return self.rounding() > self.accuracy
+            return self.rounding() > self.truncation()
         before, self.balance = self.balance, self._balance()
         return self.balance.holds or (before is not None and self.balance.imbalance > 0.5 * before.imbalance)
 
@@ -202,7 +207,7 @@ class _Search:
         if found is None:
             run = self.runs[tol]
             rate = rounding_rate(self.system, run, sizes(run, self.system.interface))
-            found = self.drifts[tol] = SAFETY * rate * abs(self.times[-1] - self.times[0])
+            found = self.drifts[tol] = ROUGHLY * rate * abs(self.times[-1] - self.times[0])
         return found
 
     def _balance(self) -> Balance:
@@ -284,15 +289,13 @@ class _Search:
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
-        estimated = self.estimate()
-        horizon = None
-        if estimated > self.accuracy and len(tols) > 1:
-            _, horizon = self._difference(tols[0], tols[1])
-        options, rounding = self.options(tols[0]), self.rounding() if len(tols) > 1 else 0.0
-        return Verified(
-            self.runs[tols[0]], options, estimated, horizon, self.tried, None, rounding, self.balance,
-            self.runs[tols[1]] if len(tols) > 1 else None,
-        )  # fmt: skip
+        found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
+        if len(tols) > 1:
+            found.rounding, found.drift = self.rounding(), self.drift()
+            found.balance, found.beside = self.balance, self.runs[tols[1]]
+            if found.estimated > self.accuracy:
+                _, found.horizon = self._difference(tols[0], tols[1])
+        return found
 
 
 def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:

@@ -19,7 +19,7 @@ from lagc.run.names import row_name, state_name
 from lagc.run.problem import FAILED, REDUNDANT, System, Trajectory
 
 NEAR = 1e3  # radians or sizes of the mechanism, per size of a row's terms: it loses rank nearby
-WAYS = (1e-5, 1e-7, 1e-9)  # of the time, to both sides of a state
+WAYS = tuple([10.0**-k for k in range(3, 11)])  # of the time, to both sides of a state
 JUMP = 0.01  # of the rates
 MOMENT = 1e-5  # of the time: speeds that double in less are without bound
 SLOWER = 100.0  # times as slow as the fastest component is the motion, where that is stiff
@@ -73,25 +73,24 @@ def _span(run: Trajectory, t: float) -> float:
 
 
 def _jump(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    """Forces that jump: accelerations before and after differ as much beside the state as far from it."""
+    """Forces that jump: what an acceleration changes by from before to after does not go with the time
+    between, as it does where it is smooth."""
     here = _rates(system, t, x)
-    found: set[int] = set()
-    for k, way in enumerate(WAYS):
+    changes: list[list[float]] = []
+    for way in WAYS if here is not None else ():
         step = way * _span(run, t)
-        ends = [] if here is None else [
-            _rates(system, t + d, [a + d * b for a, b in zip(x, here)]) for d in (-step, step)
-        ]  # fmt: skip
-        if len(ends) < 2 or ends[0] is None or ends[1] is None:
+        ends = [_rates(system, t + d, [a + d * b for a, b in zip(x, here or ())]) for d in (-step, step)]
+        if ends[0] is None or ends[1] is None:
             return ""
-        before, after = ends[0], ends[1]
-        jumps = {
-            i for i in range(system.nq, system.nq + system.nv)
-            if abs(after[i] - before[i]) > JUMP * max(map(abs, [*before[system.nq :], *after[system.nq :]]))
-        }  # fmt: skip
-        found = jumps if k == 0 else found & jumps
-    if not found or _singular(system, run, t, x):
-        return ""
-    return f"the forces on {state_name(system, min(found))} jump there"
+        speeds = slice(system.nq, system.nq + system.nv)
+        before, after = ends[0][speeds], ends[1][speeds]
+        size = max(map(abs, [*before, *after]))
+        changes.append([abs(b - a) if abs(b - a) > JUMP * size else 0.0 for a, b in zip(before, after)])
+    for three in zip(changes, changes[1:], changes[2:]):
+        for i, parts in enumerate(zip(*three)):
+            if min(parts) > 0.9 * max(parts) > 0.0 and not _singular(system, run, t, x):
+                return f"the forces on {state_name(system, system.nq + i)} jump there"
+    return ""
 
 
 def _singular(system: System, run: Trajectory, t: float, x: list[float]) -> str:

@@ -1,7 +1,7 @@
 """What rounding does to a motion: the part of its error that runs of every tolerance share.
 
 At some of the recorded states the equations are evaluated again, with directed rounding and with each
-state and the time changed in their last place: what changes is what an evaluation may be wrong by
+state changed in its last place: what changes is what an evaluation may be wrong by
 (backward errors: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM 2002, ch. 1; rounding
 modes as a probe: W. Kahan, *How futile are mindless assessments of roundoff*, 2006).  It stands for all
 along the motion, as an ill-conditioned mass matrix is wrong in the same way at every step.
@@ -57,9 +57,8 @@ def _evaluations(system: System, t: float, x: Sequence[float]) -> list[list[floa
     for way in (0, 1, -1):
         xdot, lam = [0.0] * system.nx, [0.0] * system.nc
         moved = [a * (1.0 + (way if i % 2 else -way) * ULP) for i, a in enumerate(x)]
-        time = t * (1.0 + way * ULP)
         with directed(way):
-            status = system.rhs(time, moved, xdot, lam)
+            status = system.rhs(t, moved, xdot, lam)
         if status in FAILED:
             return None
         found.append(xdot)

@@ -86,9 +86,8 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
     """
     run, estimated, horizon = found.trajectory, found.estimated, found.horizon
     if estimated < MEANINGLESS or horizon is None or found.beside is None:
-        if found.rounding > 0.5 * estimated:
-            why = (f"rounding moves the motion by up to {found.rounding:.2g}, as the equations are "
-                   "ill-conditioned or small differences grow")  # fmt: skip
+        if found.rounding > min(asked, 0.5 * estimated):
+            why = f"rounding moves the motion by up to {found.rounding:.2g}, as {_why_rounding(found)}"
         elif found.options.rtol <= 10.0 * FINEST:
             why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
         else:
@@ -107,6 +106,12 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
                f"runs of different tolerance part; {why}")  # fmt: skip
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1])
     return Verdict("failed", message, cut, asked)
+
+
+def _why_rounding(found: Verified) -> str:
+    if found.rounding > 10.0 * found.drift:
+        return f"differences grow {found.rounding / found.drift:.1g} times"
+    return "the equations are ill-conditioned, or the motion is long"
 
 
 def _unbalanced(out: Balance, asked: float) -> str:

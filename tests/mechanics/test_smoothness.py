@@ -42,6 +42,8 @@ def expressions(u: str, chance: Random) -> list[tuple[str, str]]:
         (f"abs({u})", KINK),
         (f"abs({u})^{2 * n - 1}", SMOOTH),
         (f"({u})*abs({u})", SMOOTH),
+        (f"sqrt(({u})^2)", KINK),
+        (f"sqrt({c}*({u})^{2 * n})", SMOOTH),
         (f"abs(({u})^2 + {c})", SMOOTH),
         (f"sign({u})", JUMP),
         (f"{c}*sign({u})*({u})", KINK),
@@ -105,6 +107,12 @@ def test_a_break_is_refused_where_the_mechanics_cannot_hold_it(place: int) -> No
         line = template.format(e=expression)
         given = "potential" in line and u == "time/T"  # a force that changes with time
         assert codes(line) == ({code} if kind in refused and not given else set()), (line, kind)
+
+
+def test_a_distance_that_is_never_zero_may_be_the_root_of_a_square() -> None:
+    assert codes("constraint k: norm({x, 0, 0}) = l;") == set()
+    assert codes("constraint k: norm({x - y, 0, 0}) = l;") == set()
+    assert codes("constraint k: norm({x - y, 0, 0}) = y;") == {"LAG0421"}
 
 
 def test_initial_conditions_may_bend() -> None:

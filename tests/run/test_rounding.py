@@ -1,0 +1,168 @@
+"""Rounding that all runs share enters the estimate: known motions in ill-conditioned coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, sin
+from random import Random
+
+import mpmath
+import pytest
+from mpmath import mpf
+
+import lagc
+from lagc.api import Run
+from lagc.run.accuracy import difference
+from lagc.run.problem import Trajectory
+from lagc.run.rounding import _control, directed
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+Exact = Callable[[float], list[float]]  # q, then v
+ACCURACIES = (1e-4, 1e-6, 1e-8, 1e-10)
+
+
+def true_error(run: Run, exact: Exact) -> float:
+    found = Trajectory(run.times, run.states, run.times[-1], run.states[-1])
+    reference = Trajectory(run.times, [exact(t) for t in run.times], 0.0, [])
+    return difference(found, reference, run.system.interface, 1.0)[0]
+
+
+def swing(start: mpf, omega: mpf, t: float) -> tuple[mpf, mpf]:
+    """Angle and rate of a pendulum released at `start`: sin(theta/2) = k sn(K + omega t)."""
+    k = mpmath.sin(start / 2)
+    u = mpmath.ellipk(k * k) + omega * t
+    sn, cn, dn = (mpmath.ellipfun(name, u, m=k * k) for name in ("sn", "cn", "dn"))
+    theta = 2 * mpmath.asin(k * sn)
+    return theta, 2 * k * omega * cn * dn / mpmath.cos(theta / 2)
+
+
+def in_coordinates(rows: list[list[float]], chance: Random, nonlinear: bool) -> tuple[str, Exact]:
+    """Independent oscillators or pendulums p = A q as a model in the coordinates q, and their motion."""
+    n = len(rows)
+    q = [chance.uniform(-0.5, 0.5) for _ in range(n)]
+    omega = [chance.uniform(1.0, 3.0) for _ in range(n)]
+    lines = [f"coordinate Real q{k}(start = {q[k]!r}, fixed = true);" for k in range(n)]
+    place = [" + ".join(f"{a!r}*q{k}" for k, a in enumerate(row)) for row in rows]
+    rate = [" + ".join(f"{a!r}*der(q{k})" for k, a in enumerate(row)) for row in rows]
+    energy = "(1 - cos({}))" if nonlinear else "1/2*({})^2"
+    kinetic = " + ".join(f"1/2*1 [kg.m2]*({r})^2" for r in rate)
+    potential = " + ".join(f"{w!r}^2*1 [J]*{energy.format(p)}" for w, p in zip(omega, place))
+    lines += [f"kinetic K = {kinetic};", f"potential V = {potential};"]
+    with mpmath.workdps(40):
+        matrix = mpmath.matrix([[mpf(a) for a in row] for row in rows])
+        first = matrix * mpmath.matrix([mpf(a) for a in q])
+
+    def exact(t: float) -> list[float]:
+        with mpmath.workdps(40):
+            if nonlinear:
+                pairs = [swing(a, mpf(w), t) for a, w in zip(first, omega)]
+            else:
+                pairs = [(a * mpmath.cos(w * t), -a * w * mpmath.sin(w * t))
+                         for a, w in zip(first, map(mpf, omega))]  # fmt: skip
+            parts = [mpmath.lu_solve(matrix, mpmath.matrix([p[i] for p in pairs])) for i in (0, 1)]
+            return [float(x) for part in parts for x in part]
+
+    return "model M\n" + "\n".join(lines) + "\nend M;", exact
+
+
+def hilbert(n: int) -> list[list[float]]:
+    return [[1.0 / (i + j + 1) for j in range(n)] for i in range(n)]
+
+
+def near(n: int, apart: float, chance: Random) -> list[list[float]]:
+    """Rows that differ by `apart`."""
+    base = [chance.uniform(0.5, 1.5) for _ in range(n)]
+    return [[a + apart * chance.uniform(-1.0, 1.0) for a in base] for _ in range(n)]
+
+
+def honest(text: str, exact: Exact, stop: float) -> list[Run]:
+    """Runs at several accuracies: none has an error beyond its estimate, or the accuracy where it is `ok`."""
+    model = lagc.loads(text).compile(backend="numpy")
+    runs: list[Run] = []
+    for accuracy in ACCURACIES:
+        run = model.simulate(stop, accuracy=accuracy, points=11)
+        assert run.estimated is not None
+        if len(run.times) == 11:
+            assert true_error(run, exact) <= run.estimated, (accuracy, run.message)
+        assert run.status == "failed" or run.estimated <= accuracy
+        runs.append(run)
+        if run.status == "failed":
+            break
+    return runs
+
+
+@pytest.mark.parametrize("nonlinear", [False, True])
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
+    text, exact = in_coordinates(hilbert(n), Random(n), nonlinear)
+    runs = honest(text, exact, 2.0)
+    assert runs[0].status == "ok"
+    assert (runs[-1].status == "failed") == (n == 4)
+
+
+@pytest.mark.parametrize("apart", [1e-1, 1e-2, 1e-3, 1e-4])
+def test_coordinates_that_nearly_depend_on_each_other(apart: float) -> None:
+    chance = Random(str(apart))
+    text, exact = in_coordinates(near(2, apart, chance), chance, nonlinear=apart > 3e-3)
+    runs = honest(text, exact, 2.0)
+    assert runs[0].status == "ok"
+    if apart < 3e-4:
+        assert runs[-1].status == "failed" and "rounding" in runs[-1].message
+    if apart > 3e-2:
+        assert len(runs) == len(ACCURACIES) and runs[-1].status == "ok"
+
+
+@pytest.mark.parametrize("ratio", [1e6, 1e12])
+def test_masses_far_apart(ratio: float) -> None:
+    # two masses on a spring, the position of one and the way to the other: the reduced mass swings
+    reduced = ratio / (1.0 + ratio)
+    text = f"""model M
+      coordinate Length x(start = 0.5 [m]), s(start = 1 [m]);
+      body a = Particle(mass = {ratio!r} [kg], at = {{x, 0, 0}});
+      body b = Particle(mass = 1 [kg], at = {{x + s, 0, 0}});
+      potential spring = 1/2*4 [N/m]*s^2;
+    end M;"""
+    omega = (4.0 / reduced) ** 0.5
+
+    def exact(t: float) -> list[float]:
+        s, v = cos(omega * t), -omega * sin(omega * t)
+        share = 1.0 / (1.0 + ratio)
+        return [0.5 + share * (1.0 - s), s, -share * v, v]
+
+    assert honest(text, exact, 3.0)[0].status == "ok"
+
+
+@pytest.mark.parametrize("offset", [1e3, 1e6, 1e9])
+def test_large_terms_that_cancel(offset: float) -> None:
+    text = f"""model M
+      coordinate Length x(start = {offset + 1.0!r} [m]);
+      body a = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+      potential spring = 1/2*4 [N/m]*(x - {offset!r} [m])^2;
+    end M;"""
+    runs = honest(text, lambda t: [offset + cos(2.0 * t), -2.0 * sin(2.0 * t)], 3.0)
+    assert (runs[-1].status == "ok") == (offset < 1e5)
+
+
+@pytest.mark.parametrize("angle", [1e-1, 1e-3])
+def test_rows_that_nearly_depend_on_each_other(angle: float) -> None:
+    # both hold the particle on the x axis; the weight presses it against them
+    text = f"""model M
+      coordinate Length x(start = 1 [m]), y, z;
+      body a = Particle(mass = 1 [kg], at = {{x, y, z}});
+      constraint c: z = 0;
+      constraint d: z + {angle!r}*y = 0;
+      potential field = 1/2*4 [N/m]*x^2 + 9.81 [N]*z + 3 [N]*y;
+    end M;"""
+    runs = honest(text, lambda t: [cos(2.0 * t), 0.0, 0.0, -2.0 * sin(2.0 * t), 0.0, 0.0], 3.0)
+    assert runs[0].status == "ok"
+
+
+def test_arithmetic_is_rounded_up_and_down_and_then_as_before() -> None:
+    one, little = float("1"), float("1e-30")
+    with directed(1):
+        above = one + little
+    with directed(-1):
+        below = one - little
+    assert one + little == one
+    if _control() is not None:
+        assert above > one > below

@@ -1,0 +1,173 @@
+"""Reasons are told where they were found, and only there; what is out of balance is not called good."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import cos, pi, sin
+
+import pytest
+
+import lagc
+from lagc.run.accuracy import sizes
+from lagc.run.balance import balance
+from lagc.run.problem import OK, STEP_UNDERFLOW, Options, Trajectory, Vector
+from lagc.run.request import Request
+from lagc.run.simulate import simulate
+from lagc.run.verdict import UNKNOWN, verdict
+from tests.interfaces import interface
+from tests.run.integrated import DoublePendulum, Integrated, Oscillator
+from tests.run.systems import LINE
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+
+LINE_MODEL = """model M
+  coordinate Length x(start = {x} [m], rate = {v} [m/s], fixed = true);
+  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  {action}
+end M;"""
+REASONS = {"without bound": "singular", "stiff": "stiff", "jump": "not smooth", "chaotic": "chaotic",
+           "rounding": "rounding", "depends on others": "rank"}  # fmt: skip
+
+
+def reasons(message: str) -> set[str]:
+    return {name for words, name in REASONS.items() if words in message}
+
+
+def told(action: str, x: float, v: float, stop: float, accuracy: float = 1e-6) -> lagc.Run:
+    model = lagc.loads(LINE_MODEL.format(x=x, v=v, action=action)).compile(backend="numpy")
+    return model.simulate(stop, accuracy=accuracy, points=101)
+
+
+@pytest.mark.parametrize(
+    ("action", "v", "end"),
+    [
+        ("potential V = -1 [J.m]/x;", 0.0, pi / 8.0**0.5),  # free fall into a centre
+        ("potential V = -1/2*1 [J.m2]/x^2;", 0.0, 1.0),  # x^2 = 1 - t^2
+        ("potential V = -1 [J]*(x/(1 [m]))^4;", 2.0**0.5, 1.0 / 2.0**0.5),  # x' = sqrt(2) x^2
+        ("potential V = -1 [J]*exp(x/(1 [m]));", (2.0 * 2.718281828459045) ** 0.5, 0.857763884960707),
+    ],
+)
+def test_a_singularity_is_found_at_its_time(action: str, v: float, end: float) -> None:
+    run = told(action, 1.0, v, 3.0)
+    assert run.status == "failed" and reasons(run.message) == {"singular"}, run.message
+    assert abs(float(run.message.split("t = ")[1].split(" s")[0]) - end) < 1e-4
+
+
+def test_forces_that_jump_to_and_fro_are_found() -> None:
+    # friction that brings to rest, and then pushes to both sides in turn
+    friction = LINE_MODEL.format(x=0, v=1, action="force F = -1 [N]*sign(der(x))*world.x at b;")
+    system = lagc.loads(friction).compile(backend="numpy").load("numpy")
+    run = system.integrate(
+        Options("dop853", 1e-9, 1e-9, max_steps=1000), 0.0, [0.0, 1.0, 0.0], [0.0, 0.5, 2.0]
+    )
+    assert reasons(verdict(system, run, 2.0)[1]) == {"not smooth"}
+
+
+def test_exponential_growth_is_found() -> None:
+    run = simulate(DoublePendulum(), Request(stop=60.0, accuracy=1e-6))
+    assert run.status == "failed" and reasons(run.message) == {"chaotic"}, run.message
+
+
+class Stiff(Integrated):
+    """x follows cos t within a thousandth of a millionth of a second."""
+
+    def __init__(self) -> None:
+        super().__init__(interface(**LINE))
+
+    def start(self) -> list[float]:
+        return [1.0, 0.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        xdot[:] = [x[1], -1e4 * (x[1] + sin(t)) - cos(t)]
+        return OK
+
+
+def test_stiffness_is_found() -> None:
+    system = Stiff()
+    run = system.integrate(Options("dop853", 1e-6, 1e-6, max_steps=2000), 0.0, [1.0, 0.0], [0.0, 10.0])
+    assert reasons(verdict(system, run, 10.0)[1]) == {"stiff"}
+
+
+@pytest.mark.parametrize("t", [0.3, 1.1, 2.9])
+def test_no_reason_is_told_of_a_plain_motion(t: float) -> None:
+    # a run of an oscillator that is said to have ended, and of one with forces that bend
+    times = [0.03 * t * k for k in range(34)]
+    states = [[cos(s), -sin(s)] for s in times]
+    run = Trajectory(times, states, times[-1], states[-1], STEP_UNDERFLOW, steps=30)
+    status, message = verdict(Oscillator(), run, 5.0)
+    assert status == "failed" and reasons(message) == set() and message.endswith(UNKNOWN)
+
+
+class Leaking(Integrated):
+    """An oscillator that loses energy of which its balance knows nothing: as where something is not seen."""
+
+    def __init__(self, damping: float, known: float = 0.0) -> None:
+        super().__init__(interface(**LINE))
+        self.damping, self.known = damping, known
+
+    def start(self) -> list[float]:
+        return [1.0, 0.0]
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        xdot[:] = [x[1], -x[0] - self.damping * x[1]]
+        return OK
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        e = 0.5 * x[0] * x[0] + 0.5 * x[1] * x[1]
+        return [0.5 * x[1] * x[1], 0.5 * x[0] * x[0], 1e6 + e]  # an offset says nothing
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("share", [1e-3, 0.1, 100.0, 1e4])
+def test_energy_out_of_balance_is_never_ok(accuracy: float, share: float) -> None:
+    # after 10 s the energy has lost about 5 times the damping; errors of the states explain 20 times A
+    run = simulate(Leaking(share * accuracy), Request(stop=10.0, accuracy=accuracy))
+    if share < 1.0:
+        assert run.status == "ok", run.message
+    else:
+        assert run.status == "failed" and "out of balance" in run.message
+        assert reasons(run.message) == set()
+
+
+def test_the_library_is_in_balance_by_far() -> None:
+    for name in ("classic/kapitza_pendulum", "course/disc_on_a_line_implicit", "classic/knife_edge"):
+        model = lagc.load(name).compile(backend="numpy")
+        for accuracy in (1e-4, 1e-6):
+            run = model.simulate(1.0, accuracy=accuracy, points=51)
+            assert run.status == "ok", run.message
+            trajectory = Trajectory(run.times, run.states, run.times[-1], run.states[-1])
+            out = balance(run.system, trajectory, sizes(trajectory, model.interface), accuracy)
+            assert out.imbalance < 0.1 * out.explained, name
+
+
+def test_a_potential_that_jumps_in_time_does_work() -> None:
+    run = told("potential V = if time < 0.7 [s] then 0 else 1/2*9 [N/m]*x^2;", 1.0, 0.5, 2.0)
+    assert run.status == "ok", run.message
+    x0 = 1.0 + 0.5 * 0.7
+    end = x0 * cos(3.0 * 1.3) + 0.5 / 3.0 * sin(3.0 * 1.3)
+    assert abs(run.states[-1][0] - end) < 2e-6
+    assert abs(run.energy.imbalance) < 1e-4
+
+
+def test_a_remembered_run_that_misbehaves_is_done_anew(
+    tmp_path: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    first = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-8))
+
+    class Restless(Oscillator):
+        """Its first run goes astray."""
+
+        def integrate(
+            self, options: Options, t0: float, x0: Vector, times: Sequence[float],
+            progress: Callable[[float], None] | None = None,
+        ) -> Trajectory:  # fmt: skip
+            done = super().integrate(options, t0, x0, times, progress)
+            if len(self.runs) == 1:
+                return done.changed(states=[[1.001 * a for a in x] for x in done.states])
+            return done
+
+    again = simulate(Restless(), Request(stop=10.0, accuracy=1e-8))
+    assert again.status == "ok" and again.cost.integrations > first.cost.integrations
+    true = max(abs(x - cos(t)) for t, x in zip(again.times, again.column("x")))
+    assert true <= again.estimated <= 1e-8
