@@ -18,8 +18,10 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places",
+    "initial_places", "bends",
 )  # fmt: skip
+
+_BENDING = ("abs", "floor", "sign", "min", "max", "select")
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -84,9 +86,21 @@ def interface(
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
+        bends=_bends(functions["system"]),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
+
+
+def _bends(function: Function) -> bool:
+    """Whether an operation that may bend or jump takes what changes during a run."""
+    moving: list[bool] = []
+    for o in function.operations:
+        moves = isinstance(o.payload, tuple) and o.payload[0] in ("t", "x")
+        moving.append(moves or any(moving[k] for k in o.operands))
+        if moving[-1] and o.op in _BENDING:
+            return True
+    return False
 
 
 def _warning(fault: Fault) -> str:

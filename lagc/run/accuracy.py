@@ -22,6 +22,7 @@ from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 from lagc.run.rounding import rounding_rate
 
 SAFETY = 2.0  # on every estimate
+BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
 ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
@@ -215,8 +216,13 @@ class _Search:
         return balance(self.system, run, sizes(run, self.system.interface), self.accuracy)
 
     def truncation(self) -> float:
-        """The error of the finest run that its steps bring: of the next coarser one by their difference,
-        carried on by the slope over three runs where that is consistent.
+        """The error of the finest run that its steps bring."""
+        found = self._by_differences()
+        return max(found * BENT, SMALLEST) if self.system.interface.bends else found
+
+    def _by_differences(self) -> float:
+        """The error of the finest run: of the next coarser one by their difference, carried on by the
+        slope over three runs where that is consistent.
 
         Two runs may happen to err alike: their difference counts for no less than the one before
         lets expect.
@@ -265,6 +271,7 @@ class _Search:
         slope = self._slope() or 1.0
         difference, _ = self._difference(tols[0], tols[1])
         error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
+        error *= BENT if self.system.interface.bends else 1.0
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = min(tol, tols[0] / 2.0)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
