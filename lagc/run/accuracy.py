@@ -19,7 +19,7 @@ from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
 from lagc.run.balance import Balance, balance
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
-from lagc.run.rounding import rounding_rate
+from lagc.run.rounding import rounding_drift
 
 SAFETY = 2.0  # on every estimate
 BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
@@ -207,8 +207,8 @@ class _Search:
         found = self.drifts.get(tol)
         if found is None:
             run = self.runs[tol]
-            rate = rounding_rate(self.system, run, sizes(run, self.system.interface))
-            found = self.drifts[tol] = ROUGHLY * rate * abs(self.times[-1] - self.times[0])
+            found = ROUGHLY * rounding_drift(self.system, run, sizes(run, self.system.interface))
+            self.drifts[tol] = found
         return found
 
     def _balance(self) -> Balance:

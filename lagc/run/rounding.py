@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 from lagc.run.problem import FAILED, System, Trajectory
@@ -23,32 +24,45 @@ SAMPLES = 12  # of the recorded states
 MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100))
 
 
-def rounding_rate(
+def rounding_drift(
     system: System, trajectory: Trajectory, groups: Sequence[tuple[Sequence[int], float]]
 ) -> float:
-    """How fast rounding moves the states, relative to their sizes, on the average over the motion (1/s).
+    """How far rounding moves the states, relative to their sizes, where differences do not grow.
 
     `groups`: the indices of the states of each kind, and their size.  A kind whose rates are nothing but
-    rounding is at rest, and left out.
+    rounding is at rest, and left out.  Around each state looked at, a kind moves by the change of its rate
+    over the time, and by no more than that share of the way that it goes: a close encounter is short.
     """
     n = len(trajectory.states)
     picked = sorted({k * (n - 1) // SAMPLES for k in range(SAMPLES + 1)}) if n else []
-    changes: list[list[float]] = []
-    rates: list[list[float]] = []
+    looks: list[tuple[int, list[float], list[float]]] = []  # where, the changes of rates, the rates
     for k in picked:
         found = _evaluations(system, trajectory.times[k], trajectory.states[k])
-        if found is None:
-            continue
-        plain, *others = found
-        changes.append([max(abs(f[i] - plain[i]) for f in others for i in group) for group, _ in groups])
-        rates.append([max(abs(plain[i]) for i in group) for group, _ in groups])
-    if not changes:
-        return 0.0
-    alive = [
-        j for j, (_, size) in enumerate(groups)
-        if size > 0.0 and max(r[j] for r in rates) > 100.0 * max(c[j] for c in changes)
-    ]  # fmt: skip
-    return sum(max((c[j] / groups[j][1] for j in alive), default=0.0) for c in changes) / len(changes)
+        if found is not None:
+            plain, *others = found
+            changes = [max(abs(f[i] - plain[i]) for f in others for i in group) for group, _ in groups]
+            looks.append((k, changes, [max(abs(plain[i]) for i in group) for group, _ in groups]))
+    bounds = [0, *((a + b) // 2 for (a, _, _), (b, _, _) in pairwise(looks)), n - 1]
+    total = 0.0
+    for (_, changes, rates), first, last in zip(looks, bounds, bounds[1:]):
+        time = abs(trajectory.times[last] - trajectory.times[first])
+        worst = 0.0
+        for j, (group, size) in enumerate(groups):
+            alive = max(r[j] for _, _, r in looks) > 100.0 * max(c[j] for _, c, _ in looks)
+            if size > 0.0 and alive:
+                way = _way(trajectory, group, first, last)
+                moved = changes[j] * (min(time, way / rates[j]) if rates[j] > 0.0 else time)
+                worst = max(worst, moved / size)
+        total += worst
+    return total
+
+
+def _way(trajectory: Trajectory, group: Sequence[int], first: int, last: int) -> float:
+    """How far the states of one kind go between two recorded times; turns that the recorded states do not
+    show are as many as there are more steps."""
+    states = trajectory.states[first : last + 1]
+    way = sum(max(abs(y[i] - x[i]) for i in group) for x, y in pairwise(states))
+    return way * max(1.0, trajectory.steps / max(len(trajectory.states) - 1, 1))
 
 
 def _evaluations(system: System, t: float, x: Sequence[float]) -> list[list[float]] | None:
