@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from typing import TypeVar
 
+from lagc.diagnostics.faults import Fault
 from lagc.expr.graph import Graph, Node
-from lagc.meaning.model import Model
+from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import act
-from lagc.mechanics.constraints import classify
+from lagc.mechanics.constraints import Classified, classify
 from lagc.mechanics.energy import energies
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.equations import Contribution, EquationsOfMotion, Row
 from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
-from lagc.mechanics.opposing import feeding_loads
-from lagc.mechanics.points import points_of_their_own
 from lagc.mechanics.quantities import output_equations
-from lagc.mechanics.redundancy import drop_redundant
 from lagc.mechanics.smoothness import refuse_breaks
-from lagc.mechanics.states import build_states
-from lagc.mechanics.touching import refuse_touching
+from lagc.mechanics.states import States, build_states
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -35,9 +32,7 @@ def derive(model: Model) -> EquationsOfMotion:
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)
-    rows = classify(states)
-    refuse_touching(states, rows)
-    classified, dropped = drop_redundant(states, rows)
+    classified, dropped = _constrained(states)
     lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
     totals = energies(states, parts, acting, free, classified, lam)
     matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
@@ -46,7 +41,6 @@ def derive(model: Model) -> EquationsOfMotion:
     zero = graph.zero
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
-    warnings = (*points_of_their_own(states, kept), *feeding_loads(states, kept, contributions))
     return EquationsOfMotion(
         model=model,
         graph=graph,
@@ -82,8 +76,32 @@ def derive(model: Model) -> EquationsOfMotion:
         outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),
-        warnings=warnings,
+        warnings=_warnings(states, kept, contributions),
     )
+
+
+def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]]]:
+    """The rows of the constraints that stay, and label and reason of those left out."""
+    rows = classify(states)
+    if not rows:
+        return [], []
+    from lagc.mechanics.redundancy import drop_redundant  # loaded where there are rows
+    from lagc.mechanics.touching import refuse_touching
+
+    refuse_touching(states, rows)
+    return drop_redundant(states, rows)
+
+
+def _warnings(
+    states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
+) -> tuple[Fault, ...]:
+    """Loads that may not do what they seem to; potentials always do."""
+    if all(isinstance(action, Potential) for action in states.model.actions):
+        return ()
+    from lagc.mechanics.opposing import feeding_loads  # loaded where there are loads
+    from lagc.mechanics.points import points_of_their_own
+
+    return (*points_of_their_own(states, rows), *feeding_loads(states, rows, contributions))
 
 
 def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:

@@ -21,9 +21,7 @@ from lagc.expr.vectors import dot
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
-from lagc.mechanics.grounds import anywhere
 from lagc.mechanics.inertia import Moving
-from lagc.mechanics.judge import Judge
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -53,7 +51,7 @@ def energies(
     power = graph.sum(x.relative_power for x in acting if not x.contribution.conservative)
     explicit = graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta)) + free.explicit
     explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
-    if not Judge(anywhere(states)).vanish([explicit]):  # proved of a steady turn: it brings no power
+    if not _is_steady(states, explicit):
         power = power - explicit
     power = power + graph.sum(multiplier * x.drive for multiplier, x in zip(lam, rows))
     return Energies(
@@ -62,3 +60,13 @@ def energies(
         energy=kinetic - drives + given + free.jacobi,
         power=power,
     )
+
+
+def _is_steady(states: States, explicit: Node) -> bool:
+    """It is proved that nothing brings power by time alone: of a steady turn, for instance."""
+    if explicit.is_zero:
+        return True
+    from lagc.mechanics.grounds import anywhere  # what proves is loaded where there is a question
+    from lagc.mechanics.judge import Judge
+
+    return bool(Judge(anywhere(states)).vanish([explicit]))

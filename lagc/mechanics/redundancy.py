@@ -14,13 +14,8 @@ from collections.abc import Iterator, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
-from lagc.expr.modular import Undefined
-from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
-from lagc.mechanics.finite import RIGHT, Echelon
-from lagc.mechanics.grounds import on_rows
-from lagc.mechanics.judge import Judge
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
@@ -99,11 +94,11 @@ def drop_redundant(
         others = [classified[k] for k in redundant.others]
         if contradiction:
             faults.append(_contradiction(x, others))
-        elif (
-            x.row.kind == "velocity"
-            and _steady(states, classified, redundant)
-            and _follows(states, x.row, independent)
-        ):
+        elif x.row.kind == "velocity" and _steady(states, classified, redundant):
+            from lagc.mechanics.following import follows  # what proves is loaded where there is a question
+
+            if not follows(states, x.row, independent):
+                continue
             dropped[redundant.row] = _reason(x.row, [y.row for y in others])
     if faults:
         raise Refused(faults)
@@ -145,33 +140,6 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
             if not table.depends(k, row):
                 table.add(row, made)
     return found
-
-
-def _follows(states: States, row: Row, others: Sequence[Row]) -> bool:
-    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one
-    combination of those of `others`, for any speeds."""
-    rows = [*others, row]
-    flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
-    spelt = spelt_out(states.graph, flat)
-    met = (onto(states, others, s) for s in samples(states.model, _STATES, vary=False))
-    tries = [state for state in met if state is not None]
-    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], tries)
-    asked = False
-    for placed, truths in Judge(ground).points(spelt):
-        for x in placed:
-            x.point.place({v: x.point.draw() for v in states.v})
-            try:
-                values = iter(x.point.values(spelt, truths))
-            except Undefined:
-                continue
-            table = [{RIGHT: next(values), **{j: next(values) for j in r.jacobian}} for r in rows]
-            taken = Echelon()
-            for entries in table[:-1]:
-                taken.grows(entries)
-            if taken.reduce(table[-1]):
-                return False
-            asked = True
-    return asked
 
 
 def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[bool]:

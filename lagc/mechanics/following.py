@@ -1,0 +1,44 @@
+"""Whether a velocity row is proved to follow from others: then it may be left out before the run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.expr.modular import Undefined
+from lagc.mechanics.branches import spelt_out
+from lagc.mechanics.equations import Row
+from lagc.mechanics.finite import RIGHT, Echelon
+from lagc.mechanics.grounds import on_rows
+from lagc.mechanics.judge import Judge
+from lagc.mechanics.manifold import onto
+from lagc.mechanics.samples import samples
+from lagc.mechanics.states import States
+
+_STATES = 3
+
+
+def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
+    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one
+    combination of those of `others`, for any speeds."""
+    rows = [*others, row]
+    flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
+    spelt = spelt_out(states.graph, flat)
+    met = (onto(states, others, s) for s in samples(states.model, _STATES, vary=False))
+    tries = [state for state in met if state is not None]
+    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], tries)
+    asked = False
+    for placed, truths in Judge(ground).points(spelt):
+        for x in placed:
+            x.point.place({v: x.point.draw() for v in states.v})
+            try:
+                values = iter(x.point.values(spelt, truths))
+            except Undefined:
+                continue
+            table = [{RIGHT: next(values), **{j: next(values) for j in r.jacobian}} for r in rows]
+            taken = Echelon()
+            for entries in table[:-1]:
+                taken.grows(entries)
+            if taken.reduce(table[-1]):
+                return False
+            asked = True
+    return asked
