@@ -10,6 +10,7 @@ Normal form (kept by the constructors, cheap on purpose):
 * `scale` c*x holds a numeric coefficient, never nested, never around a constant;
 * `mul` is a monomial: distinct bases sorted by index with non-zero integer exponents;
   x^2 is `mul` with one base, a quotient is a negative exponent;
+* numbers whose sum is rounding add up to zero: 0.1 x + 0.2 x - 0.3 x is nothing;
 * `add` is binary; like terms, and c*x*sin(u)^2 + c*x*cos(u)^2, are collected when they
   meet.  Long sums are not flattened: the prefix sums of a chain stay shared.
 """
@@ -50,6 +51,15 @@ BINARY: dict[str, Callable[[float, float], float]] = {
 }
 
 Number: TypeAlias = "float | int"
+
+
+_ROUNDING = 2.0**-51  # of the terms: what is left of decimal numbers that cancel
+
+
+def _total(a: float, b: float) -> float:
+    """a + b, zero where that is rounding."""
+    found = a + b
+    return 0.0 if abs(found) <= _ROUNDING * abs(a) and math.isfinite(a) else found
 
 
 class Node:
@@ -176,7 +186,7 @@ class Graph:
             if a.value == 0.0:
                 return b
             if b.op == "const":
-                return self.const(a.value + b.value)
+                return self.const(_total(a.value, b.value))
         elif b.op == "const" and b.value == 0.0:
             return a
         met = self._meet(a, b)
@@ -207,9 +217,9 @@ class Graph:
         ca, xa = (a.value, a.args[0]) if a.op == "scale" else (1.0, a)
         cb, xb = (b.value, b.args[0]) if b.op == "scale" else (1.0, b)
         if xa is xb:
-            return self.scale(ca + cb, xa)
+            return self.scale(_total(ca, cb), xa)
         if xa.op == "const" and xb.op == "const":
-            return self.const(ca * xa.value + cb * xb.value)
+            return self.const(_total(ca * xa.value, cb * xb.value))
         if ca != cb or xa.op != "mul" or xb.op != "mul":
             return None
         swap = {"sin": "cos", "cos": "sin"}

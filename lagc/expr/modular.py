@@ -25,6 +25,7 @@ _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts o
 _MOST_ROOTS = 8  # of which one symbol is drawn for all
 _MOST_DECIMALS = 20  # of which products are looked for
 _ULPS = 4
+_MOST_TURNS, _FINEST_TURN = 1000, 360
 _EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
 
 Linear: TypeAlias = dict["int | str", Fraction]  # value of a term -> coefficient; "1": a number; "pi"
@@ -66,7 +67,7 @@ class Point:
         self._known.clear()
         self._forms.clear()
 
-    def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, bool]) -> bool:
+    def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, int]) -> bool:
         """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
         a root in every second case, and some tens of them together next to never.  False: too many."""
         order: dict[Node, list[Node]] = {}
@@ -88,7 +89,7 @@ class Point:
                 return False
         return True
 
-    def values(self, nodes: Sequence[Node], truths: Mapping[Node, bool] | None = None) -> list[int]:
+    def values(self, nodes: Sequence[Node], truths: Mapping[Node, int] | None = None) -> list[int]:
         """The values of `nodes`; `truths` of all comparisons in them, the same at every call.
 
         Raises Undefined.
@@ -99,7 +100,7 @@ class Point:
                 known[node] = self._value(node, truths or {})
         return [known[node] for node in nodes]
 
-    def _value(self, node: Node, truths: Mapping[Node, bool]) -> int:
+    def _value(self, node: Node, truths: Mapping[Node, int]) -> int:
         op, known = node.op, self._known
         if op == "add":
             return (known[node.args[0]] + known[node.args[1]]) % P
@@ -117,13 +118,16 @@ class Point:
                 self.symbols[node] = self.draw()
             return self.symbols[node]
         if op == "select":
-            condition, x, y = node.args
-            return known[x] if known[condition] else known[y]
+            share, x, y = (known[a] for a in node.args)
+            return (share * x + (1 - share) * y) % P
         if op in ("lt", "le", "eq"):
-            return int(truths[node])
-        if op in ("and", "or", "not"):
-            held = [known[a] for a in node.args]
-            return 1 - held[0] if op == "not" else min(held) if op == "and" else max(held)
+            return truths[node]
+        if op == "not":
+            return (1 - known[node.args[0]]) % P
+        if op in ("and", "or"):
+            one, other = (known[a] for a in node.args)
+            both = one * other
+            return (both if op == "and" else one + other - both) % P
         return self._function(node, op)
 
     def _function(self, node: Node, op: str) -> int:
@@ -137,7 +141,9 @@ class Point:
             return self._root(x)
         if op == "pow":
             return self._pow(x, node.args[1])
-        self.exact = self.exact and op == "floor"  # of which steps are what matters
+        if op == "floor":
+            return self._floor(x, self._form(node.args[0]))
+        self.exact = False
         return self._any(op, *(self._known[a] for a in node.args))
 
     def _any(self, *key: object) -> int:
@@ -270,6 +276,20 @@ class Point:
             raise Undefined
         return root if self._any("sign", x) % 2 else -root % P
 
+    def _floor(self, x: int, form: Linear) -> int:
+        """floor(n + u) = n + floor(u) for whole n, floor(-u) = -1 - floor(u); no others are asked of it."""
+        number = form.get("1", Fraction(0))
+        rest = (x - residue(number)) % P
+        if not rest:
+            return math.floor(number) % P
+        if 2 * rest > P:
+            return (-1 - self._stairs(P - rest, -number)) % P
+        return self._stairs(rest, number) % P
+
+    def _stairs(self, rest: int, number: Fraction) -> int:
+        whole = math.floor(number)
+        return whole + self._any("floor", rest, number - whole)
+
     def _pow(self, x: int, exponent: Node) -> int:
         """x^(n + rest) = x^n x^rest for the whole part n of the number in the exponent."""
         form = dict(self._form(exponent))
@@ -332,10 +352,11 @@ def residue(x: Fraction) -> int:
 
 
 def turns_of(value: float) -> Fraction | None:
-    """The simple multiple of pi that a float is within rounding, other than none."""
-    if not math.isfinite(value):
+    """The simple multiple of pi that a float is within rounding, other than none: of so few numbers
+    none is met by chance."""
+    if not math.isfinite(value) or abs(value) > _MOST_TURNS * math.pi or _is_written(value):
         return None
-    near = Fraction(value / math.pi).limit_denominator(360)
+    near = Fraction(value / math.pi).limit_denominator(_FINEST_TURN)
     return near if near and abs(float(near) * math.pi - value) <= _ULPS * math.ulp(value) else None
 
 
@@ -344,11 +365,15 @@ def fraction(value: float) -> Fraction | None:
     rounding; None where it is neither."""
     if not math.isfinite(value):
         return None
-    written = Fraction(repr(value))
-    digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
-    if len(digits) <= _EXACT_DIGITS or value == int(value):
-        return written
+    if _is_written(value):
+        return Fraction(repr(value))
     scale = Fraction(10) ** math.floor(math.log10(abs(value)))
     near = Fraction(value) / scale
     near = near.limit_denominator(100_000) * scale
     return near if abs(float(near) - value) <= _ULPS * math.ulp(value) else None
+
+
+def _is_written(value: float) -> bool:
+    """Whether a number has few digits, or is whole: then it is meant as it is."""
+    digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
+    return len(digits) <= _EXACT_DIGITS or value == int(value)

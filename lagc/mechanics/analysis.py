@@ -12,8 +12,7 @@ from itertools import chain
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.walk import depends, substitute
-from lagc.meaning.model import Coordinate
-from lagc.mechanics.actions import act
+from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.forms import rate_coefficients
 from lagc.mechanics.freeterms import free_terms, with_rates
@@ -190,11 +189,12 @@ def _cyclic(states: States) -> dict[str, bool]:
 
 
 def _lagrangian(states: States) -> Node:
-    """L in rates."""
+    """L in rates, with the potentials that inputs or jumps in time change too."""
+    actions = states.model.actions
     kinetic = [body.kinetic_energy for body in states.model.bodies]
-    free = [x.function for x in with_rates(states)]
-    stored = [-x.stored for x in act(states)]
-    return states.in_rates([states.graph.sum(chain(kinetic, free, stored))])[0]
+    free = [x.function for x in actions if isinstance(x, Lagrangian)]
+    potentials = [-x.energy for x in actions if isinstance(x, Potential)]
+    return states.in_rates([states.graph.sum(chain(kinetic, free, potentials))])[0]
 
 
 def _conserved(

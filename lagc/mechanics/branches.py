@@ -3,6 +3,9 @@
 What is claimed of an expression is claimed on each of its branches, whether or not the states that
 are tried lie on it: a force that acts beyond three turns only is there.  Comparisons of parameters
 alone are decided by their values.
+
+Where conditions are many, their branches are blended: each condition is a random number c of the finite
+field, and `if` is c x + (1 - c) y.  What is zero then is zero for all c, so on every branch.
 """
 
 from __future__ import annotations
@@ -13,12 +16,14 @@ from itertools import combinations, product
 
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
+from lagc.expr.modular import P, Point
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.records import dataclass
 
-Signs = dict[Node, int]  # difference of two sides -> 1 or -1
+Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
 _KINKS = ("abs", "sign", "min", "max")
 _COMPARISONS = ("lt", "le", "eq")
+_SEED = 91
 _MOST = 6  # differences of which all combinations of signs are tried
 _MOST_PAIRED = 12  # of which pairs are
 
@@ -68,6 +73,10 @@ class Comparison:
     def holds(self, sign: int) -> bool:
         return self.node.op != "eq" and sign * self.factor < 0
 
+    def share(self, below: int) -> int:
+        """The number for it, where that of `difference < 0` is `below`."""
+        return 0 if self.node.op == "eq" else below if self.factor > 0 else (1 - below) % P
+
 
 class Branches:
     """Those of `nodes`, which hold no abs, sign, min, max; `values` are those of the parameters."""
@@ -106,11 +115,19 @@ class Branches:
             for turned in [(), *other, *pairs]:
                 yield {d: -rest if k in turned else rest for k, d in enumerate(self.differences)}
 
-    def truths(self, signs: Signs) -> dict[Node, bool]:
+    def blended(self) -> Signs:
+        return dict.fromkeys(self.differences, 0)
+
+    def truths(self, signs: Signs) -> dict[Node, int]:
         """Of every comparison, where the differences have these signs."""
-        found: dict[Node, bool] = {}
+        found: dict[Node, int] = {}
+        chance = Point(_SEED)
+        blended = sorted([d for d, sign in signs.items() if not sign], key=lambda d: d.index)
+        shares = {d: chance.draw() for d in blended}
         for c in self.comparisons:
-            if c.difference in signs:
+            if c.difference in shares:
+                found[c.node] = c.share(shares[c.difference])
+            elif c.difference in signs:
                 found[c.node] = c.holds(signs[c.difference])
             else:
                 found[c.node] = bool(evaluate([c.node], self._values)[0])

@@ -20,7 +20,7 @@ from lagc.mechanics.branches import Branches, Signs, spelt_out
 from lagc.mechanics.magnitude import magnitudes
 from lagc.records import dataclass
 
-Truths: TypeAlias = Mapping[Node, bool]
+Truths: TypeAlias = Mapping[Node, int]  # of a blended condition any number of the field
 State: TypeAlias = Mapping[Node, float]
 _SEEMS = 1e-11  # of its terms: what cancels leaves 1e-16, times what linear systems amplify
 _POINTS = 3
@@ -66,6 +66,19 @@ class Judge:
         if not asked:
             return True
         branches = Branches(ground.graph, [*ground.support, *asked], ground.values)
+        proved, rooted = self._on_branches(asked, branches)
+        if proved is not None and (not proved or rooted):
+            plain = cancels(asked, ground.states(None), strict=False)
+            return proved if plain else None
+        return proved
+
+    def _on_branches(self, asked: Sequence[Node], branches: Branches) -> tuple[bool | None, bool]:
+        """The answer of the field, and of numbers branch by branch; and whether roots were met."""
+        if len(branches.differences) > 1:
+            blended = branches.blended()
+            verdict, rooted = self._in_field(asked, blended, branches.truths(blended))
+            if verdict:
+                return True, rooted
         proved, rooted = branches.complete, False
         for signs in branches.all():
             truths = branches.truths(signs)
@@ -73,19 +86,17 @@ class Judge:
             rooted = rooted or with_roots
             if verdict is None:
                 proved = False
-                verdict = cancels(asked, [{**s, **truths} for s in ground.states(truths)])
+                verdict = cancels(asked, [{**s, **truths} for s in self._ground.states(truths)])
             if not verdict:
-                return None
-        if not proved or rooted:
-            plain = cancels(asked, ground.states(None), strict=False)
-            return proved if plain else None
-        return True
+                return None, rooted
+        return proved, rooted
 
-    def points(self, nodes: Sequence[Node]) -> Iterator[tuple[list[Placed], dict[Node, bool]]]:
-        """Points and the truths of comparisons, for each branch of `nodes`, which are spelt out."""
+    def points(self, nodes: Sequence[Node]) -> Iterator[tuple[list[Placed], dict[Node, int]]]:
+        """Points and the truths of comparisons, for each branch of `nodes`, which are spelt out; where
+        these are too many, blended."""
         ground = self._ground
         branches = Branches(ground.graph, [*ground.support, *nodes], ground.values)
-        for signs in branches.all():
+        for signs in branches.all() if branches.complete else [branches.blended()]:
             truths = branches.truths(signs)
             yield self._placed(signs, truths), truths
 

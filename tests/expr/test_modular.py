@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
+from fractions import Fraction
 
 import pytest
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import P, Point, Undefined, fraction
+from lagc.expr.modular import P, Point, Undefined, fraction, turns_of
 
 IDENTITIES: dict[str, Callable[[Graph, Node, Node, Node], Node]] = {
     "double angle": lambda g, x, y, z: g.sin(2.0 * x) - 2.0 * g.sin(x) * g.cos(x),
@@ -17,6 +18,9 @@ IDENTITIES: dict[str, Callable[[Graph, Node, Node, Node], Node]] = {
     "half angle": lambda g, x, y, z: 2.0 * g.sin(0.5 * x) ** 2 - 1.0 + g.cos(x),
     "third of an angle": lambda g, x, y, z: g.sin(x) - 3.0 * g.sin(x / 3.0) + 4.0 * g.sin(x / 3.0) ** 3,
     "circle": lambda g, x, y, z: g.sin(x + y) ** 2 + g.cos(y + x) ** 2 - 1.0,
+    "steps": lambda g, x, y, z: g.unary("floor", x * y + 2.5) - g.unary("floor", x * y + 0.5) - 2.0,
+    "steps down": lambda g, x, y, z: g.unary("floor", x - 0.25) + g.unary("floor", 1.25 - x),
+    "whole steps": lambda g, x, y, z: g.unary("floor", x - x * y / y + 7.5) - 7.0,
     "quarter turn": lambda g, x, y, z: g.sin(x + math.pi / 2.0) - g.cos(x),
     "half turn back": lambda g, x, y, z: g.cos(x * y - math.pi) + g.cos(y * x),
     "tangent": lambda g, x, y, z: g.unary("tan", x) * g.cos(x) - g.sin(x),
@@ -124,3 +128,23 @@ def test_numbers_are_what_is_meant(value: float) -> None:
 
 def test_numbers_with_rounding_in_them_are_none() -> None:
     assert fraction(math.sqrt(2.0)) is None and fraction(math.inf) is None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_numbers_of_any_size_are_no_angles(seed: int) -> None:
+    """Multiples of pi are what they are; no other number is met for one, however large."""
+    rng = random.Random(seed)
+    for _ in range(2000):
+        value = rng.uniform(-1.0, 1.0) * 10.0 ** rng.uniform(-20.0, 300.0)
+        assert turns_of(value) is None
+        assert turns_of(float(f"{value:.8e}")) is None
+        turns = Fraction(rng.randint(-720, 720), rng.randint(1, 180))
+        assert turns_of(float(turns) * math.pi) == (turns or None)
+
+
+@pytest.mark.parametrize("size", [1e8, 1.1e11, 3.844e11, 1.495978707e11, 3.986e14, 2.1e11, 1e20])
+def test_identities_between_large_numbers_vanish(size: float) -> None:
+    _, x, y, _ = symbols()
+    a, b = 3.0 * size, size
+    point = Point(2)
+    assert point.values([(x + a) * y - (x + b) * y - (a - b) * y]) == [0] and point.exact

@@ -239,3 +239,52 @@ def test_rods_hold_where_it_is_asked(squared: bool, push: float) -> None:
         assert found == dict.fromkeys(["momentum().y", "momentum().z", "angular_momentum().x"], True)
     else:
         assert found == dict.fromkeys(["energy", *TOTALS], True)
+
+
+@pytest.mark.parametrize("push", [0.0, 1e-12])
+@pytest.mark.parametrize("count", [3, 5])
+def test_many_conditions_are_seen_all(count: int, push: float) -> None:
+    """Particles that touch each other, up to ten conditions: all momenta are kept, and a push behind
+    one of them is seen."""
+    b = Builder()
+    g = b.graph
+    places = [[b.coordinate(f"{k}{i}", 0.3 * i + 0.1 * n) for n, k in enumerate("xy")] for i in range(count)]
+    for i, p in enumerate(places):
+        b.particle(f"p{i}", b.parameter(f"m{i}", 1.0 + i), (*p, 0.0))
+        for j, q in enumerate(places[:i]):
+            depth = g.binary("max", g.zero, 0.5 - g.sqrt(gap(b, p, q)))
+            b.potential(f"V{i}{j}", 1e3 * depth**2)
+    if push:
+        x = places[-1][0]
+        b.force("push", (push * g.binary("max", g.zero, x - 50.0), 0.0, 0.0), (*places[-1], 0.0))
+    found = facts(analyse(derive(b.model())))
+    kept = ["momentum().y"] if push else ["energy", "momentum().x", "momentum().y", "angular_momentum().z"]
+    assert found == dict.fromkeys(kept, True)
+
+
+@pytest.mark.parametrize("kind", ["input", "jump in time", "time"])
+def test_a_potential_that_is_no_stored_energy_is_in_the_lagrangian(kind: str) -> None:
+    b = Builder()
+    g = b.graph
+    x, y = b.coordinate("x", 0.5), b.coordinate("y", 0.5)
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    jump = g.select(g.binary("lt", b.time, g.const(1e5)), g.one, g.const(2.0))
+    gain = {"input": b.input("k", 1.0), "jump in time": jump, "time": g.sin(b.time)}[kind]
+    b.potential("V", gain * x**2)
+    a = analyse(derive(b.model()))
+    assert a.cyclic == ("y",)
+    assert facts(a) == {"momentum(y)": True, "momentum().y": True}
+
+
+@pytest.mark.parametrize(
+    "terms", [(0.1, 0.2, -0.3), (0.7, 0.1, -0.8), (1.1, 2.2, -3.3), (0.1,) * 10 + (-1.0,)]
+)
+def test_numbers_that_cancel_in_decimals_leave_nothing(terms: tuple[float, ...]) -> None:
+    """Springs along x whose rates add up to none: in binary numbers rounding would be left."""
+    b = Builder()
+    x, y = b.coordinate("x", 0.5), b.coordinate("y", 0.5)
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    for k, c in enumerate(terms):
+        b.potential(f"V{k}", c * x)
+    a = analyse(derive(b.model()))
+    assert a.cyclic == ("x", "y") and not a.seems.cyclic and facts(a)["momentum(x)"]
