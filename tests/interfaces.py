@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Field, Interface
 
 
@@ -32,4 +33,6 @@ def interface(model: str = "m", nq: int = 1, nv: int = 1, nc: int = 0, **more: A
         "operations": 1, "functions": (), "effects": (), "simulate": {}, "notes": (),
         "warnings": (), "dropped": (),
     }  # fmt: skip
-    return Interface(model=model, nq=nq, nv=nv, nc=nc, **{**plain, **more})
+    given = {**plain, **more}
+    given.setdefault("kinds", kinds(given["q_units"], given["v_units"]))
+    return Interface(model=model, nq=nq, nv=nv, nc=nc, **given)

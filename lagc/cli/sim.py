@@ -44,7 +44,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
     parser.add_argument("--rtol", metavar="R", help="by hand: relative tolerance of a step")
-    parser.add_argument("--atol", metavar="A", help="by hand: absolute tolerance of a step; default: as rtol")
+    parser.add_argument(
+        "--atol", metavar="A", help="by hand: absolute tolerance of a step, added for every state; default: 0"
+    )
     parser.add_argument("--step", metavar="DT", help="by hand: a fixed step instead of tolerances")
     parser.add_argument(
         "--every", metavar="DT", help="record a point every DT (dense output, never the step)"

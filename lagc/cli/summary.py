@@ -73,7 +73,7 @@ def _method(run: Solution) -> str:
     if run.step:
         return f"{run.method}, fixed step {run.step:g} s"
     return f"{run.method}, tolerance {run.rtol:.2g}" + (
-        "" if run.atol == run.rtol else f", absolute {run.atol:.2g}"
+        "" if run.atol == 0.0 else f", absolute {run.atol:.2g}"
     )
 
 

@@ -7,14 +7,16 @@ from collections.abc import Sequence
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
+from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
+from lagc.optimize.kinds import kinds, rates
 from lagc.optimize.kkt import applied_forces, row_comments
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
-_FLOOR = 1e-3  # SI units of a coordinate (or speed) below which no row is judged more strictly
 _MOST_TERMS = 1000
+_TINY = 1e-300  # stands for zero where it divides zero
 
 
 def system(places: Places, seldom: bool) -> Function:
@@ -61,20 +63,16 @@ def velocity(places: Places) -> Function:
 
 
 def scales(places: Places) -> Function:
-    """The sum of the absolute values of a row's terms, plus what its residual changes by when
-    every coordinate (speed, for a velocity row) is off by a thousandth of its SI unit: a row that
-    rests at zero is judged against that.  A velocity row has one more term for each speed, which
-    sees what cancels inside products, as in dot(v, u)."""
-    graph, speeds = places.graph, places.equations.v
+    """The sum of the absolute values of a row's terms.  There is one more term for each coordinate that
+    is no angle (speed, for a velocity row), which sees what cancels inside products, as in dot(v, u)."""
+    graph = places.graph
+    states = kinds(places.equations.q_units, places.equations.v_units)
     sizes: list[Node] = []
     for row in places.equations.rows:
-        columns = sorted(row.jacobian.items())
-        parts = terms(graph, row.residual)
-        if row.kind == "velocity":
-            parts += [slope * speeds[k] for k, slope in columns]
+        slopes = _slopes(places, row)
+        parts = [*terms(graph, row.residual), *(slope * x for x, i, slope in slopes if states[i] > 0)]
         size = graph.sum(graph.unary("abs", part) for part in parts)
-        slopes = graph.sum(graph.unary("abs", slope) for _, slope in columns)
-        sizes.append(graph.sum([size, _FLOOR * slopes, graph.const(1e-300)]))
+        sizes.append(graph.sum([size, graph.const(_TINY)]))
     return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
 
 
@@ -118,6 +116,50 @@ def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
         else:
             found[node] = graph.unary("abs", node)
     return [found[node] for node in nodes]
+
+
+def reaches(places: Places) -> Function:
+    """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
+    of its kind, c[k]; then the same of the rates of holonomic rows, and of their gradients."""
+    graph, equations = places.graph, places.equations
+    states = kinds(equations.q_units, equations.v_units)
+    size = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
+
+    def reach(slopes: list[tuple[Node, int, Node]], parts: Sequence[Node] = ()) -> Node:
+        by_kind: dict[int, list[Node]] = {}
+        for _, i, slope in slopes:
+            by_kind.setdefault(states[i], []).append(graph.unary("abs", slope))
+        sums = [graph.sum(found) * size[k] for k, found in by_kind.items()]
+        return graph.sum([*sums, *(graph.unary("abs", part) for part in parts), graph.const(_TINY)])
+
+    pace = graph.zero  # at which the coordinates change by their sizes
+    for kind, speed in rates(equations.q_units, equations.v_units).items():
+        own = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
+        pace = graph.binary("max", pace, own)
+    found = [reach(_slopes(places, row)) for row in equations.rows]
+    for row in equations.rows:
+        if row.kind == "holonomic":
+            parts = terms(graph, row.rate) if row.time_dependent else []
+            parts += [part * pace for part in terms(graph, row.residual)]
+            found.append(reach(_of_speeds(places, row), parts))
+    more = Places(equations, {**places.arrays, **{node: ("c", k) for k, node in size.items()}})
+    return _function(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
+
+
+def _slopes(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
+    """The states that the residual of `row` depends on, coordinates or for a velocity row speeds: each
+    with its index in x, and the derivative by it."""
+    if row.kind == "velocity":
+        return _of_speeds(places, row)
+    q = places.equations.q
+    slopes = gradient(places.graph, {row.residual: places.graph.one}, q)
+    return [(x, i, slopes[x]) for i, x in enumerate(q) if x in slopes and not slopes[x].is_zero]
+
+
+def _of_speeds(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
+    """The same of its rate, by the speeds."""
+    equations = places.equations
+    return [(equations.v[k], len(equations.q) + k, slope) for k, slope in sorted(row.jacobian.items())]
 
 
 def terms(graph: Graph, node: Node) -> list[Node]:

@@ -12,6 +12,7 @@ from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.conditions import condition_slopes
+from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Field, Function, Interface
 from lagc.records import names, replace
 
@@ -63,6 +64,7 @@ def interface(
         v_names=equations.v_names,
         q_units=equations.q_units,
         v_units=equations.v_units,
+        kinds=kinds(equations.q_units, equations.v_units),
         row_labels=tuple([row.label for row in equations.rows]),
         row_units=tuple([row.unit for row in equations.rows]),
         quaternions=equations.quaternions,

@@ -79,6 +79,7 @@ def _functions(
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]
         made += [functions.gamma_sizes(at), functions.gradient_sizes(at)]
+        made.append(functions.reaches(at))
     made += [functions.energies(at), functions.power(at), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     return {f.name: f for f in made if f is not None}

@@ -49,7 +49,7 @@ class Function:
     formula or source line that starts there."""
 
     name: str
-    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam d w r s
+    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam c d w r s
     outputs: tuple[tuple[str, int], ...]  # (array, length), in signature order
     operations: tuple[Operation, ...]
     stores: tuple[Store, ...]
@@ -110,6 +110,7 @@ class Interface:
     v_names: tuple[str, ...]
     q_units: tuple[str, ...]
     v_units: tuple[str, ...]
+    kinds: tuple[int, ...]  # of each coordinate and speed: those of one unit; 0 are the angles
     row_labels: tuple[str, ...]
     row_units: tuple[str, ...]
     quaternions: tuple[int, ...]  # first index in q of each unit quaternion
@@ -176,6 +177,8 @@ class Program:
       scales      (p,t,x)         -> s[nc]      size of each row's terms, for scaled residuals
       gamma_sizes (p,t,x)         -> s[nc]      size of the terms of each row's gamma
       gradient_sizes (p,t,x)      -> s[nc]      size of the terms of each row's gradient
+      reaches     (p,t,x,c)       -> s[nc+nh]   change of each row, and of each holonomic row's rate,
+                                     for states that change by the size c of their kind
       energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
       outputs     (p,t,x,a,lam)   -> y[ny]

@@ -4,8 +4,8 @@ Coefficients stand in the text and zeros are left out.  Both twins write the sam
 the same order: h * (a_1 k_1 + a_2 k_2 + ...), from left to right.
 
 `stages` fills k_2 ... k_s from k_1 and gives the new state; `error` is the norm of the step's
-error over coordinates and speeds, `parts` (of DOP853) are its rows as vectors; `dense` prepares the
-interpolant of the last step, `dense_at` evaluates it (see `Tableau`).
+error over coordinates and speeds, each over its weight, `parts` (of DOP853) are its rows as vectors;
+`dense` prepares the interpolant of the last step, `dense_at` evaluates it (see `Tableau`).
 """
 
 from __future__ import annotations
@@ -107,17 +107,13 @@ def _python_stages(tableau: Tableau) -> str:
 
 def _python_error(tableau: Tableau) -> str:
     every = sorted({stage for row in tableau.errors for stage in row})
-    names, lists = _zipped(dict.fromkeys(every, 0.0), "u, v, ")
-    text = (
-        f"def {tableau.name}_error(\n    n: int, rtol: float, atol: float, h: float, x: list[float],"
-        " y: list[float], k: list[list[float]]\n) -> float:\n"
-    )
+    names, lists = _zipped(dict.fromkeys(every, 0.0), "weight, ")
+    text = f"def {tableau.name}_error(h: float, weights: list[float], k: list[list[float]]) -> float:\n"
     text += "".join(f"    sum{i} = 0.0\n" for i in range(len(tableau.errors)))
-    text += f"    for {names} in zip(x[:n], y, {lists}):\n"
-    text += "        u, w = abs(u), abs(v)\n        scale = atol + rtol * (w if w > u else u)\n"
+    text += f"    for {names} in zip(weights, {lists}):\n"
     for i, row in enumerate(tableau.errors):
-        text += f"        e = ({_sum(row, 'a{}', ' ' * 12)}) / scale\n        sum{i} += e * e\n"
-    return text + f"    h = abs(h)\n{_error_result(tableau, '')}"
+        text += f"        e = ({_sum(row, 'a{}', ' ' * 12)}) / weight\n        sum{i} += e * e\n"
+    return text + f"    n = len(weights)\n    h = abs(h)\n{_error_result(tableau, '')}"
 
 
 def _python_parts(tableau: Tableau) -> str:
@@ -209,16 +205,15 @@ def _c_stages(tableau: Tableau) -> str:
 
 def _c_error(tableau: Tableau) -> str:
     text = (
-        f"static double lagc_{tableau.name}_error(double rtol, double atol, double h, const double *x,\n"
-        "                                 const lagc_state *s)\n{\n    const int n = LAGC_NQ + LAGC_NV;\n"
-        "    int i;\n    double e, scale, u, v"
+        f"static double lagc_{tableau.name}_error(double h, const lagc_state *s, const lagc_work *w)\n{{\n"
+        "    const int n = LAGC_NQ + LAGC_NV;\n    int i;\n    double e"
     )
     text += "".join(f", sum{i} = 0.0" for i in range(len(tableau.errors)))
     text += ", total;\n" if len(tableau.errors) > 1 else ";\n"
-    text += "    for (i = 0; i < n; i++) {\n        u = fabs(x[i]);\n        v = fabs(s->y[i]);\n"
-    text += "        scale = atol + rtol * (v > u ? v : u);\n"
+    text += "    for (i = 0; i < n; i++) {\n"
     for i, row in enumerate(tableau.errors):
-        text += f"        e = ({_sum(row, 's->k[{}][i]', ' ' * 12)}) / scale;\n        sum{i} += e * e;\n"
+        text += f"        e = ({_sum(row, 's->k[{}][i]', ' ' * 12)}) / w->weights[i];\n"
+        text += f"        sum{i} += e * e;\n"
     return text + "    }\n    h = fabs(h);\n" + _error_result(tableau, ";") + "}\n"
 
 

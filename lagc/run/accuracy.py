@@ -2,7 +2,7 @@
 
 The error of a trajectory is the largest |x_i - exact_i| / scale_i over all recorded times and all
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
-same kind (coordinates, or speeds, of the same unit), at least 1e-9.  It behaves as C tol^p.  Pilots
+same kind (coordinates, or speeds, of the same unit).  It behaves as C tol^p.  Pilots
 at 1e-5 and 1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the
 finer one is returned with the error that their difference tells.  What both share is added to it, the
 part of rounding (`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from math import floor, inf, isfinite, log10
+from math import floor, inf, log10
 
 from lagc import cache
 from lagc.optimize.program import Interface
@@ -26,12 +26,10 @@ BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, an
 ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
-FINEST = 1e-14  # no tolerance is below this
+FINEST = 1e-15  # no tolerance is below this
 MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
-LEAST = 1e-9  # SI: states of a kind that is smaller are taken for rounding noise
-NOISE = 1e-12  # SI: a start that is smaller may be rounding
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
@@ -77,7 +75,6 @@ def verified_run(
     name = _memory_name(system, x0, times, accuracy, search.method)
     remembered = _recall(name)
     if remembered is not None:
-        search.size = remembered.size
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
@@ -90,7 +87,7 @@ def verified_run(
     found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
-        answer = _Remembered(found.options.rtol, search.size, found.estimated, found.trajectory.states[-1])
+        answer = _Remembered(found.options.rtol, found.estimated, found.trajectory.states[-1])
         cache.store(name, json.dumps(vars(answer)).encode())
     return found
 
@@ -103,7 +100,6 @@ class _Search:
     accuracy: float
     progress: Progress | None
     tried: list[Trajectory] = field(default_factory=list)
-    size: float = 1.0  # of the smallest kind of states, at most 1
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
     compared: dict[tuple[float, float], tuple[float, float | None]] = field(default_factory=dict)
     drifts: dict[float, float] = field(default_factory=dict)  # by tolerance
@@ -114,11 +110,11 @@ class _Search:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """The absolute tolerance is relative to `size`.  A run after the first may take many times the
+        """A run after the first may take many times the
         steps of the ones before, not any number."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
-        return Options(method=self.method, rtol=tol, atol=tol * self.size, max_steps=limit)
+        return Options(method=self.method, rtol=tol, max_steps=limit)
 
     def run(self, tol: float) -> Trajectory:
         options = self.options(tol)
@@ -142,18 +138,11 @@ class _Search:
         return stopped or self._result()
 
     def _pilots(self) -> Verified | None:
-        """The first runs, with the absolute tolerance that fits the sizes found."""
+        """The first runs."""
         for tol in PILOTS:
             stopped = self._stopped(tol)
             if stopped is not None:
                 return stopped
-            if self.size == 1.0:
-                self.size = smallest(self.runs[min(self.runs)], self.system.interface)
-                if self.size < 0.1:
-                    self.runs.clear()
-                    stopped = self._stopped(tol)
-                    if stopped is not None:
-                        return stopped
         return None
 
     def _stopped(self, tol: float) -> Verified | None:
@@ -312,27 +301,15 @@ def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int],
 
 def kinds(interface: Interface) -> list[list[int]]:
     """The indices of the coordinates and speeds that share a scale."""
-    groups: dict[tuple[str, str], list[int]] = {}
-    for i, unit in enumerate(interface.q_units):
-        groups.setdefault(("q", unit), []).append(i)
-    for i, unit in enumerate(interface.v_units):
-        groups.setdefault(("v", unit), []).append(interface.nq + i)
+    groups: dict[int, list[int]] = {}
+    for i, kind in enumerate(interface.kinds):
+        groups.setdefault(kind, []).append(i)
     return list(groups.values())
 
 
 def scale(trajectory: Trajectory, group: Sequence[int]) -> float:
-    """The largest magnitude of the states of one kind, 1 where all are 0; LEAST where that is less,
-    unless they start that small."""
-    size = max((abs(x[i]) for x in trajectory.states for i in group), default=0.0)
-    if size == 0.0 or not isfinite(size):
-        return 1.0
-    first = max(abs(trajectory.states[0][i]) for i in group)
-    return max(size, min(first, LEAST) if first > NOISE else LEAST)
-
-
-def smallest(trajectory: Trajectory, interface: Interface) -> float:
-    """The scale of the smallest kind, at most 1."""
-    return min(1.0, *(scale(trajectory, group) for group in kinds(interface)))
+    """The largest magnitude of the states of one kind."""
+    return max((abs(x[i]) for x in trajectory.states for i in group), default=0.0)
 
 
 def _plain(tol: float) -> float:
@@ -348,10 +325,12 @@ def difference(
     n = min(len(a.states), len(b.states))
     worst = [0.0] * n
     for group in kinds(interface):
-        weight = 1.0 / scale(a, group)
+        size = max(scale(a, group), scale(b, group))
+        if size == 0.0:
+            continue
         for i in group:
             for k, (x, y) in enumerate(zip(a.states, b.states)):
-                d = abs(x[i] - y[i]) * weight
+                d = abs(x[i] - y[i]) / size
                 if not d <= worst[k]:
                     worst[k] = d if d == d else inf
     first = next((k for k, d in enumerate(worst) if not d <= target), None)
@@ -365,7 +344,7 @@ def _memory_name(
     interface = system.interface
     values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
     tool = cache.tool_fingerprint()
-    return cache.key("accuracy 5", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 6", tool, interface.model_hash, method, system.backend, *values)
 
 
 @dataclass
@@ -373,7 +352,6 @@ class _Remembered:
     """`end`: the last state, which the same run reaches again."""
 
     rtol: float
-    size: float
     estimated: float
     end: list[float]
 

@@ -10,6 +10,7 @@ from lagc.run.accuracy import verified_run
 from lagc.run.names import state_name
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
+from lagc.run.rest import resting, rests
 from lagc.run.solution import Cost, Energy, Solution
 from lagc.run.start import Start, consistent_start
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
@@ -17,6 +18,9 @@ from lagc.run.verdict import Verdict, judge, redundancy, verdict
 Progress = Callable[[float], None]
 MOST_NAMED = 12  # conditions of a conflict
 RTOL = 1e-9  # by hand, where nothing is said
+ROUNDING = 2.0**-52
+RESTS = ("it starts in an equilibrium, as well as can be told in double precision, and stays there; "
+         "whether a small push would end that is not examined")  # fmt: skip
 
 
 def simulate(
@@ -38,6 +42,11 @@ def simulate(
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
+    elif len(times) > 1 and rests(system, start.x, times):
+        trajectory, options = resting(start.x, times), Options()
+        tried = [trajectory]
+        told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
+        notes.append(RESTS)
     else:
         assert request.accuracy is not None
         found = verified_run(system, start.x, times, request.accuracy, progress)
@@ -97,7 +106,7 @@ def by_hand(request: Request) -> Options:
     if request.step is not None:
         return Options(method=method, step=request.step)
     rtol = RTOL if request.rtol is None else request.rtol
-    return Options(method=method, rtol=rtol, atol=rtol if request.atol is None else request.atol)
+    return Options(method=method, rtol=rtol, atol=0.0 if request.atol is None else request.atol)
 
 
 def energy(system: System, trajectory: Trajectory) -> Energy:

@@ -171,7 +171,10 @@ def test_scales_are_the_sizes_of_the_terms() -> None:
     names = [f.name for f in program.interface.parameters]
     p = [{"m": 1.0, "l": 0.5, "g": 9.81}[name] for name in names]
     (scale,) = interpret(program.functions["scales"], {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0]})["s"]
-    assert scale == pytest.approx(0.5 + 0.5 + 1e-3 * (0.6 + 0.8), rel=1e-14)
+    assert scale == pytest.approx(0.5 + 0.5, rel=1e-14)
+    given = {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0], "c": [3.0, 5.0]}
+    found = interpret(program.functions["reaches"], given)["s"]
+    assert found == pytest.approx([3.0 * (0.6 + 0.8), 5.0 * (0.6 + 0.8) + 5.0 * (0.5 + 0.5)], rel=1e-14)
 
 
 def test_conditions_of_the_start_and_their_derivatives() -> None:

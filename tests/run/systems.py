@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from copy import copy
 from math import sqrt
 from typing import Any
 
@@ -33,12 +34,18 @@ class Handmade(ABC):
         self.interface = interface
         self.nq, self.nv, self.nz = interface.nq, interface.nv, interface.nz
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
+        self.kinds = interface.kinds
         self.parameters = [f.value or 0.0 for f in interface.parameters]
         self.runs: list[Options] = []
 
     @property
     def nx(self) -> int:
         return self.nq + self.nv + self.nz
+
+    def bind(self, values: Sequence[float]) -> Handmade:
+        other = copy(self)
+        other.parameters = list(values)
+        return other
 
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         return list(d)
@@ -50,6 +57,9 @@ class Handmade(ABC):
         return []
 
     def scales(self, t: float, x: Vector) -> list[float]:
+        return []
+
+    def reaches(self, t: float, x: Vector, sizes: Sequence[float]) -> list[float]:
         return []
 
     def assemble(self, t: float, x: Vector) -> int:
@@ -173,6 +183,10 @@ class Pendulum(Handmade):
             [a, b, u, v, a, b],
             [*self.scales(t, x), abs(x[0] * u) + abs(x[1] * v)],
         )
+
+    def reaches(self, t: float, x: Vector, sizes: Sequence[float]) -> list[float]:
+        slopes = 2.0 * (abs(x[0]) + abs(x[1]))
+        return [slopes * sizes[1], slopes * sizes[2]]
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         a, b, u, v = x[:4]

@@ -124,11 +124,14 @@ def test_both_languages_agree_bitwise(name: str, method: str) -> None:
 @BACKENDS
 @NAMES
 def test_fixed_steps_are_those_of_restarts(name: str, backend: str) -> None:
-    """Bit for bit, as nothing is carried over: the same rates at the beginning of each step."""
+    """But for the sizes of states so far, by which projection judges what it leaves: nothing else is
+    carried over."""
     for method in ("dop853", "dopri5"):
         pieces, options = switches(name, 4, 20), Options(method=method, step=0.004)
         run = driven(name, backend, options, pieces)
-        assert run.facts()[1] == restarted(name, backend, options, pieces)
+        assert run.facts()[1] == pytest.approx(
+            restarted(name, backend, options, pieces), rel=1e-12, abs=1e-13
+        )
 
 
 @BACKENDS

@@ -211,7 +211,7 @@ def test_projection_costs_no_evaluation(method: str) -> None:
 def test_projection_is_the_shortest_way() -> None:
     """In the metric of the (unit) mass matrix: along the radius, and to the square of the distance."""
     x = [0.6 * 1.001, -0.8 * 1.001, 0.8 + 0.006, 0.6 - 0.008]
-    status, position, velocity = project(Rod(), 0.0, x)
+    status, position, velocity = project(Rod(), 0.0, x, [0.0, 1.0, 1.0])
     assert status == OK and position <= 1e-15 and velocity <= 1e-15
     assert x == pytest.approx([0.6, -0.8, 0.8, 0.6], abs=2e-6)
 
@@ -221,7 +221,7 @@ def test_a_constraint_that_cannot_be_met_is_said_so() -> None:
         def position(self, t: float, x: Vector) -> list[float]:
             return [x[0] * x[0] + x[1] * x[1] + 1.0]
 
-    status, position, _ = project(Impossible(), 0.0, [0.6, -0.8, 0.8, 0.6])
+    status, position, _ = project(Impossible(), 0.0, [0.6, -0.8, 0.8, 0.6], [0.0, 1.0, 1.0])
     assert status == INCONSISTENT and position > 0.1
 
 

@@ -43,6 +43,9 @@ class Traced:
     def __neg__(self) -> Traced:
         return self.trace.op("neg", self)
 
+    def __abs__(self) -> Traced:
+        return self.trace.op("abs", self)
+
     def call(self, name: str) -> Traced:
         return self.trace.op(name, self)
 

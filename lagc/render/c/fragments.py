@@ -39,14 +39,14 @@ def start_definitions(interface: Interface) -> list[str]:
 def definitions(program: Program) -> list[str]:
     """Everything behind them, and `lagc_rhs_`, `lagc_system_`, `lagc_assemble_`, `lagc_solve_`."""
     interface = program.interface
-    names = ["dense.c"]
+    names = ["sizes.c", "dense.c"]
     names += ["fallback.c"] if interface.nc else []
     names += ["rhs.c"]
     names += ["projection.c"] if interface.nc or interface.quaternions else []
     parts = [_power(program), *(resolve(_read(name), interface) for name in names)]
     parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
     parts += [c_parts(DOP853)] if interface.nh else []
-    parts += [resolve(_read(name), interface) for name in ("integrate.c", "record.c")]
+    parts += [resolve(_read(name), interface) for name in ("weights.c", "integrate.c", "record.c")]
     return [part for part in parts if part]
 
 
@@ -89,6 +89,7 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
         columns += range(k, k + 4)
     unknowns = range(len(interface.start_levels))
     return {
+        "KINDS_OF_X": interface.kinds, "KINDS": [max(interface.kinds) + 1],
         "NWORK": [interface.work_size], "QUATERNIONS": interface.quaternions, "NJ": [len(columns)],
         "NCOND": [len(interface.condition_ends)], "NRATE": [len(interface.rate_names)],
         "START_LEVELS": interface.start_levels, "START_UNITS": interface.start_units,

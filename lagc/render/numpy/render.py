@@ -18,7 +18,7 @@ from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
 MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("base.py", "fallback.py", "linear.py", "stages.py", "projection.py", "integrate.py",
+SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "projection.py", "integrate.py",
            "record.py")  # fmt: skip
 START = ("leastnorm.py", "start.py")
 _IMPORTS = """\
@@ -66,6 +66,7 @@ def _constants(interface: Interface) -> str:
     text = [f"ABI_VERSION = {ABI_VERSION}", f"MODEL_HASH = {interface.model_hash!r}"]
     text += [f"{name} = {value}" for name, value in sizes.items()]
     text.append(f"QUATERNIONS = {interface.quaternions!r}")
+    text.append(f"KINDS = {interface.kinds!r}")
     text += _table("Q_NAMES", interface.q_names) + _table("V_NAMES", interface.v_names)
     text += _table("ROWS", interface.row_labels) + _table("Y_NAMES", [f.name for f in interface.outputs])
     fields = [*interface.parameters, *interface.inputs]

@@ -1,5 +1,5 @@
 /* -- one step after the other --
- * Step control and first step: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
+ * Step control: E. Hairer, S. P. Norsett, G. Wanner, Solving Ordinary Differential
  * Equations I, Springer 1993, sections II.4 and II.10. */
 
 /* Where a rate, or the dense output, is to be found. */
@@ -14,7 +14,7 @@ lagc_options lagc_default_options(void)
     o.project = 1;
     o.max_steps = 0;
     o.rtol = 1e-9;
-    o.atol = 1e-9;
+    o.atol = 0.0;
     o.step = 0.0;
     o.first_step = 0.0;
     o.max_step = 0.0;
@@ -36,6 +36,9 @@ void lagc_begin(lagc_state *s, double t, const double *x)
         s->x_old[i] = x[i];
         s->x_seen[i] = x[i];
     }
+    for (i = 0; i < LAGC_KINDS; i++)
+        s->sizes[i] = 0.0;
+    lagc_enlarge(x, s->sizes);
     s->h_old = 0.0;
     s->h = 0.0;
     s->error_old = 1e-4;
@@ -54,6 +57,7 @@ void lagc_begin(lagc_state *s, double t, const double *x)
 #if LAGC_NC
     s->lost = 0;
 #endif
+    s->listening = 0;
     s->culprit = -1;
 }
 
@@ -113,48 +117,6 @@ static int lagc_stop(lagc_state *s, int status, const lagc_work *w)
     return status;
 }
 
-static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, double direction,
-                              const lagc_options *o, double atol, lagc_work *w)
-{
-    const int n = LAGC_NQ + LAGC_NV;
-    const double order = o->method == LAGC_DOPRI5 ? 5.0 : 8.0;
-    const double largest = o->max_step > 0.0 ? o->max_step : fabs(t1 - s->t);
-    const double *f = s->k[0];
-    double of_f = 0.0, of_x = 0.0, change = 0.0, h, step, size, other;
-    int i, status;
-    for (i = 0; i < n; i++) {
-        const double scale = atol + o->rtol * fabs(s->x[i]);
-        of_f += (f[i] / scale) * (f[i] / scale);
-        of_x += (s->x[i] / scale) * (s->x[i] / scale);
-    }
-    h = of_f <= 1e-10 || of_x <= 1e-10 ? 1e-6 : 0.01 * sqrt(of_x / of_f);
-    if (h > largest)
-        h = largest;
-    step = h * direction;
-    for (i = 0; i < LAGC_NX; i++)
-        s->y[i] = s->x[i] + step * f[i];
-    status = lagc_rhs_(p, s->t + step, s->y, s->k[1], w->lam, w);
-    s->rhs++;
-    if (LAGC_FAILED(status) || h == 0.0)
-        return h > 0.0 ? h : 1e-6;
-    for (i = 0; i < n; i++) {
-        const double scale = atol + o->rtol * fabs(s->x[i]);
-        const double e = (s->k[1][i] - f[i]) / scale;
-        change += e * e;
-    }
-    size = sqrt(change) / h;
-    if (sqrt(of_f) > size)
-        size = sqrt(of_f);
-    if (size <= 1e-15)
-        other = 1e-3 * h > 1e-6 ? 1e-3 * h : 1e-6;
-    else
-        other = pow(0.01 / size, 1.0 / order);
-    h = 100.0 * h;
-    if (other < h)
-        h = other;
-    return largest < h ? largest : h;
-}
-
 /* Project the new state and evaluate there. */
 static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
                        double *rate, lagc_work *w)
@@ -162,7 +124,7 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
 #if LAGC_NC || LAGC_NQUAT
     if (o->project) {
         double position, velocity;
-        const int status = lagc_project(p, t, s->y, &position, &velocity, w);
+        const int status = lagc_project(p, t, s->y, w->reached, &position, &velocity, w);
         if (LAGC_FAILED(status))
             return status;
         if (position > s->position_drift)
@@ -179,49 +141,60 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
 
 #if LAGC_NH
 /* The norm of an error with such parts; see lagc_dop853_error. */
-static double lagc_parts_norm(const lagc_state *s, const lagc_options *o, double atol, double h,
-                              double parts[2][LAGC_NX])
+static double lagc_parts_norm(double h, double parts[2][LAGC_NX], const lagc_work *w)
 {
-    double sums[2], e, u, v, total;
+    const int n = LAGC_NQ + LAGC_NV;
+    double sums[2], e, total;
     int i, k;
     for (k = 0; k < 2; k++) {
         sums[k] = 0.0;
-        for (i = 0; i < LAGC_NX; i++) {
-            u = fabs(s->x[i]);
-            v = fabs(s->y[i]);
-            e = parts[k][i] / (atol + o->rtol * (v > u ? v : u));
+        for (i = 0; i < n; i++) {
+            e = parts[k][i] / w->weights[i];
             sums[k] += e * e;
         }
     }
     total = sums[0] + 0.01 * sums[1];
     if (total == 0.0)
         return 0.0;
-    return fabs(h) * sums[0] * sqrt(1.0 / (LAGC_NX * total));
+    return fabs(h) * sums[0] * sqrt(1.0 / (n * total));
 }
 
-/* A step of DOP853 to t, rejected because of `error`, once more from a state moved by what
+/* Whether rows are all but dependent within the way of the step that was tried, or a thousandth of the
+ * way that the coordinates have to where they are zero. */
+static int lagc_all_but_dependent(const lagc_params *p, const lagc_state *s, lagc_work *w)
+{
+    double moved[LAGC_KINDS], left[LAGC_KINDS];
+    int i, k;
+    if (!lagc_nudge(p, s->t, s->x, s->sizes, w))
+        return 0;
+    for (k = 0; k < LAGC_KINDS; k++) {
+        moved[k] = 0.0;
+        left[k] = 0.0;
+    }
+    for (i = 0; i < LAGC_NQ; i++) {
+        k = lagc_kinds[i];
+        if (fabs(s->y[i] - s->x[i]) > moved[k])
+            moved[k] = fabs(s->y[i] - s->x[i]);
+        if (fabs(w->nudged[i] - s->x[i]) > left[k])
+            left[k] = fabs(w->nudged[i] - s->x[i]);
+    }
+    for (k = 0; k < LAGC_KINDS; k++) {
+        const double reach = k == 0 && w->reached[k] > 1.0 ? 1.0 : w->reached[k];
+        if (left[k] * moved[k] > 3e-15 * reach * reach || left[k] > 1e-12 * reach)
+            return 1;
+    }
+    return 0;
+}
+
+/* There, a step of DOP853 to t, rejected because of `error`, once more from a state moved by what
  * projection leaves.  Where the error changes by it, it tells of rounding: near postures where rows
  * are all but dependent their multipliers are little else, and no step would be small enough.  Then
  * only what projection does not take from the error counts. */
-static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, double h,
-                               const lagc_options *o, double atol, double error, lagc_work *w)
+static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, double h, double error,
+                               lagc_work *w)
 {
-    double change, moved = 0.0, left = 0.0, reach = 0.0;
+    double change;
     int i, k, status;
-    if (!lagc_nudge(p, s->t, s->x, w))
-        return error;
-    for (i = 0; i < LAGC_NQ; i++) {
-        if (fabs(s->y[i] - s->x[i]) > moved)
-            moved = fabs(s->y[i] - s->x[i]);
-        if (fabs(w->nudged[i] - s->x[i]) > left)
-            left = fabs(w->nudged[i] - s->x[i]);
-        if (fabs(s->x[i]) > reach)
-            reach = fabs(s->x[i]);
-    }
-    if (reach > 1.0)
-        reach = 1.0;
-    if (!(left * moved > 3e-15 * reach * reach || left > 1e-12 * reach))
-        return error; /* it is a long way to where rows become dependent */
     lagc_dop853_parts(s, w);
     for (k = 0; k < 2; k++)
         for (i = 0; i < LAGC_NX; i++)
@@ -234,17 +207,34 @@ static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, do
     for (k = 0; k < 2; k++)
         for (i = 0; i < LAGC_NX; i++)
             w->other[k][i] -= w->parts[k][i];
-    change = lagc_parts_norm(s, o, atol, h, w->other);
-    if (!(change > 0.1 * lagc_parts_norm(s, o, atol, h, w->parts)))
+    change = lagc_parts_norm(h, w->other, w);
+    if (!(change > 0.1 * lagc_parts_norm(h, w->parts, w)))
         return error;
     s->rhs += 11;
     (void)lagc_dop853_stages(p, s->t, s->x, h, s, w); /* the step as it was */
     lagc_dop853_parts(s, w);
     if (!lagc_tangents(p, t, s->y, w))
         return error;
-    return lagc_parts_norm(s, o, atol, h, w->parts);
+    return lagc_parts_norm(h, w->parts, w);
 }
 #endif
+
+/* An error that rejects a step the second time, or after a step that went by this, less what rounding
+ * contributes. */
+static double lagc_reconsider(const lagc_params *p, lagc_state *s, double t, double h,
+                              const lagc_options *o, double error, lagc_work *w)
+{
+#if LAGC_NH
+    if (lagc_all_but_dependent(p, s, w))
+        return o->method != LAGC_DOPRI5 && o->project ? lagc_second_look(p, s, t, h, error, w) : error;
+#else
+    (void)t;
+#endif
+    lagc_listen(p, s, w);
+    lagc_weigh(s, o, h, w);
+    error = o->method == LAGC_DOPRI5 ? lagc_dopri5_error(h, s, w) : lagc_dop853_error(h, s, w);
+    return error;
+}
 
 /* The size of the next step. */
 static void lagc_adapt(lagc_state *s, int method, double size, double error, int lands, int rejected)
@@ -273,16 +263,16 @@ static void lagc_adapt(lagc_state *s, int method, double size, double error, int
 static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o, lagc_work *w)
 {
     const int method = o->method, last = method == LAGC_DOPRI5 ? 6 : 12;
-    const double atol = o->atol > 1e-200 ? o->atol : 1e-200;
     const double direction = t1 >= s->t ? 1.0 : -1.0, rest = fabs(t1 - s->t);
     const int change = s->called ? lagc_changed(p, s) : 0;
     double size, h, t_new, error = 0.0;
-    int i, status, cause = LAGC_OK, rejected = 0, lands;
+    int i, status, cause = LAGC_OK, rejected = 0, heard = 0, lands;
     if (s->dense == LAGC_STAGES)
         s->dense = LAGC_NOWHERE; /* other stages take their place */
     if (change) {
         if (change == 2) {
             s->stride = 0.0;
+            lagc_enlarge(s->x, s->sizes);
 #if LAGC_NC
             w->lost = 0;
 #if LAGC_STRAIGHT
@@ -307,13 +297,15 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
         else if (o->first_step > 0.0)
             s->h = o->first_step;
         else
-            s->h = lagc_first_step(p, s, t1, direction, o, atol, w);
+            s->h = lagc_first_step(p, s, t1, direction, o, w);
     }
     if (o->step > 0.0 && s->stride != o->step * direction) { /* the grid begins here */
         s->stride = o->step * direction;
         s->grid = s->t;
         s->on_grid = 0;
     }
+    for (i = 0; i < LAGC_NX; i++)
+        w->noise[i] = 0.0;
     size = s->h;
     if (o->max_step > 0.0 && size > o->max_step)
         size = o->max_step;
@@ -336,21 +328,21 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
             if (!(o->step > 0.0))
                 t_new = s->t + h;
         }
-        if ((rejected || !lands) && 0.1 * size <= 2.3e-16 * fabs(s->t) + 1e-40)
+        if ((rejected || !lands) && 0.1 * size <= 2.3e-16 * fabs(s->t) + 1e-40 * rest)
             return lagc_stop(s, cause != LAGC_OK ? cause : LAGC_STEP_UNDERFLOW, w);
         status = method == LAGC_DOPRI5 ? lagc_dopri5_stages(p, s->t, s->x, h, s, w)
                                        : lagc_dop853_stages(p, s->t, s->x, h, s, w);
         s->rhs += last - 1;
         error = 0.0;
+        if (!LAGC_FAILED(status))
+            lagc_weigh(s, o, h, w);
         if (!LAGC_FAILED(status) && (method == LAGC_DOPRI5 || o->step > 0.0))
             status = lagc_arrive(p, s, t_new, o, s->k[last], w);
         if (!LAGC_FAILED(status) && !(o->step > 0.0)) {
-            error = method == LAGC_DOPRI5 ? lagc_dopri5_error(o->rtol, atol, h, s->x, s)
-                                          : lagc_dop853_error(o->rtol, atol, h, s->x, s);
-#if LAGC_NH
-            if (error > 1.0 && rejected && method != LAGC_DOPRI5 && o->project) /* the second time */
-                error = lagc_second_look(p, s, t_new, h, o, atol, error, w);
-#endif
+            error = method == LAGC_DOPRI5 ? lagc_dopri5_error(h, s, w) : lagc_dop853_error(h, s, w);
+            heard = error > 1.0 && (rejected || s->listening);
+            if (heard)
+                error = lagc_reconsider(p, s, t_new, h, o, error, w);
             if (error != error) {
                 status = LAGC_NOT_FINITE;
                 w->culprit = lagc_not_finite(s->y, LAGC_NX);
@@ -394,6 +386,8 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
         s->x_old[i] = s->x[i];
         s->x[i] = s->y[i];
     }
+    lagc_enlarge(s->y, s->sizes);
+    s->listening = heard;
     s->rate = LAGC_READY;
     s->dense = LAGC_STAGES;
     return LAGC_OK;

@@ -34,13 +34,31 @@ static void lagc_solve_(const double *r, double *s, lagc_work *w)
     (void)lagc_solve_fallback(w, r + LAGC_NV, s, s + LAGC_NV);
 }
 
-/* The largest of |value| / (scale * speed); infinity where one is not a number. */
-static double lagc_residual(const double *values, int n, const double *scales, double speed)
+/* w->scales: what residuals are judged by, then rates; `sizes` are those of the trajectory. */
+static void lagc_measure(const lagc_params *p, double t, const double *x, const double *sizes,
+                         lagc_work *w)
+{
+    double own[LAGC_KINDS], reaches[LAGC_NC + LAGC_NH];
+    int i;
+    for (i = 0; i < LAGC_KINDS; i++)
+        own[i] = i == 0 && sizes[i] > 1.0 ? 1.0 : sizes[i];
+    lagc_fn_scales(p, t, x, w->scales);
+    lagc_fn_reaches(p, t, x, own, reaches);
+    for (i = 0; i < LAGC_NC; i++)
+        w->scales[i] += LAGC_RESTING * reaches[i];
+    for (i = 0; i < LAGC_NH; i++)
+        w->rates[i] = reaches[LAGC_NC + i];
+    for (i = LAGC_NH; i < LAGC_NC; i++)
+        w->rates[i] = w->scales[i];
+}
+
+/* The largest of |value| / scale; infinity where one is not a number. */
+static double lagc_residual(const double *values, int n, const double *scales)
 {
     int i;
     double worst = 0.0;
     for (i = 0; i < n; i++) {
-        const double size = fabs(values[i]) / (scales[i] * speed);
+        const double size = fabs(values[i]) / scales[i];
         if (!(size <= worst))
             worst = size == size ? size : HUGE_VAL;
     }
@@ -99,14 +117,15 @@ static int lagc_tangents(const lagc_params *p, double t, const double *x, lagc_w
 
 /* w->nudged: a state beside x, off its constraints by what projection leaves, in the direction that costs
  * most in the metric of the mass matrix, with speeds that fit.  0 where that cannot be told. */
-static int lagc_nudge(const lagc_params *p, double t, const double *x, lagc_work *w)
+static int lagc_nudge(const lagc_params *p, double t, const double *x, const double *sizes,
+                      lagc_work *w)
 {
     double *r = w->right, *s = w->left;
     const int status = lagc_assemble_(p, t, x, w);
     int i;
     if (LAGC_FAILED(status))
         return 0;
-    lagc_fn_scales(p, t, x, w->scales);
+    lagc_measure(p, t, x, sizes, w);
     for (i = 0; i < LAGC_NV; i++)
         r[i] = 0.0;
     for (i = 0; i < LAGC_NC; i++)
@@ -154,12 +173,12 @@ static void lagc_normalise(double *x)
 /* Move x onto the constraints by the shortest way in the metric of the mass matrix: positions by
  * simplified Newton iterations, M d = G^T mu, G d = -phi, dq = N d; then speeds, M dv = G^T mu,
  * G dv = -psi.  Gives the scaled residuals that remain. */
-static int lagc_project(const lagc_params *p, double t, double *x, double *position,
-                        double *velocity, lagc_work *w)
+static int lagc_project(const lagc_params *p, double t, double *x, const double *sizes,
+                        double *position, double *velocity, lagc_work *w)
 {
 #if LAGC_NC
     double *y = w->moved, *r = w->right, *s = w->left, *rows = w->rows;
-    double speed = 1.0, size;
+    double size;
     int i, n, status, assembled = 0;
 #endif
     *position = 0.0;
@@ -168,15 +187,12 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
     lagc_normalise(x);
 #endif
 #if LAGC_NC
-    for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
-        if (fabs(x[i]) > speed)
-            speed = fabs(x[i]);
     for (i = 0; i < LAGC_NV + LAGC_NC; i++)
         r[i] = 0.0;
-    lagc_fn_scales(p, t, x, w->scales);
+    lagc_measure(p, t, x, sizes, w);
 #if LAGC_NH
     lagc_fn_position(p, t, x, rows);
-    *position = lagc_residual(rows, LAGC_NH, w->scales, 1.0);
+    *position = lagc_residual(rows, LAGC_NH, w->scales);
     for (n = 0; n < 8 && !(*position <= 1e-15); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
@@ -201,7 +217,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
         lagc_normalise(y);
 #endif
         lagc_fn_position(p, t, y, rows);
-        size = lagc_residual(rows, LAGC_NH, w->scales, 1.0);
+        size = lagc_residual(rows, LAGC_NH, w->scales);
         if (!(size < *position))
             break;
         for (i = 0; i < LAGC_NQ; i++)
@@ -214,7 +230,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
     }
 #endif
     lagc_fn_velocity(p, t, x, rows);
-    *velocity = lagc_residual(rows, LAGC_NC, w->scales, speed);
+    *velocity = lagc_residual(rows, LAGC_NC, w->rates);
     for (n = 0; n < 8 && !(*velocity <= 1e-15); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
@@ -230,7 +246,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
         for (i = 0; i < LAGC_NV; i++)
             y[LAGC_NQ + i] += s[i];
         lagc_fn_velocity(p, t, y, rows);
-        size = lagc_residual(rows, LAGC_NC, w->scales, speed);
+        size = lagc_residual(rows, LAGC_NC, w->rates);
         if (!(size < *velocity))
             break;
         for (i = LAGC_NQ; i < LAGC_NQ + LAGC_NV; i++)
@@ -238,12 +254,13 @@ static int lagc_project(const lagc_params *p, double t, double *x, double *posit
         *velocity = size;
     }
     if (*velocity > 1e-6) {
-        w->culprit = lagc_worst(rows, LAGC_NC, w->scales);
+        w->culprit = lagc_worst(rows, LAGC_NC, w->rates);
         return LAGC_INCONSISTENT;
     }
 #else
     (void)p;
     (void)t;
+    (void)sizes;
     (void)w;
 #endif
     return LAGC_OK;

@@ -53,7 +53,7 @@ static int lagc_dense_(lagc_state *s, double t, const lagc_options *o, double *x
 #if LAGC_NC || LAGC_NQUAT
     if (o->project) {
         double position, velocity;
-        status = lagc_project(&s->p, t, x, &position, &velocity, w);
+        status = lagc_project(&s->p, t, x, s->sizes, &position, &velocity, w);
         if (LAGC_FAILED(status))
             return lagc_stop(s, status, w);
     }

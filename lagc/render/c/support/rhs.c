@@ -41,30 +41,28 @@ static int lagc_not_finite(const double *values, int n)
 
 #if LAGC_NC
 /* How far x is from the constraints, scaled; and, for each row, the change of its residual over the
- * size of the coordinates relative to the size of its terms, at most 1. */
+ * size of the coordinates (angles: and 1) relative to the size of its terms, at most 1. */
 static void lagc_trust(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
-    int i, j;
-    double reach = 0.0;
+    double own[LAGC_KINDS], reaches[LAGC_NC + LAGC_NH];
+    int i;
+    for (i = 0; i < LAGC_KINDS; i++)
+        own[i] = 0.0;
+    lagc_enlarge(x, own);
+    own[0] += 1.0;
     w->miss = 0.0;
     lagc_fn_scales(p, t, x, w->found);
+    lagc_fn_reaches(p, t, x, own, reaches);
 #if LAGC_NH
     lagc_fn_position(p, t, x, w->free);
-    for (i = 0; i < LAGC_NH; i++)
-        if (!(fabs(w->free[i]) / w->found[i] <= w->miss))
-            w->miss = fabs(w->free[i]) / w->found[i];
-#endif
-    for (i = 0; i < LAGC_NQ; i++)
-        if (fabs(x[i]) > reach)
-            reach = fabs(x[i]);
-    reach += 1.0;
-    for (i = 0; i < LAGC_NC; i++) {
-        double total = 0.0, share;
-        for (j = 0; j < LAGC_NV; j++)
-            total += fabs(w->G[i * LAGC_NV + j]);
-        share = total * reach / w->found[i];
-        w->slight[i] = share < 1.0 ? share : 1.0;
+    for (i = 0; i < LAGC_NH; i++) {
+        const double miss = fabs(w->free[i]) / (w->found[i] + LAGC_RESTING * reaches[i]);
+        if (!(miss <= w->miss))
+            w->miss = miss;
     }
+#endif
+    for (i = 0; i < LAGC_NC; i++)
+        w->slight[i] = reaches[i] < w->found[i] ? reaches[i] / w->found[i] : 1.0;
 }
 #endif
 

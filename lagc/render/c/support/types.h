@@ -11,6 +11,9 @@ typedef struct {
     double lam[1];
 #endif
     double xdot[LAGC_NX];
+    double reached[LAGC_KINDS]; /* sizes of the kinds of states, with the one that is tried */
+    double weights[LAGC_NX];
+    double noise[LAGC_NX]; /* rounding of the first rates, where it was asked for */
     double qdot[LAGC_NQ];
     double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
     double force[LAGC_NV];
@@ -30,7 +33,8 @@ typedef struct {
     double lengths[LAGC_NC];
     double free[LAGC_NC];
     double found[LAGC_NC];
-    double scales[LAGC_NC];
+    double scales[LAGC_NC]; /* of residuals, and of their rates */
+    double rates[LAGC_NC];
     double rows[LAGC_NC];
     double right[LAGC_NV + LAGC_NC];
     double left[LAGC_NV + LAGC_NC];
@@ -56,8 +60,8 @@ typedef struct {
     int method;        /* lagc_method */
     int project;       /* 0: let the constraints drift */
     long max_steps;    /* accepted and rejected; 0: no limit */
-    double rtol;
-    double atol;
+    double rtol;       /* of the largest magnitude so far of the states of the same kind */
+    double atol;       /* added for every state */
     double step;       /* > 0: fixed steps, rtol and atol unused */
     double first_step; /* 0: chosen */
     double max_step;   /* 0: no limit */
@@ -75,6 +79,8 @@ typedef struct {
     long rejected;
     long rhs; /* evaluations */
     int culprit;
+    double sizes[LAGC_KINDS]; /* of coordinates, and speeds, of one unit: the largest so far */
+    int listening; /* the error of the last step was judged with its rounding */
     int called; /* from here on for the functions below: no step was made since the caller had it */
     int method; /* of the last step */
     int rate;   /* at (t, x): k[0], the last of k, or to be found */

@@ -20,7 +20,8 @@ FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluati
 class Options:
     """How to integrate one trajectory.
 
-    `method`: "dop853" or "dopri5".  `step` > 0 asks for fixed steps (rtol, atol unused).
+    `method`: "dop853" or "dopri5".  `rtol` is relative to the largest magnitude so far of the states of
+    the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
     `first_step` 0: chosen; `max_step` 0: no limit; `max_steps` 0: no limit (accepted and rejected
     steps).  `project` False leaves the constraints to drift (for tests).
     """
@@ -29,7 +30,7 @@ class Options:
         self,
         method: str = "dop853",
         rtol: float = 1e-9,
-        atol: float = 1e-9,
+        atol: float = 0.0,
         step: float = 0.0,
         first_step: float = 0.0,
         max_step: float = 0.0,

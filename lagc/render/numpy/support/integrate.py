@@ -1,7 +1,7 @@
 """One step after the other: explicit Runge-Kutta methods with error control and projection.
 
-Step control and choice of the first step: Hairer, Norsett, Wanner 1993, sections II.4 and II.10
-and the codes DOPRI5 and DOP853 there.
+Step control: Hairer, Norsett, Wanner 1993, sections II.4 and II.10 and the codes DOPRI5 and DOP853
+there.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from lagc.render.numpy.support.base import (
 from lagc.render.numpy.support.linear import not_finite
 from lagc.render.numpy.support.problem import Problem
 from lagc.render.numpy.support.projection import nudge, project
+from lagc.render.numpy.support.sizes import enlarge, first_step, sizes_of, weigh
 from lagc.render.numpy.support.stages import (
     dop853_at,
     dop853_dense,
@@ -96,9 +97,12 @@ class Integrator:
         self.position_drift = self.velocity_drift = 0.0
         self.culprit = -1
         self.constrained = options.project and (problem.nc > 0 or len(problem.quaternions) > 0)
-        judged = options.project and problem.nh > 0 and not self.method.uses_new
-        self.tangents = getattr(problem, "tangents", None) if judged else None
-        self.atol = options.atol if options.atol > 1e-200 else 1e-200
+        self.tangents = getattr(problem, "tangents", None) if problem.nh > 0 else None
+        self.sizes = sizes_of(problem.kinds, self.x)  # the largest so far
+        self.reached = self.sizes  # the same with the state that is tried
+        self.weights: list[float] = []
+        self.listening = False  # the error of the last step was judged with its rounding
+        self.noise = [0.0] * (problem.nq + problem.nv)  # rounding of k[0]
 
     def step(self, t1: float) -> int:
         """One accepted step towards `t1`, at most to it, and then exactly; a status."""
@@ -169,8 +173,9 @@ class Integrator:
             self._choose(t1, direction)
         if options.step > 0.0 and self.stride != options.step * direction:  # the grid begins here
             self.stride, self.grid, self.on_grid = options.step * direction, t, 0
+        self.noise = [0.0] * len(self.noise)
         rest = abs(t1 - t)
-        cause, rejected = OK, False
+        cause, rejected, heard = OK, False, False
         size = self.h
         if options.max_step > 0.0 and size > options.max_step:
             size = options.max_step
@@ -189,17 +194,20 @@ class Integrator:
                 h = size * direction
                 if options.step == 0.0:
                     t_new = t + h
-            if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40:
+            if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40 * rest:
                 return self._stop(cause if cause != OK else STEP_UNDERFLOW)
             status, y = method.stages(self.problem, t, x, h, k, self.lam)
             self.rhs += method.rates - 1
             error = 0.0
+            if status not in FAILED:
+                self._weigh(h, y)
             if status not in FAILED and (method.uses_new or options.step > 0.0):
                 status = self._arrive(t_new, y)
             if status not in FAILED and options.step == 0.0:
-                error = method.error(self.problem.nq + self.problem.nv, options.rtol, self.atol, h, x, y, k)
-                if error > 1.0 and rejected and self.tangents is not None:  # the second time
-                    error, y = self._second_look(t_new, h, y, error)
+                error = method.error(h, self.weights, k)
+                heard = error > 1.0 and (rejected or self.listening)
+                if heard:
+                    error, y = self._reconsider(t_new, h, y, error)
                 if error != error:
                     status = NOT_FINITE
                     self.problem.culprit = not_finite(y)
@@ -230,6 +238,8 @@ class Integrator:
         self.steps += 1
         self.t_old, self.x_old, self.h_old = t, x, h
         self.t, self.x = t_new, y
+        enlarge(self.problem.kinds, y, self.sizes)
+        self.listening = heard
         self.rate, self.dense = READY, STAGES
         return OK
 
@@ -243,7 +253,7 @@ class Integrator:
             self.dense = READY
         x = self.method.at((t - self.t_old) / self.h_old, self.r)
         if self.constrained:
-            status, _, _ = project(self.problem, t, x)
+            status, _, _ = project(self.problem, t, x, self.sizes)
             if status in FAILED:
                 return self._stop(status), []
         return OK, x
@@ -283,6 +293,7 @@ class Integrator:
         """The rate at (t, x), which is `moved` by the caller or the first."""
         if moved:
             self.stride = 0.0
+            enlarge(self.problem.kinds, self.x, self.sizes)
             if self.memory is not None:
                 self.memory.lost = False
             inspect = getattr(self.problem, "inspect", None)
@@ -300,45 +311,33 @@ class Integrator:
         elif options.first_step > 0.0:
             self.h = options.first_step
         else:
-            self.h = self._first_step(t1, direction)
+            largest = options.max_step if options.max_step > 0.0 else abs(t1 - self.t)
+            self.rhs += 1
+            self.h = first_step(self.problem, self.t, self.x, self.sizes, self.k, largest, direction,
+                                options, self.method.order, self.lam)  # fmt: skip
 
-    def _first_step(self, t1: float, direction: float) -> float:
-        n, options, order = self.problem.nq + self.problem.nv, self.options, self.method.order
-        largest = options.max_step if options.max_step > 0.0 else abs(t1 - self.t)
-        f, x = self.k[0], self.x
-        scales = [self.atol + options.rtol * abs(a) for a in x[:n]]
-        of_f = of_x = 0.0
-        for a, b, s in zip(f, x, scales):
-            of_f += (a / s) * (a / s)
-            of_x += (b / s) * (b / s)
-        h = 1e-6 if of_f <= 1e-10 or of_x <= 1e-10 else 0.01 * sqrt(of_x / of_f)
-        if h > largest:
-            h = largest
-        step = h * direction
-        y = [a + step * b for a, b in zip(x, f)]
-        status = self.problem.rhs(self.t + step, y, self.k[1], self.lam)
+    def _weigh(self, h: float, y: list[float]) -> None:
+        """The sizes with `y`, and what errors of a step over h are measured in."""
+        kinds = self.problem.kinds
+        self.reached = self.sizes[:]
+        enlarge(kinds, y, self.reached)
+        self.weights = weigh(kinds, self.reached, self.options, h, y, self.noise)
+
+    def _listen(self) -> None:
+        """Raise `noise` to what rounding may change in the rates k[0]: see `Equations.nearby`."""
+        nearby = getattr(self.problem, "nearby", None)
+        if nearby is None:
+            return
         self.rhs += 1
-        if status in FAILED or h == 0.0:
-            return h if h > 0.0 else 1e-6
-        change = 0.0
-        for a, b, s in zip(self.k[1], f, scales):
-            change += ((a - b) / s) * ((a - b) / s)
-        size = sqrt(change) / h
-        if sqrt(of_f) > size:
-            size = sqrt(of_f)
-        if size <= 1e-15:
-            other = 1e-3 * h if 1e-3 * h > 1e-6 else 1e-6
-        else:
-            other = pow(0.01 / size, 1.0 / order)
-        h = 100.0 * h
-        if other < h:
-            h = other
-        return largest if largest < h else h
+        status, rates = nearby(self.t, self.x, self.rejected)
+        if status not in FAILED:
+            changes = [abs(a - b) for a, b in zip(rates, self.k[0])]
+            self.noise = [b if b > a else a for a, b in zip(self.noise, changes)]
 
     def _arrive(self, t: float, y: list[float]) -> int:
         """Project the new state and evaluate there."""
         if self.constrained:
-            status, position, velocity = project(self.problem, t, y)
+            status, position, velocity = project(self.problem, t, y, self.reached)
             if status in FAILED:
                 return status
             if position > self.position_drift:
@@ -348,8 +347,36 @@ class Integrator:
         self.rhs += 1
         return self.problem.rhs(t, y, self.k[self.method.rates], self.lam)
 
-    def _second_look(self, t: float, h: float, y: list[float], error: float) -> tuple[float, list[float]]:
-        """A step of DOP853 to t, rejected because of `error`, once more from a state moved by what
+    def _reconsider(self, t: float, h: float, y: list[float], error: float) -> tuple[float, list[float]]:
+        """An error that rejects a step to t the second time, or after a step that went by this, less what
+        rounding contributes; and the state reached."""
+        if self.tangents is not None:
+            nudged = self._all_but_dependent(y)
+            if nudged:
+                judged = self.options.project and not self.method.uses_new
+                return self._second_look(t, h, y, error, nudged) if judged else (error, y)
+        self._listen()
+        self._weigh(h, y)
+        return self.method.error(h, self.weights, self.k), y
+
+    def _all_but_dependent(self, y: list[float]) -> list[float]:
+        """A state beside x that is not empty where rows are all but dependent within the way of the step
+        to y that was tried, or a thousandth of the way that the coordinates have to where they are zero."""
+        nudged = nudge(self.problem, self.t, self.x, self.sizes)
+        kinds = self.problem.kinds[: self.problem.nq] if nudged else ()
+        moved = sizes_of(kinds, [b - a for a, b in zip(self.x, y)])
+        left = sizes_of(kinds, [c - a for a, c in zip(self.x, nudged)])
+        for kind, (a, b, reach) in enumerate(zip(moved, left, self.reached)):
+            if kind == 0 and reach > 1.0:
+                reach = 1.0
+            if b * a > 3e-15 * reach * reach or b > 1e-12 * reach:
+                return nudged
+        return []
+
+    def _second_look(
+        self, t: float, h: float, y: list[float], error: float, nudged: list[float]
+    ) -> tuple[float, list[float]]:
+        """There, a step of DOP853 to t, rejected because of `error`, once more from a state moved by what
         projection leaves: the error that counts, and the state reached.
 
         Where the error changes by it, it tells of rounding: near postures where rows are all but
@@ -357,21 +384,6 @@ class Integrator:
         only what projection does not take from the error counts.
         """
         assert self.tangents is not None
-        nudged = nudge(self.problem, self.t, self.x)
-        if not nudged:
-            return error, y
-        moved = left = reach = 0.0
-        for a, b, c in zip(self.x[: self.problem.nq], y, nudged):
-            if abs(b - a) > moved:
-                moved = abs(b - a)
-            if abs(c - a) > left:
-                left = abs(c - a)
-            if abs(a) > reach:
-                reach = abs(a)
-        if reach > 1.0:
-            reach = 1.0
-        if not (left * moved > 3e-15 * reach * reach or left > 1e-12 * reach):
-            return error, y  # it is a long way to where rows become dependent
         other = dop853_parts(self.k)
         self.rhs += 11
         status, z = dop853_stages(self.problem, self.t, nudged, h, self.k, self.lam)
@@ -380,31 +392,29 @@ class Integrator:
         parts = dop853_parts(self.k)
         for row, new in zip(other, parts):
             row[:] = [a - b for a, b in zip(row, new)]
-        change = self._parts_norm(other, h, z)
-        if not change > 0.1 * self._parts_norm(parts, h, z):
+        change = self._parts_norm(other, h)
+        if not change > 0.1 * self._parts_norm(parts, h):
             return error, z
         self.rhs += 11
         status, y = dop853_stages(self.problem, self.t, self.x, h, self.k, self.lam)  # the step as it was
         parts = dop853_parts(self.k)
         if not self.tangents(t, y, parts):
             return error, y
-        return self._parts_norm(parts, h, y), y
+        return self._parts_norm(parts, h), y
 
-    def _parts_norm(self, parts: list[list[float]], h: float, y: list[float]) -> float:
+    def _parts_norm(self, parts: list[list[float]], h: float) -> float:
         """The norm of an error with such parts; see `dop853_error`."""
-        atol, rtol = self.atol, self.options.rtol
         sums = []
         for part in parts:
             total = 0.0
-            for u, v, a in zip(self.x, y, part):
-                u, v = abs(u), abs(v)
-                e = a / (atol + rtol * (v if v > u else u))
+            for weight, a in zip(self.weights, part):
+                e = a / weight
                 total += e * e
             sums.append(total)
         total = sums[0] + 0.01 * sums[1]
         if total == 0.0:
             return 0.0
-        return abs(h) * sums[0] * sqrt(1.0 / (len(y) * total))
+        return abs(h) * sums[0] * sqrt(1.0 / (len(self.weights) * total))
 
     def _adapt(self, size: float, error: float, lands: bool, rejected: bool) -> None:
         """The size of the next step."""

@@ -7,6 +7,7 @@ from typing import Any
 
 from lagc.render.numpy.support.base import FAILED, NOT_FINITE, OK, REDUNDANT
 from lagc.render.numpy.support.fallback import Fallback
+from lagc.render.numpy.support.sizes import NEARLY, RESTING, sizes_of
 
 # -- what follows is part of generated modules --
 
@@ -20,7 +21,7 @@ ROUNDING = 1e-28  # the same, beyond which a straight solve is refined
 class Equations:
     """The equations of motion with parameters `p`.
 
-    `model` maps NQ, NV, NZ, NC, NH, NWORK, STRAIGHT, QUATERNIONS and fn_... to what a generated
+    `model` maps NQ, NV, NZ, NC, NH, NWORK, STRAIGHT, QUATERNIONS, KINDS and fn_... to what a generated
     module calls so (its `globals()`).  `redundant_rows`: rows met so far that depended on others;
     `lost`: those of the last state did, and at the next less will do to call them so.  For one
     thread at a time.
@@ -35,6 +36,7 @@ class Equations:
         self.nh: int = model["NH"]
         self.nx = self.nq + self.nv + self.nz
         self.quaternions: tuple[int, ...] = tuple(model["QUATERNIONS"])
+        self.kinds: tuple[int, ...] = tuple(model["KINDS"])
         self.culprit = -1
         self.fallbacks = 0
         self.redundant_rows: list[int] = []
@@ -83,6 +85,22 @@ class Equations:
 
     def scales(self, t: float, x: Sequence[float]) -> list[float]:
         return self._call("scales", self.nc, t, x)
+
+    def reaches(self, t: float, x: Sequence[float], sizes: Sequence[float]) -> list[float]:
+        values = [0.0] * (self.nc + self.nh)
+        self._functions["reaches"](self.p, t, x, sizes, values)
+        return values
+
+    def nearby(self, t: float, x: Sequence[float], count: int) -> tuple[int, list[float]]:
+        """A status and the rates where time, state and parameters differ by four units of their last
+        place, another way for each `count`."""
+        turn, n, p = 2 * count + 3, self.nq + self.nv, self.p
+        y = [a * NEARLY[(i + 1) * turn >> 1 & 1] for i, a in enumerate(x[:n])]
+        rates = [0.0] * self.nx
+        self.p = [a * NEARLY[(n + i + 1) * turn >> 1 & 1] for i, a in enumerate(p)]
+        status = self.rhs(t * NEARLY[turn >> 1 & 1], [*y, *x[n:]], rates, [0.0] * self.nc)
+        self.p = p
+        return status, rates
 
     def assemble(self, t: float, x: Sequence[float]) -> int:
         """Factors of [M G^T; G 0] at (t, x) for `solve`; a status."""
@@ -176,7 +194,7 @@ class Equations:
             self._fallback = Fallback(self.nv, self.nc)
         fallback = self._fallback
         if self.nc:
-            miss, slight = self._trust(t, x, g)
+            miss, slight = self._trust(t, x)
             self._faint(t, x, g, slight)
             sizes = lambda: self._call("gamma_sizes", self.nc, t, x)  # noqa: E731
             status = fallback.factor(mass, g, self.lost, miss, slight, sizes)
@@ -190,26 +208,17 @@ class Equations:
                 self.redundant_rows.append(row)
         return status
 
-    def _trust(self, t: float, x: Sequence[float], g: list[float]) -> tuple[float, list[float]]:
+    def _trust(self, t: float, x: Sequence[float]) -> tuple[float, list[float]]:
         """How far x is from the constraints, scaled; and, for each row, the change of its residual
-        over the size of the coordinates relative to the size of its terms, at most 1."""
-        sizes = self.scales(t, x)
-        miss, reach, nv = 0.0, 0.0, self.nv
-        for value, size in zip(self.position(t, x), sizes) if self.nh else ():
-            if not abs(value) / size <= miss:
-                miss = abs(value) / size
-        for a in x[: self.nq]:
-            if abs(a) > reach:
-                reach = abs(a)
-        reach += 1.0
-        slight = []
-        for i, size in enumerate(sizes):
-            total = 0.0
-            for a in g[i * nv : (i + 1) * nv]:
-                total += abs(a)
-            share = total * reach / size
-            slight.append(share if share < 1.0 else 1.0)
-        return miss, slight
+        over the size of the coordinates (angles: and 1) relative to the size of its terms, at most 1."""
+        own = sizes_of(self.kinds, x)
+        own[0] += 1.0
+        sizes, reaches = self.scales(t, x), self.reaches(t, x, own)
+        miss = 0.0
+        for value, size, reach in zip(self.position(t, x), sizes, reaches) if self.nh else ():
+            if not abs(value) / (size + RESTING * reach) <= miss:
+                miss = abs(value) / (size + RESTING * reach)
+        return miss, [reach / size if reach < size else 1.0 for size, reach in zip(sizes, reaches)]
 
     def _faint(self, t: float, x: Sequence[float], g: list[float], slight: list[float]) -> None:
         """A gradient that is much shorter than others may be rounding of its terms: its direction says

@@ -15,7 +15,7 @@ class Problem(Protocol):
     One that counts its `fallbacks` and knows its `redundant_rows` may have them as attributes; so may
     one whose parameters `p` may change between steps, or that remembers that rows were `lost` at the
     last state.  One with a method `tangents` (see `Equations`) has errors of steps judged without what
-    projection removes.
+    projection removes, one with a method `nearby` without what is rounding.
     """
 
     nq: int
@@ -24,6 +24,7 @@ class Problem(Protocol):
     nc: int
     nh: int
     quaternions: tuple[int, ...]
+    kinds: tuple[int, ...]  # of each coordinate and speed: those of one unit share a size
     culprit: int
 
     @property
@@ -43,6 +44,11 @@ class Problem(Protocol):
 
     def scales(self, t: float, x: Vector) -> list[float]:
         """The size of each row's terms (nc, > 0): residuals are judged against it."""
+        ...
+
+    def reaches(self, t: float, x: Vector, sizes: Sequence[float]) -> list[float]:
+        """What each row (nc) changes by when its coordinates, or speeds, change by the size of their
+        kind, and then each rate of a holonomic row (nh)."""
         ...
 
     def assemble(self, t: float, x: Vector) -> int:

@@ -6,6 +6,7 @@ from math import inf, sqrt
 
 from lagc.render.numpy.support.base import FAILED, INCONSISTENT, OK
 from lagc.render.numpy.support.problem import Problem
+from lagc.render.numpy.support.sizes import RESTING
 
 # -- what follows is part of generated modules --
 
@@ -23,39 +24,44 @@ def normalise(x: list[float], quaternions: tuple[int, ...]) -> None:
             x[i : i + 4] = [a / length, b / length, c / length, d / length]
 
 
-def residual(values: list[float], scales: list[float], speed: float) -> float:
-    """The largest of |value| / (scale * speed); infinity where one is not a number."""
+def residual(values: list[float], scales: list[float]) -> float:
+    """The largest of |value| / scale; infinity where one is not a number."""
     worst = 0.0
     for value, scale in zip(values, scales):
-        size = abs(value) / (scale * speed)
+        size = abs(value) / scale
         if not size <= worst:
             worst = size if size == size else inf
     return worst
 
 
-def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, float]:
+def measure(
+    problem: Problem, t: float, x: list[float], sizes: list[float]
+) -> tuple[list[float], list[float]]:
+    """What residuals of rows are judged by, and what their rates are; `sizes` of the trajectory."""
+    reaches = problem.reaches(t, x, [sizes[0] if sizes[0] < 1.0 else 1.0, *sizes[1:]])
+    scales = [a + RESTING * b for a, b in zip(problem.scales(t, x), reaches)]
+    return scales, reaches[problem.nc :] + scales[problem.nh :]
+
+
+def project(problem: Problem, t: float, x: list[float], sizes: list[float]) -> tuple[int, float, float]:
     """Move `x` onto the constraints, by the shortest way in the metric of the mass matrix.
 
     Positions by simplified Newton iterations (G at the given x), M d = G^T mu, G d = -phi,
     dq = N d; then speeds, M dv = G^T mu, G dv = -psi, with the same factors.  Gives the status
-    and the remaining scaled residuals of positions and speeds; rates of positions are judged
-    against the scale of their row times the largest speed (at least 1).
+    and the remaining scaled residuals of positions and speeds; `sizes` are those of each kind of
+    states over the trajectory.
     """
     normalise(x, problem.quaternions)
     nq, nv, nc, nh = problem.nq, problem.nv, problem.nc, problem.nh
     if nc == 0:
         return OK, 0.0, 0.0
-    speed = 1.0
-    for v in x[nq : nq + nv]:
-        if abs(v) > speed:
-            speed = abs(v)
-    scales = problem.scales(t, x)
+    scales, rates = measure(problem, t, x, sizes)
     r = [0.0] * (nv + nc)
     assembled = False
     position = 0.0
     if nh:
         phi = problem.position(t, x)
-        position = residual(phi, scales, 1.0)
+        position = residual(phi, scales)
         for _ in range(SOLVES):
             if position <= TARGET:
                 break
@@ -71,7 +77,7 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
                 y[i] += dq
             normalise(y, problem.quaternions)
             phi = problem.position(t, y)
-            size = residual(phi, scales, 1.0)
+            size = residual(phi, scales)
             if not size < position:
                 break
             x[:nq] = y[:nq]
@@ -80,7 +86,7 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
             problem.culprit = _worst(phi, scales)
             return INCONSISTENT, position, 0.0
     psi = problem.velocity(t, x)
-    velocity = residual(psi, scales, speed)
+    velocity = residual(psi, rates)
     for _ in range(SOLVES):
         if velocity <= TARGET:
             break
@@ -95,25 +101,25 @@ def project(problem: Problem, t: float, x: list[float]) -> tuple[int, float, flo
         for i, dv in enumerate(d):
             y[nq + i] += dv
         psi = problem.velocity(t, y)
-        size = residual(psi, scales, speed)
+        size = residual(psi, rates)
         if not size < velocity:
             break
         x[nq : nq + nv] = y[nq : nq + nv]
         velocity = size
     if velocity > HOPELESS:
-        problem.culprit = _worst(psi, scales)
+        problem.culprit = _worst(psi, rates)
         return INCONSISTENT, position, velocity
     return OK, position, velocity
 
 
-def nudge(problem: Problem, t: float, x: list[float]) -> list[float]:
+def nudge(problem: Problem, t: float, x: list[float], sizes: list[float]) -> list[float]:
     """A state beside `x`, off its constraints by what projection leaves, in the direction that costs
     most in the metric of the mass matrix, with speeds that fit; empty where that cannot be told."""
     nq, nv = problem.nq, problem.nv
     if problem.assemble(t, x) in FAILED:
         return []
     r = [0.0] * nv
-    for i, scale in enumerate(problem.scales(t, x)):
+    for i, scale in enumerate(measure(problem, t, x, sizes)[0]):
         r.append((-TARGET if i % 2 else TARGET) * scale)
     d = problem.solve(r)[:nv]
     y = x[:]

@@ -60,16 +60,13 @@ def dopri5_stages(
     return OK, y
 
 
-def dopri5_error(
-    n: int, rtol: float, atol: float, h: float, x: list[float], y: list[float], k: list[list[float]]
-) -> float:
+def dopri5_error(h: float, weights: list[float], k: list[list[float]]) -> float:
     sum0 = 0.0
-    for u, v, a0, a2, a3, a4, a5, a6 in zip(x[:n], y, k[0], k[2], k[3], k[4], k[5], k[6]):
-        u, w = abs(u), abs(v)
-        scale = atol + rtol * (w if w > u else u)
+    for weight, a0, a2, a3, a4, a5, a6 in zip(weights, k[0], k[2], k[3], k[4], k[5], k[6]):
         e = (0.0012326388888888888 * a0 - 0.0042527702905061394 * a2 + 0.03697916666666667 * a3
-            - 0.05086379716981132 * a4 + 0.0419047619047619 * a5 - 0.025 * a6) / scale
+            - 0.05086379716981132 * a4 + 0.0419047619047619 * a5 - 0.025 * a6) / weight
         sum0 += e * e
+    n = len(weights)
     h = abs(h)
     return h * sqrt(sum0 / n)
 
@@ -199,25 +196,22 @@ def dop853_stages(
     return OK, y
 
 
-def dop853_error(
-    n: int, rtol: float, atol: float, h: float, x: list[float], y: list[float], k: list[list[float]]
-) -> float:
+def dop853_error(h: float, weights: list[float], k: list[list[float]]) -> float:
     sum0 = 0.0
     sum1 = 0.0
-    for u, v, a0, a5, a6, a7, a8, a9, a10, a11 in zip(x[:n], y, k[0], k[5], k[6], k[7],
+    for weight, a0, a5, a6, a7, a8, a9, a10, a11 in zip(weights, k[0], k[5], k[6], k[7],
             k[8], k[9], k[10], k[11]):
-        u, w = abs(u), abs(v)
-        scale = atol + rtol * (w if w > u else u)
         e = (0.01312004499419488 * a0 - 1.2251564463762044 * a5 - 0.4957589496572502 * a6
             + 1.6643771824549864 * a7 - 0.35032884874997366 * a8
             + 0.3341791187130175 * a9 + 0.08192320648511571 * a10
-            - 0.022355307863886294 * a11) / scale
+            - 0.022355307863886294 * a11) / weight
         sum0 += e * e
         e = (-0.18980075407240762 * a0 + 4.450312892752409 * a5 + 1.8915178993145003 * a6
             - 5.801203960010585 * a7 - 0.42268232132379197 * a8
             - 0.1521609496625161 * a9 + 0.20136540080403034 * a10
-            + 0.022651792198360825 * a11) / scale
+            + 0.022651792198360825 * a11) / weight
         sum1 += e * e
+    n = len(weights)
     h = abs(h)
     total = sum0 + 0.01 * sum1
     if total == 0.0:

@@ -1,0 +1,93 @@
+/* -- what counts as an error of one step, and how long the first may be -- */
+
+/* w->reached, those of the trajectory with its new state s->y, and what errors of a step over h are
+ * measured in; w->noise is the rounding of rates, where it is known.  An angle that winds does not make
+ * others less telling. */
+static void lagc_weigh(const lagc_state *s, const lagc_options *o, double h, lagc_work *w)
+{
+    int i;
+    for (i = 0; i < LAGC_KINDS; i++)
+        w->reached[i] = s->sizes[i];
+    lagc_enlarge(s->y, w->reached);
+    for (i = 0; i < LAGC_NQ + LAGC_NV; i++) {
+        const int kind = lagc_kinds[i];
+        double size = w->reached[kind], weight;
+        if (kind == 0 && size > 1.0)
+            size = fabs(s->y[i]) > 1.0 ? fabs(s->y[i]) : 1.0;
+        weight = o->atol + o->rtol * size + 10.0 * fabs(h) * w->noise[i];
+        w->weights[i] = weight > LAGC_TINY ? weight : LAGC_TINY;
+    }
+}
+
+/* Raise w->noise to what rounding may change in the rates s->k[0] at (t, x): to what changes when
+ * time, state and parameters change by four units of their last place, another way in each call. */
+static void lagc_listen(const lagc_params *p, lagc_state *s, lagc_work *w)
+{
+    const double way[2] = {1.0 + 8.881784197001252e-16, 1.0 - 8.881784197001252e-16};
+    const long turn = 2 * s->rejected + 3;
+    const size_t count = sizeof(lagc_params) / sizeof(double);
+    double x[LAGC_NX];
+    lagc_params other = *p;
+    double *values = (double *)&other; /* it holds nothing else */
+    size_t j;
+    int i, n = LAGC_NQ + LAGC_NV;
+    for (i = 0; i < LAGC_NX; i++)
+        x[i] = s->x[i];
+    for (i = 0; i < n; i++)
+        x[i] *= way[((i + 1) * turn >> 1) & 1];
+    for (j = 0; j < count; j++)
+        values[j] *= way[((n + (long)j + 1) * turn >> 1) & 1];
+    s->rhs++;
+    if (LAGC_FAILED(lagc_rhs_(&other, s->t * way[turn >> 1 & 1], x, w->xdot, w->lam, w)))
+        return;
+    for (i = 0; i < n; i++)
+        if (fabs(w->xdot[i] - s->k[0][i]) > w->noise[i])
+            w->noise[i] = fabs(w->xdot[i] - s->k[0][i]);
+}
+
+/* The shortest of the times in which the kinds change by their own size, as their rates and the
+ * changes of these over a small step tell; a part of it, by the order of the method. */
+static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, double direction,
+                              const lagc_options *o, lagc_work *w)
+{
+    const double order = o->method == LAGC_DOPRI5 ? 5.0 : 8.0;
+    const double largest = o->max_step > 0.0 ? o->max_step : fabs(t1 - s->t);
+    double rates[LAGC_KINDS], bends[LAGC_KINDS];
+    double h = 0.01 * largest, tolerance = 1.0, best;
+    int k, status;
+    for (k = 0; k < LAGC_KINDS; k++) {
+        rates[k] = 0.0;
+        bends[k] = 0.0;
+    }
+    lagc_enlarge(s->k[0], rates);
+    for (k = 0; k < LAGC_KINDS; k++) {
+        if (s->sizes[k] > 0.0 && o->rtol + o->atol / s->sizes[k] < tolerance)
+            tolerance = o->rtol + o->atol / s->sizes[k];
+        if (s->sizes[k] > 0.0 && 0.01 * s->sizes[k] < h * rates[k])
+            h = 0.01 * s->sizes[k] / rates[k];
+    }
+    for (k = 0; k < LAGC_NX; k++)
+        s->y[k] = s->x[k] + h * direction * s->k[0][k];
+    status = lagc_rhs_(p, s->t + h * direction, s->y, s->k[1], w->lam, w);
+    s->rhs++;
+    if (LAGC_FAILED(status) || h == 0.0)
+        return h;
+    for (k = 0; k < LAGC_NX; k++)
+        s->y[k] = (s->k[1][k] - s->k[0][k]) / h;
+    lagc_enlarge(s->y, bends);
+    best = largest;
+    for (k = 0; k < LAGC_KINDS; k++) {
+        double way;
+        if (!(bends[k] > 0.0))
+            continue;
+        way = sqrt(s->sizes[k] / bends[k]);
+        if (s->sizes[k] < way * rates[k])
+            way = s->sizes[k] / rates[k];
+        if (rates[k] > way * bends[k])
+            way = rates[k] / bends[k];
+        if (way > 0.0 && way < best)
+            best = way;
+    }
+    h = best * pow(0.01 * tolerance, 1.0 / order);
+    return h < largest ? h : largest;
+}

@@ -1,0 +1,74 @@
+"""The same model in other units of length, mass and time: every number with a dimension is another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from lagc import compiler
+from lagc.diagnostics.faults import Source
+from lagc.meaning import bodies, evaluate
+from lagc.meaning.units import Dimension, Unit, unit
+from lagc.meaning.values import Array, Scalar, Value
+from lagc.optimize.program import Program
+from lagc.run.backends.c import CModel
+from lagc.run.backends.numpy import NumpyModel
+from lagc.run.problem import System
+
+Factors = tuple[Fraction, Fraction, Fraction]  # of kg, m, s
+
+
+def factor(dimension: Dimension, factors: Factors) -> float:
+    """What a number of `dimension` is multiplied by."""
+    found = Fraction(1)
+    rest = 1.0
+    for base, exponent in zip(factors, dimension):
+        whole, part = divmod(exponent, 12)
+        found *= base**whole
+        rest *= float(base) ** (part / 12)
+    return float(found) * rest
+
+
+@contextmanager
+def units(factors: Factors) -> Iterator[None]:
+    """Within it, models are read with all their numbers in the other units."""
+    to_si, dressed = Unit.to_si, evaluate._dressed
+
+    def other_si(self: Unit, value: float) -> float:
+        return to_si(self, value) * factor(self.dimension, factors)
+
+    def other_dressed(value: Value, dimension: Dimension) -> Value:
+        found = dressed(value, dimension)
+        if isinstance(value, Array) or not isinstance(found, Scalar) or found is value:
+            return found
+        return Scalar(factor(dimension, factors) * found.node, found.dimension)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Unit, "to_si", other_si)
+        patch.setattr(evaluate, "_dressed", other_dressed)
+        patch.setattr(bodies, "STANDARD", bodies.STANDARD * factor(bodies.GRAVITY, factors))
+        yield
+
+
+def program(source: Source, factors: Factors, **choice: Any) -> Program:
+    """For a run."""
+    with units(factors):
+        model = compiler.resolve(compiler.parse(source), compiler.Choice(**choice))
+        return compiler.optimize(compiler.derive(model), work=True)
+
+
+def system(made: Program, backend: str) -> System:
+    kind = CModel if backend == "c" else NumpyModel
+    model = kind(made.interface, compiler.render(made, backend))
+    return model.bind(model.defaults())
+
+
+def state_factors(made: Program, factors: Factors) -> list[float]:
+    """Of each entry of x."""
+    interface = made.interface
+    texts = [*interface.q_units, *interface.v_units, *["J"] * interface.nz]
+    return [factor(unit(text or "1").dimension, factors) for text in texts]
