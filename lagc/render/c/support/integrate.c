@@ -231,7 +231,7 @@ static double lagc_reconsider(const lagc_params *p, lagc_state *s, double t, dou
     (void)t;
 #endif
     lagc_listen(p, s, w);
-    lagc_weigh(s, o, h, w);
+    lagc_weights(s, o, h, w);
     error = o->method == LAGC_DOPRI5 ? lagc_dopri5_error(h, s, w) : lagc_dop853_error(h, s, w);
     return error;
 }
@@ -335,7 +335,7 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
         s->rhs += last - 1;
         error = 0.0;
         if (!LAGC_FAILED(status))
-            lagc_weigh(s, o, h, w);
+            lagc_weights(s, o, h, w);
         if (!LAGC_FAILED(status) && (method == LAGC_DOPRI5 || o->step > 0.0))
             status = lagc_arrive(p, s, t_new, o, s->k[last], w);
         if (!LAGC_FAILED(status) && !(o->step > 0.0)) {

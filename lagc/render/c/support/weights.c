@@ -3,7 +3,7 @@
 /* w->reached, those of the trajectory with its new state s->y, and what errors of a step over h are
  * measured in; w->noise is the rounding of rates, where it is known.  An angle that winds does not make
  * others less telling. */
-static void lagc_weigh(const lagc_state *s, const lagc_options *o, double h, lagc_work *w)
+static void lagc_weights(const lagc_state *s, const lagc_options *o, double h, lagc_work *w)
 {
     int i;
     for (i = 0; i < LAGC_KINDS; i++)
