@@ -19,8 +19,6 @@ from tests.run.scaled import Factors, program, state_factors, system
 PLAIN: Factors = (Fraction(1), Fraction(1), Fraction(1))
 LONGEST = 1.0  # s
 POINTS = 6
-# Which rows of these depend on others is found at states of size 1 before the run.
-TRIED_ELSEWHERE = {"classic/rolling_disc", "classic/sphere_on_turntable", "classic/wheelset"}
 IN_C = (
     "classic/andrews_squeezer",
     "classic/heavy_top_quaternion",
@@ -66,7 +64,7 @@ def check_bits(name: str, factors: Factors, backend: str, method: str) -> None:
     assert (other.position_drift, other.velocity_drift) == (one.position_drift, one.velocity_drift)
 
 
-@pytest.mark.parametrize("name", sorted(set(library_models()) - TRIED_ELSEWHERE))
+@pytest.mark.parametrize("name", library_models())
 def test_units_that_are_powers_of_two_change_no_bit(name: str) -> None:
     rng = random.Random(name)
     kg, m, s = (Fraction(2) ** rng.choice((-50, -rng.randrange(50), rng.randrange(50), 50)) for _ in range(3))
@@ -81,7 +79,7 @@ def test_nor_in_c(name: str) -> None:
     check_bits(name, (kg, m, s), "c", "dop853")
 
 
-@pytest.mark.parametrize("name", sorted(set(library_models()) - TRIED_ELSEWHERE))
+@pytest.mark.parametrize("name", library_models())
 def test_other_units_change_the_motion_by_rounding_alone(name: str) -> None:
     rng = random.Random(name)
     kg, m, s = (Fraction(10) ** rng.choice((-15, 15)) for _ in range(3))
