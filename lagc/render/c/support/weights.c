@@ -46,7 +46,8 @@ static void lagc_listen(const lagc_params *p, lagc_state *s, lagc_work *w)
 }
 
 /* The shortest of the times in which the kinds change by their own size, as their rates and the
- * changes of these over a small step tell; a part of it, by the order of the method. */
+ * changes of these over a small step tell; a part of it, by the order of the method.  Kinds that begin
+ * at rest get the size to which it takes them: a force that jumps there is no error of any size. */
 static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, double direction,
                               const lagc_options *o, lagc_work *w)
 {
@@ -89,5 +90,10 @@ static double lagc_first_step(const lagc_params *p, lagc_state *s, double t1, do
             best = way;
     }
     h = best * pow(0.01 * tolerance, 1.0 / order);
-    return h < largest ? h : largest;
+    if (h > largest)
+        h = largest;
+    for (k = 0; k < LAGC_KINDS; k++)
+        if (s->sizes[k] == 0.0)
+            s->sizes[k] = h * rates[k];
+    return h;
 }

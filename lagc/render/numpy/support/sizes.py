@@ -58,7 +58,8 @@ def first_step(
     lam: list[float],
 ) -> float:
     """The shortest of the times in which the kinds change by their own size, as their rates k[0] and
-    the changes of these over a small step tell; a part of it, by the order of the method."""
+    the changes of these over a small step tell; a part of it, by the order of the method.  Kinds that
+    begin at rest get the size to which it takes them: a force that jumps there is no error of any size."""
     kinds = problem.kinds
     rates, bends = [0.0] * len(sizes), [0.0] * len(sizes)
     h, tolerance = 0.01 * largest, 1.0
@@ -85,4 +86,9 @@ def first_step(
         if 0.0 < way < best:
             best = way
     h = best * pow(0.01 * tolerance, 1.0 / order)
-    return h if h < largest else largest
+    if h > largest:
+        h = largest
+    for kind, rate in enumerate(rates):
+        if sizes[kind] == 0.0:
+            sizes[kind] = h * rate
+    return h
