@@ -52,4 +52,4 @@ def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
         horizon, method="dopri5", rtol=1e-13, atol=1e-13, points=2
     )  # fmt: skip
     for name in ("theta1", "theta2"):
-        assert abs(run[name][-1] - finer[name][-1]) <= 3e-4
+        assert abs(run[name][-1] - finer[name][-1]) <= 1e-4
