@@ -116,6 +116,22 @@ def _gap(left: Sequence[float]) -> tuple[int, float]:
     return (rank, math.sqrt(falling[rank - 1] * falling[rank])) if rank else (0, 1.0)
 
 
+def dimension(vectors: Sequence[Sequence[float]], least: float) -> int:
+    """How many of the vectors are longer than `least` beside those before them, the longest first."""
+    rest = [list(x) for x in vectors]
+    found = 0
+    while rest:
+        longest = max(rest, key=lambda x: dot(x, x))
+        size = math.sqrt(dot(longest, longest))
+        if size <= least:
+            break
+        rest.remove(longest)
+        e = [x / size for x in longest]
+        rest = [[a - part * b for a, b in zip(x, e)] for x in rest for part in [dot(e, x)]]
+        found += 1
+    return found
+
+
 def dot(x: Sequence[float], y: Sequence[float]) -> float:
     return float(sum(map(mul, x, y)))
 

@@ -14,7 +14,7 @@ from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import Row
-from lagc.mechanics.linear import Span, least_norm
+from lagc.mechanics.linear import Span, dimension, least_norm
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.samples import Chance, samples, unit_sizes
 from lagc.mechanics.states import States
@@ -23,6 +23,8 @@ from lagc.records import dataclass
 _ITERATIONS = 40
 _CONVERGED = 1e-12
 _NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
+_SHORT, _AWAY = 1e-3, 0.03  # steps by which motions are counted, and how much of one is a motion
+_QUICK, _SLOW = 6, 0.3  # Newton's last steps, each half of that before where surfaces touch
 _STEPS = 4
 _MANY = 40  # rows with which fewer states will do
 LARGEST = 150  # rows for which states are looked for
@@ -38,11 +40,15 @@ def onto(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> St
 @dataclass(frozen=True, slots=True)
 class Consistent:
     """States on the rows with the default parameters: the start moved onto them (None where that
-    fails), states beside it, and states farther along the motions that the rows allow."""
+    fails), states beside it, and states farther along the motions that the rows allow.
+
+    Where surfaces only touch each other there, as a sphere and its tangent plane, no rank tells how many
+    motions of the positions there are: then they are counted in `freedom`."""
 
     start: State | None
     beside: list[State]
     far: list[State]
+    freedom: int | None = None
 
     @property
     def all(self) -> list[State]:
@@ -59,7 +65,10 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
             break
         few = len(rows) > _MANY
         beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
-        return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)))
+        freedom = None
+        if manifold.touching:
+            freedom = _Manifold(states, [row for row in rows if row.kind == "holonomic"]).freedom(start)
+        return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
     return Consistent(None, [], [s for s in found if s is not None])
 
@@ -100,6 +109,7 @@ class _Manifold:
         norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
         self.positions = [*(row.residual for row in rows if row.kind == "holonomic"), *norms]
         self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
+        self.touching = False  # positions were met so slowly as those of surfaces that touch
 
     def met(self, given: Mapping[Node, float]) -> State | None:
         state = dict(given)
@@ -107,6 +117,16 @@ class _Manifold:
             return None
         slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
         return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
+
+    def freedom(self, start: State) -> int:
+        """The dimension of what is met by short steps from the start in all directions that the rows allow."""
+        found: list[list[float]] = []
+        for _ in range(min(len(self.states.q), _MANY) + 1):
+            moved = self.met(self._displaced(start, _SHORT))
+            if moved is not None:
+                way = [(moved[x] - start[x]) / (_SHORT * self.scales[x]) for x in self.states.q]
+                found.append(way)
+        return dimension(found, _AWAY)
 
     def steps(self, start: State, size: float, count: int, restart: bool = False) -> Iterator[State]:
         """States met by `count` steps of `size`, one after another or each from the start."""
@@ -145,6 +165,7 @@ class _Manifold:
         flat = [*residuals, *(node for slope in slopes for node in slope.values())]
         sizes = [self.scales[x] for x in unknowns]
         place = {x: k for k, x in enumerate(unknowns)}
+        lengths: list[float] = []
         for _ in range(_ITERATIONS):
             values = magnitudes(flat, state)
             if not all(math.isfinite(size) for _, size in values):
@@ -157,7 +178,11 @@ class _Manifold:
                 abs(r) <= max(_CONVERGED * far, 8e-16 * size)
                 for r, far, (_, size) in zip(wanted, reach, values)
             ):
+                slow = len(lengths) > _QUICK and lengths[-1] > _SLOW**_QUICK * lengths[-1 - _QUICK]
+                self.touching = self.touching or slow
                 return True
-            for x, d, size in zip(unknowns, least_norm(matrix, wanted), sizes):
+            step = least_norm(matrix, wanted)
+            lengths.append(max(map(abs, step)))
+            for x, d, size in zip(unknowns, step, sizes):
                 state[x] += d * size
         return False

@@ -4,6 +4,7 @@ Off the constraints the rank of a closed loop is too large: rows that depend on 
 loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
 (`manifold.walk`), and the largest one counts: postures where it is less are passed.  It is proved
 where it cannot be larger: as many as there are rows, or as at a random point of a finite field.
+Where surfaces touch, motions are counted by steps instead (`Consistent.freedom`).
 """
 
 from __future__ import annotations
@@ -43,16 +44,20 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
     if not rows:
         return Mobility(frozenset(), 0, 0, True, True)
-    tried = [_span(states, rows, state) for state in met.beside or met.far]
+    beside = met.beside or met.far
+    tried = [_span(states, rows, state) for state in beside]
     first = None if met.start is None else _span(states, rows, met.start)
     spans = [*tried, first] if first else tried
     if not spans:
         return Mobility(frozenset(), len(rows), None, False, False)
     best = max(spans, key=lambda span: span.rank)
-    most = _largest(states, rows, met)
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = first.rank if first else None
-    proved = best.rank in (len(rows), most)
+    if met.freedom is not None:
+        holonomic = [row for row in rows if row.kind == "holonomic"]
+        places = max([_span(states, holonomic, state).rank for state in beside], default=0)
+        return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
+    proved = best.rank in (len(rows), _largest(states, rows, met))
     return Mobility(spare, best.rank, at_start, proved, True)
 
 

@@ -46,8 +46,7 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     suspects = []
     for x in classified:
         if x.row.kind == "holonomic" or not x.row.linear:
-            zeros = [_is_multiple(states, x.row, state) for state in tries]
-            if _is_made_of_squares(states, x.row.residual) or (True in zeros and False not in zeros):
+            if _is_made_of_squares(states, x.row.residual) or _is_multiple_everywhere(states, x.row, tries):
                 suspects.append(x)
     if not suspects:
         return
@@ -63,6 +62,17 @@ def _follows(row: Row, met: Sequence[Mapping[Node, float]]) -> bool:
     """Whether it holds on states that meet the other rows: then nothing has to enforce it."""
     found = [magnitudes([row.residual], state)[0] for state in met]
     return bool(found) and all(abs(value) <= _HOLDS * size for value, size in found)
+
+
+def _is_multiple_everywhere(states: States, row: Row, tries: Sequence[Mapping[Node, float]]) -> bool:
+    """Whether the zeros next to all states are multiple ones; one that is not settles it."""
+    found = False
+    for state in tries:
+        multiple = _is_multiple(states, row, state)
+        if multiple is False:
+            return False
+        found = found or multiple is True
+    return found
 
 
 def _is_multiple(states: States, row: Row, sample: Mapping[Node, float]) -> bool | None:

@@ -302,3 +302,38 @@ def test_what_is_held_to_second_order_is_held() -> None:
     b.constraint("right", (x - 1.0) ** 2 + (y - 0.3) ** 2 - 1.0)
     a = analyse(derive(b.model()))
     assert (a.degrees_of_freedom, a.more_at_start) == (0, 1)
+
+
+@pytest.mark.parametrize("at_start", [True, False])
+@pytest.mark.parametrize("touching", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(3))
+def test_surfaces_that_touch_leave_what_both_allow(seed: int, touching: int, at_start: bool) -> None:
+    """w = 0 and 3 w = c1 y1^2 + ... in turned coordinates, all c > 0: every y is zero as well, though
+    the rank is two at most.  The others are free."""
+    rng = random.Random(f"{seed} {touching}")
+    n = touching + 1 + rng.randint(0, 2)
+    turned, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(n, n)))
+    b = Builder()
+    offset = [0.0] * n if at_start else [rng.uniform(-0.2, 0.2) for _ in range(n)]
+    x = [b.coordinate(f"x{k}", s) for k, s in enumerate(offset)]
+    b.lagrangian("kinetic", b.graph.sum(0.5 * b.der(y) ** 2 for y in x), is_kinetic=True)
+    w, *y = [b.graph.sum(float(c) * z for c, z in zip(row, x)) for row in turned[: touching + 1]]
+    b.constraint("plane", w)
+    b.constraint("cup", 3.0 * w - b.graph.sum(rng.uniform(0.5, 2.0) * z**2 for z in y))
+    a = analyse(derive(b.model()))
+    assert a.degrees_of_freedom == a.positional_freedom == n - 1 - touching
+    assert a.seems.degrees_of_freedom and a.seems.positional_freedom
+    assert a.more_at_start >= touching - 1
+
+
+@pytest.mark.parametrize("speeds", [0, 1])
+def test_velocity_rows_beside_surfaces_that_touch(speeds: int) -> None:
+    b = Builder()
+    x, y, z, u, v = (b.coordinate(k, s) for k, s in zip("xyzuv", (0.0, 0.0, 1.0, 0.3, 0.2)))
+    b.lagrangian("kinetic", b.graph.sum(0.5 * b.der(k) ** 2 for k in (x, y, z, u, v)), is_kinetic=True)
+    b.constraint("ball", x * x + y * y + z * z - 1.0)
+    b.constraint("plane", z - 1.0)
+    if speeds:
+        b.constraint("knife", b.der(u) - (1.0 + v * v) * b.der(v))
+    a = analyse(derive(b.model()))
+    assert a.degrees_of_freedom == a.positional_freedom == 2 - speeds
