@@ -119,7 +119,7 @@ class _Manifold:
         return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
 
     def freedom(self, start: State) -> int:
-        """The dimension of what is met by short steps from the start in all directions that the rows allow."""
+        """The dimension of what short steps from the start meet, in all directions that the rows allow."""
         found: list[list[float]] = []
         for _ in range(min(len(self.states.q), _MANY) + 1):
             moved = self.met(self._displaced(start, _SHORT))

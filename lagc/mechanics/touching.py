@@ -43,11 +43,12 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     if len(classified) > _LARGEST:
         return
     tries = [*samples(states.model, _STATES, vary=False), *samples(states.model, _STATES)]
-    suspects = []
-    for x in classified:
-        if x.row.kind == "holonomic" or not x.row.linear:
-            if _is_made_of_squares(states, x.row.residual) or _is_multiple_everywhere(states, x.row, tries):
-                suspects.append(x)
+    suspects = [
+        x
+        for x in classified
+        if (x.row.kind == "holonomic" or not x.row.linear)
+        and (_is_made_of_squares(states, x.row.residual) or _is_multiple_everywhere(states, x.row, tries))
+    ]
     if not suspects:
         return
     rows = [x.row for x in classified if x not in suspects]
