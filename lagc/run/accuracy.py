@@ -320,21 +320,25 @@ def _plain(tol: float) -> float:
 def difference(
     a: Trajectory, b: Trajectory, interface: Interface, target: float
 ) -> tuple[float, float | None]:
-    """The largest scaled difference over the common times, and the last time before it first
-    exceeds `target` (None where it never does)."""
-    n = min(len(a.states), len(b.states))
-    worst = [0.0] * n
+    """The largest scaled difference over the common times, and the last time up to which it stays below
+    `target` by the sizes of the motion until there (None where that is the end): a motion that runs
+    away later makes nothing before it more exact."""
+    alike = [True] * min(len(a.states), len(b.states))
+    largest = 0.0
     for group in kinds(interface):
-        size = max(scale(a, group), scale(b, group))
-        if size == 0.0:
-            continue
-        for i in group:
-            for k, (x, y) in enumerate(zip(a.states, b.states)):
-                d = abs(x[i] - y[i]) / size
-                if not d <= worst[k]:
-                    worst[k] = d if d == d else inf
-    first = next((k for k, d in enumerate(worst) if not d <= target), None)
-    return max(worst, default=0.0), None if first is None else a.times[max(first - 1, 0)]
+        size = apart = 0.0
+        for k, (x, y) in enumerate(zip(a.states, b.states)):
+            for i in group:
+                size = max(size, abs(x[i]), abs(y[i]))
+                if not abs(x[i] - y[i]) <= apart:
+                    apart = abs(x[i] - y[i])
+            if not apart <= target * size:
+                alike[k] = False
+        if not apart <= largest * size:
+            largest = apart / size if apart < inf else inf
+    if not alike or alike[-1]:
+        return largest, None
+    return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
 
 
 def _memory_name(

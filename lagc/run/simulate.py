@@ -53,7 +53,7 @@ def simulate(
         options, tried = found.options, found.tried
         told = judge(system, found, request.accuracy, times[-1])
         trajectory = told.trajectory
-    if trajectory.redundant_rows:
+    if trajectory.redundant_rows and told.status == "ok":
         notes.append(redundancy(system, trajectory))
     return Solution(
         system=system,

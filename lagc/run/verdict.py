@@ -6,6 +6,7 @@ from lagc.records import dataclass
 from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
 from lagc.run.balance import Balance
 from lagc.run.cause import cause, growth
+from lagc.run.dependence import kept_share, own_share
 from lagc.run.names import row_name, speed_name, state_name
 from lagc.run.problem import (
     INCONSISTENT,
@@ -40,6 +41,9 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
     status, message = verdict(system, run, stop)
     if status != "ok":
         return Verdict(status, message, run, estimated)
+    kept = kept_share(system, run)
+    if kept is not None:
+        return Verdict("failed", _nearly(system, *kept), run, estimated)
     if estimated > asked:
         told = _missed(system, found, asked)
         if found.failed is not None:
@@ -65,6 +69,9 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
             f"at {t} the mass matrix is singular: nothing has inertia along {speed_name(system, k)}",
         )
     if status == INCONSISTENT:
+        own = own_share(system, trajectory, [k], [(trajectory.t, trajectory.x)]) if k >= 0 else None
+        if own is not None:
+            return "failed", f"at {t} {_nearly(system, *own)}"
         return "failed", f"at {t} the constraints contradict each other: {row_name(system, k)}"
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
@@ -120,8 +127,16 @@ def _unbalanced(out: Balance, asked: float) -> str:
             f"runs of different tolerance agree; {UNKNOWN}")  # fmt: skip
 
 
+def _nearly(system: System, row: int, share: float) -> str:
+    return (f"{row_name(system, row)} all but depends on others: a share of {share:.1g} of it is its own, "
+            "and what that demands is not met; leave it out, or make it differ more")  # fmt: skip
+
+
 def redundancy(system: System, trajectory: Trajectory) -> str:
     """A note on rows that were found to depend on others."""
+    kept = kept_share(system, trajectory)
+    if kept is not None:
+        return _nearly(system, *kept)
     rows = ", ".join(row_name(system, k) for k in trajectory.redundant_rows)
     several = len(trajectory.redundant_rows) > 1
     return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "

@@ -1,0 +1,81 @@
+"""Rows that were left out of a run because they depend on others: whether they do, or all but do.
+
+Near a posture where rows lose rank the runtime leaves out those that have next to nothing of their own,
+and the motion passes.  A row that keeps a small share of its own all along demands something beyond the
+others that the motion then does not meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import sqrt
+
+from lagc.run.accuracy import sizes
+from lagc.run.problem import System, Trajectory
+
+LOOKED_AT = 40  # of the recorded states
+ROUNDING = 1e-11  # a share that rows may have by rounding of states and gradients
+OWN = 1e-3  # a share that no solve leaves out
+
+
+def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
+    """The first row left out that keeps a share of its own at most of the states, and that share:
+    the part of its gradient in the speeds, over their sizes, that is at right angles to the others."""
+    every = range(len(run.states))[:: -(-len(run.states) // LOOKED_AT) or 1]
+    return own_share(system, run, run.redundant_rows, [(run.times[k], run.states[k]) for k in every])
+
+
+def own_share(
+    system: System, run: Trajectory, asked: Sequence[int], states: Sequence[tuple[float, Sequence[float]]]
+) -> tuple[int, float] | None:
+    """The same for the rows `asked` at `states`, (t, x)."""
+    if not asked or not states:
+        return None
+    weights = [0.0] * system.nx
+    for group, size in sizes(run, system.interface):
+        for i in group:
+            weights[i] = size or 1.0
+    shares: dict[int, list[float]] = {row: [] for row in asked}
+    order = [*(i for i in range(system.nc) if i not in shares), *asked]
+    for t, x in states:
+        rows = _rows(system, t, x, weights)
+        basis: list[list[float]] = []
+        for i in order:
+            rest, share = _remainder(rows[i], basis)
+            if i in shares:
+                shares[i].append(share)
+            if share > ROUNDING:
+                basis.append(rest)
+    for row, found in shares.items():
+        middle = sorted(found)[len(found) // 2]
+        if ROUNDING < middle < OWN:
+            return row, middle
+    return None
+
+
+def _rows(system: System, t: float, x: Sequence[float], weights: Sequence[float]) -> list[list[float]]:
+    """The gradients of all rows in the speeds, as unit vectors; zero where a row vanishes."""
+    interface = system.interface
+    _, slopes, _ = system.conditions(t, x)
+    found = []
+    for k in range(system.nh, system.nh + system.nc):
+        row = [0.0] * system.nv
+        for place in range(interface.condition_ends[k - 1] if k else 0, interface.condition_ends[k]):
+            column = interface.condition_columns[place]
+            if system.nq <= column < system.nq + system.nv:
+                row[column - system.nq] = slopes[place] * weights[column]
+        largest = max(map(abs, row), default=0.0)
+        length = largest * sqrt(sum((a / largest) ** 2 for a in row)) if largest > 0.0 else 1.0
+        found.append([a / length for a in row])
+    return found
+
+
+def _remainder(row: Sequence[float], basis: Sequence[Sequence[float]]) -> tuple[list[float], float]:
+    """What of the unit vector `row` is at right angles to `basis`, as a unit vector, and its length."""
+    rest = list(row)
+    for _ in range(2):
+        for other in basis:
+            part = sum(a * b for a, b in zip(rest, other))
+            rest = [a - part * b for a, b in zip(rest, other)]
+    length = sqrt(sum(a * a for a in rest))
+    return [a / length for a in rest] if length > 0.0 else rest, length
