@@ -6,6 +6,7 @@ cannot be larger (`mobility`), or it *seems* to hold: on all states tried that m
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
 
@@ -25,7 +26,7 @@ from lagc.mechanics.mobility import Mobility, mobility
 from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
-from lagc.records import dataclass
+from lagc.records import dataclass, replace
 
 _STATES = 3
 
@@ -232,7 +233,18 @@ def _conserved(
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))
-    return found, small or not equations.model.bodies
+    return [_with_cuts(states, c, at_rows) for c in found], small or not equations.model.bodies
+
+
+def _with_cuts(states: States, c: Conserved, at_rows: Judge) -> Conserved:
+    """Its slopes do not show that an angle jumps by a full turn where `atan2` has its cut."""
+    graph, node = states.graph, c.expression
+    moving = depends([node], states.q)
+    for angle in [x for x in moving if x.op == "atan2"]:
+        (turned,) = substitute(graph, [node], {angle: angle + math.tau})
+        if at_rows.vanish([turned - node]) is None:
+            return replace(c, reason=f"{c.reason}, as long as no `atan2` passes its cut, where it jumps")
+    return c
 
 
 def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) -> list[dict[Node, float]]:

@@ -288,3 +288,26 @@ def test_numbers_that_cancel_in_decimals_leave_nothing(terms: tuple[float, ...])
         b.potential(f"V{k}", c * x)
     a = analyse(derive(b.model()))
     assert a.cyclic == ("x", "y") and not a.seems.cyclic and facts(a)["momentum(x)"]
+
+
+CUTS: dict[str, Callable[[Builder, Node, Node], tuple[Node, bool]]] = {
+    "angle": lambda b, x, y: (b.graph.binary("atan2", y, x), True),
+    "spring": lambda b, x, y: ((b.graph.binary("atan2", y, x) - 0.3) ** 2, True),
+    "turned": lambda b, x, y: (b.graph.cos(3.0 * b.graph.binary("atan2", x - y, x + y)), False),
+    "half turned": lambda b, x, y: (b.graph.sin(0.5 * b.graph.binary("atan2", x, y)), True),
+    "difference": lambda b, x, y: (
+        b.graph.binary("atan2", y, x) - b.graph.binary("atan2", y, x - 1.0), True
+    ),
+    "of parameters": lambda b, x, y: (x * b.graph.binary("atan2", b.parameter("p"), b.parameter("r")), False),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CUTS)
+def test_a_cut_that_a_quantity_jumps_at_is_named(name: str) -> None:
+    b = Builder()
+    x, y = b.coordinate("x", 0.5), b.coordinate("y", 0.2)
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    potential, jumps = CUTS[name](b, x, y)
+    b.potential("V", potential)
+    (energy,) = [c for c in analyse(derive(b.model())).conserved if c.name == "energy"]
+    assert ("atan2" in energy.reason) is jumps
