@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 
 from lagc.expr.graph import BINARY, UNARY, Node
-from lagc.expr.walk import reachable
+from lagc.expr.walk import depends, reachable
 
 
 def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]:
@@ -33,6 +33,24 @@ def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
                 stack.append(argument)
     for node in sorted(missing, key=attrgetter("index")):
         known[node] = _value(node, known)
+
+
+def along(node: Node, state: Mapping[Node, float], leaf: Node) -> Callable[[float], float]:
+    """`node` as a function of `leaf` alone, where the others are as in `state`."""
+    moving = depends([node], [leaf])
+    still = dict(state)
+    extend(still, [a for x in (moving or (node,)) for a in x.args if a not in moving and a is not leaf])
+    order = [x for x in sorted(moving, key=attrgetter("index")) if x is not leaf]
+    if not moving:
+        extend(still, [node])
+
+    def value(x: float) -> float:
+        still[leaf] = x
+        for below in order:
+            still[below] = _value(below, still)
+        return still[node]
+
+    return value
 
 
 def _value(node: Node, known: Mapping[Node, float]) -> float:

@@ -28,7 +28,7 @@ def derive(model: Model) -> EquationsOfMotion:
     """
     graph = model.graph
     states = build_states(model)
-    refuse_breaks(states)
+    cuts = refuse_breaks(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)
@@ -76,7 +76,7 @@ def derive(model: Model) -> EquationsOfMotion:
         outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),
-        warnings=_warnings(states, kept, contributions),
+        warnings=(*cuts, *_warnings(states, kept, contributions)),
     )
 
 

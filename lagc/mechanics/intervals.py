@@ -1,0 +1,107 @@
+"""Intervals that expressions keep to whatever the motion, from those of their symbols.
+
+R. E. Moore, *Interval Analysis*, Prentice-Hall 1966; rounding is left out of account.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
+
+from lagc.expr.graph import BINARY, UNARY, Node
+from lagc.expr.walk import reachable
+
+Interval: TypeAlias = tuple[float, float]
+
+EVERYWHERE: Interval = (-math.inf, math.inf)
+_RISING = frozenset(("exp", "log", "sqrt", "atan", "sinh", "tanh", "asin", "floor", "sign"))
+_WITHIN: dict[str, Interval] = {
+    "sin": (-1.0, 1.0),
+    "cos": (-1.0, 1.0),
+    "asin": (-0.5 * math.pi, 0.5 * math.pi),
+    "acos": (0.0, math.pi),
+    "atan": (-0.5 * math.pi, 0.5 * math.pi),
+    "atan2": (-math.pi, math.pi),
+    "tanh": (-1.0, 1.0),
+    "sign": (-1.0, 1.0),
+    "exp": (0.0, math.inf),
+    "cosh": (1.0, math.inf),
+    "sqrt": (0.0, math.inf),
+    **dict.fromkeys(("lt", "le", "eq", "and", "or", "not"), (0.0, 1.0)),
+}
+
+
+def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Node, Interval]:
+    """Of all below `nodes`, they included; a symbol that is not `given` may be any number."""
+    found: dict[Node, Interval] = {}
+    for node in reachable(nodes):
+        found[node] = given.get(node) or _interval(node, [found[a] for a in node.args])
+    return found
+
+
+def _interval(node: Node, x: Sequence[Interval]) -> Interval:
+    op = node.op
+    if op == "const":
+        return (node.value, node.value)
+    if op == "add":
+        return (x[0][0] + x[1][0], x[0][1] + x[1][1])
+    if op == "scale":
+        return _hull([_times(node.value, end) for end in x[0]])
+    if op == "mul":
+        found = (1.0, 1.0)
+        for base, exponent in zip(x, node.value):
+            power = _power(base, exponent)
+            found = _hull([_times(a, b) for a in found for b in power])
+        return found
+    if op == "abs":
+        low, high = x[0]
+        return (max(low, -high, 0.0), max(-low, high))
+    if op in ("min", "max"):
+        pick = BINARY[op]
+        return (pick(x[0][0], x[1][0]), pick(x[0][1], x[1][1]))
+    if op == "select":
+        return _hull([*x[1], *x[2]])
+    if op == "pow" and x[0][0] >= 0.0:
+        return (0.0, math.inf)
+    low, high = _WITHIN.get(op, EVERYWHERE)
+    if op in _RISING:
+        first, last = (_at(UNARY[op], end) for end in x[0])
+        return (low if math.isnan(first) else first, high if math.isnan(last) else last)
+    return (low, high)
+
+
+def _at(function: Callable[[float], float], x: float) -> float:
+    try:
+        return float(function(x))
+    except (ValueError, OverflowError):
+        return math.nan
+
+
+def _times(a: float, b: float) -> float:
+    return 0.0 if a == 0.0 or b == 0.0 else a * b
+
+
+def _power(base: Interval, n: int) -> Interval:
+    low, high = base
+    if n % 2 == 0:
+        low, high = max(low, -high, 0.0), max(-low, high)
+    if n > 0:
+        return (_raised(low, n), _raised(high, n))
+    if low < 0.0 < high or low == high == 0.0:
+        return EVERYWHERE
+    return (
+        -math.inf if high == 0.0 else 1.0 / _raised(high, -n),
+        math.inf if low == 0.0 else 1.0 / _raised(low, -n),
+    )
+
+
+def _raised(x: float, n: int) -> float:
+    try:
+        return float(x**n)
+    except OverflowError:
+        return math.inf if x > 0.0 or n % 2 == 0 else -math.inf
+
+
+def _hull(ends: Sequence[float]) -> Interval:
+    return (min(ends), max(ends))
