@@ -234,8 +234,8 @@ def declare_constraint(context: Context, entry: Entry) -> Value:
             tuple(rows),
             tuple(units),
             entry.span,
-            source.left.span,
-            source.right.span,
+            source.left,
+            source.right,
             entry.effect,
         )
     )

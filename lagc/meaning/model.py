@@ -32,6 +32,7 @@ from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, dot, matvec
 from lagc.expr.walk import reachable
+from lagc.frontend.tree import Expression
 from lagc.records import dataclass, field
 
 
@@ -254,8 +255,8 @@ class Constraint:
     residuals: tuple[Node, ...]
     units: tuple[str, ...]  # SI unit of each residual
     span: Span
-    left_span: Span
-    right_span: Span
+    left: Expression  # as written
+    right: Expression
     effect: str | None = None
 
 

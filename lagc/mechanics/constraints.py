@@ -121,8 +121,8 @@ def _impossible(c: Constraint, k: int, node: Node) -> Fault:
     return Fault(
         "LAG0408",
         f"no motion meets the constraint `{c.labels[k]}`: its sides always differ by {amount}",
-        c.left_span,
-        ((c.right_span, "differs from this"),),
+        c.left.span,
+        ((c.right.span, "differs from this"),),
         remedy="correct one of the two sides, or remove the constraint",
     )
 

@@ -1,28 +1,33 @@
-"""Rows that touch zero and do not cross it: `x^2 = 0`, `norm(a - b) = 0`.
+"""Rows that touch zero and do not cross it: `x^2 = 0`, `norm(a - b) = 0`, `x^2*y = 0` where x = 0.
 
-The gradient of such a row vanishes wherever the row holds, so no multiplier can enforce it, and what
-it restricts is more than one row says.  Sums of squares are seen as such.  Others are found by Newton's
-method: towards a simple zero its steps shrink faster and faster, towards one of multiplicity m each is
-1 - 1/m of that before.  A norm has half the multiplicity of what is below its root, so it is asked of that.
+The gradient of such a row vanishes wherever the row holds, or on one of its branches, so no multiplier
+can enforce it there, and what it restricts is more than one row says.  Sums of squares and roots of one
+sign, and products with repeated factors, are seen as such.  Others are found by Newton's method: towards
+a simple zero its steps shrink faster and faster, towards one of multiplicity m each is 1 - 1/m of that
+before.  A norm has half the multiplicity of what is below its root, so it is asked of that.  A multiple
+zero all around which there are such is a branch of them; one beside simple zeros is a cusp or a crossing.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.text import text
 from lagc.expr.walk import symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
+from lagc.mechanics.held import held
 from lagc.mechanics.magnitude import magnitudes
-from lagc.mechanics.manifold import onto
+from lagc.mechanics.manifold import onto, scales
 from lagc.mechanics.redundancy import dependent_rows
-from lagc.mechanics.samples import samples
+from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.states import States
+from lagc.records import dataclass
 
 _STATES = 3
 _STEPS = 200
@@ -34,110 +39,193 @@ _HOLDS = 1e-7  # of its terms, on a state that meets other rows to 1e-12
 _FOUND = 1e-6  # of the residual at first
 _NOISE = 1e-6  # of the coordinates: steps that grow and are shorter are rounding
 _LARGEST = 60  # rows beyond which this is not asked
-_HELD = re.compile(r"\s*(?:norm\((?P<norm>.*)\)|dot\((?P<dot>.*)\)|(?P<square>[^+^]*)\^\d+)\s*")
+_BESIDE = 1e-2  # of the sizes of the unknowns: how far around a multiple zero others are looked for
+_APART = 1e-4  # of these sizes
+_PAIRS = 3
+
+State = Mapping[Node, float]
+Slopes = Mapping[Node, Node]
+
+
+@dataclass(frozen=True, slots=True)
+class _Suspect:
+    """A row, and where its gradient vanishes, as far as that is known."""
+
+    found: Classified
+    everywhere: bool = False
+    factor: Node | None = None  # where this is zero
 
 
 def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
-    """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold, and that others do not
-    bring about."""
+    """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold, or on a branch of them,
+    and that others do not bring about."""
     if len(classified) > _LARGEST:
         return
-    tries = [*samples(states.model, _STATES, vary=False), *samples(states.model, _STATES)]
-    suspects = [
-        x
-        for x in classified
-        if (x.row.kind == "holonomic" or not x.row.linear)
-        and (_is_made_of_squares(states, x.row.residual) or _is_multiple_everywhere(states, x.row, tries))
-    ]
+    model = states.model
+    tries = [*samples(model, _STATES, vary=False), *samples(model, _STATES)]
+    start = list(samples(model, 1, vary=False, spread=0.0))
+    asked = [x for x in classified if x.row.kind == "holonomic" or not x.row.linear]
+    suspects = [s for s in (_suspect(states, x, start, tries) for x in asked) if s is not None]
     if not suspects:
         return
-    rows = [x.row for x in classified if x not in suspects]
+    seen = [s.found for s in suspects]
+    rows = [x.row for x in classified if x not in seen]
     spare = {r.row for r in dependent_rows(states, rows)}
     met = [onto(states, [row for k, row in enumerate(rows) if k not in spare], s) for s in tries]
-    faults = [_fault(x) for x in suspects if not _follows(x.row, [s for s in met if s is not None])]
+    on_others = [s for s in met if s is not None]
+    faults = [_fault(s) for s in suspects if not _follows(s.found.row, on_others)]
     if faults:
         raise Refused(faults)
 
 
-def _follows(row: Row, met: Sequence[Mapping[Node, float]]) -> bool:
+def _follows(row: Row, met: Sequence[State]) -> bool:
     """Whether it holds on states that meet the other rows: then nothing has to enforce it."""
     found = [magnitudes([row.residual], state)[0] for state in met]
     return bool(found) and all(abs(value) <= _HOLDS * size for value, size in found)
 
 
-def _is_multiple_everywhere(states: States, row: Row, tries: Sequence[Mapping[Node, float]]) -> bool:
-    """Whether the zeros next to all states are multiple ones; one that is not settles it."""
-    found = False
-    for state in tries:
-        multiple = _is_multiple(states, row, state)
-        if multiple is False:
-            return False
-        found = found or multiple is True
-    return found
+def _suspect(
+    states: States, x: Classified, start: Sequence[State], tries: Sequence[State]
+) -> _Suspect | None:
+    given = {p.symbol for p in states.model.parameters}
+    moving, repeated = _factors(x.row.residual, given)
+    search = _Search(states, x.row.kind == "velocity")
+    vanishing = [f for f in repeated if _touches(f, given) or search.finds(f, tries)]
+    if vanishing:
+        regular = any(search.finds(f, tries) for f in moving if f not in repeated)
+        return _Suspect(x, factor=vanishing[0]) if regular else _Suspect(x, everywhere=True)
+    slopes = {states.v[j]: node for j, node in x.row.jacobian.items()}
+    node = x.row.residual
+    beside = any(_is_branch(search, node, slopes, z) for z in search.zeros(node, slopes, start))
+    return _Suspect(x) if beside or search.all_multiple(node, slopes, tries) else None
 
 
-def _is_multiple(states: States, row: Row, sample: Mapping[Node, float]) -> bool | None:
-    """Whether the zero of the residual next to a state is a multiple one; None where none is found."""
-    state, moving = dict(sample), states.v if row.kind == "velocity" else states.q
-    rooted = _is_root(row.residual)
-    columns, slopes = [states.v[j] for j in row.jacobian], list(row.jacobian.values())
-    lengths: list[float] = []
-    steepness: list[float] = []
-    first = abs(evaluate([row.residual], state)[0])
-    for _ in range(_STEPS):
-        value = evaluate([row.residual], state)[0]
-        gradient = evaluate(slopes, state)
-        square = sum(g * g for g in gradient)
-        if value == 0.0 or not 0.0 < square < math.inf:
-            break
-        steepness.append(math.sqrt(square) * (abs(value) if rooted else 1.0))
-        share = 0.5 if rooted else 1.0
-        step = {v: -share * value * g / square for v, g in zip(columns, gradient)}
-        change = step if row.kind == "velocity" else _displacement(states, state, step)
-        state.update((x, state[x] + d) for x, d in change.items())
-        lengths.append(math.hypot(*change.values()))
-        reach = max(abs(state[x]) for x in moving)
-        if lengths[-1] <= _ARRIVED * reach:
-            break
-        if len(lengths) > 2 and lengths[-2] < lengths[-1] < _NOISE * reach:
-            del lengths[-2:]
-            break
-    else:
-        return None
-    if not abs(value) <= _FOUND * first:
-        return None
-    slow = len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
-    return slow and lengths[-1] > _SLOW * lengths[-2] and steepness[-1] < _FLAT * max(steepness)
+def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero) -> bool:
+    """Whether it is multiple, and zeros all around are too and are others than this one, where there is
+    room for others: from afar a small circle is a point."""
+    if not zero.multiple:
+        return False
+    sizes, chance = scales(search.states), Chance(911)
+    moving = [x for x in search.moving if x in symbols([node])]
+    beside = []
+    for _ in range(_PAIRS):
+        step = {x: _BESIDE * sizes[x] * chance.draw() for x in moving}
+        for sign in (1.0, -1.0):
+            beside.append({**zero.state, **{x: zero.state[x] + sign * d for x, d in step.items()}})
+    found = list(search.zeros(node, slopes, beside))
+    apart = any(abs(z.state[x] - zero.state[x]) > _APART * sizes[x] for z in found for x in moving)
+    every = len(found) == len(beside) and all(z.multiple for z in found)
+    return every and (apart or len(moving) == 1)
 
 
-def _is_root(node: Node) -> bool:
-    return (node.args[0] if node.op == "scale" else node).op == "sqrt"
+@dataclass(frozen=True, slots=True)
+class _Zero:
+    state: State
+    multiple: bool
 
 
-def _is_made_of_squares(states: States, node: Node) -> bool:
-    """A sum of squares of one sign, or one product of powers beyond the first, or the root of these."""
-    node = node.args[0] if node.op == "scale" else node
-    pending, terms = [node.args[0] if node.op == "sqrt" else node], []
+@dataclass(frozen=True, slots=True)
+class _Search:
+    """Newton's method in the positions, or in the speeds of a velocity row."""
+
+    states: States
+    velocity: bool
+
+    @property
+    def moving(self) -> Sequence[Node]:
+        return self.states.v if self.velocity else self.states.q
+
+    def finds(self, node: Node, tries: Sequence[State]) -> bool:
+        """Whether `node` is zero anywhere near the states."""
+        states = self.states
+        rate = node if self.velocity else tangent(states.graph, [node], states.drift)[0]
+        slopes = gradient(states.graph, {rate: states.graph.one}, states.v)
+        return any(True for _ in self.zeros(node, slopes, tries))
+
+    def all_multiple(self, node: Node, slopes: Slopes, tries: Sequence[State]) -> bool:
+        """Whether the zeros next to the states are multiple ones; one that is not settles it."""
+        found = False
+        for zero in self.zeros(node, slopes, tries):
+            if not zero.multiple:
+                return False
+            found = True
+        return found
+
+    def zeros(self, node: Node, slopes: Slopes, tries: Sequence[State]) -> Iterator[_Zero]:
+        """Those that are found; `slopes` are the derivatives of the rate of `node` by speeds."""
+        found = (self._zero(node, slopes, state) for state in tries)
+        return (zero for zero in found if zero is not None)
+
+    def _zero(self, node: Node, slopes: Slopes, sample: State) -> _Zero | None:
+        state = dict(sample)
+        rooted = _bare(node).op == "sqrt"
+        lengths: list[float] = []
+        steepness: list[float] = []
+        first = abs(evaluate([node], state)[0])
+        for _ in range(_STEPS):
+            value, *gradients = evaluate([node, *slopes.values()], state)
+            square = sum(g * g for g in gradients)
+            if value == 0.0 or not 0.0 < square < math.inf:
+                break
+            steepness.append(math.sqrt(square) * (abs(value) if rooted else 1.0))
+            share = 0.5 if rooted else 1.0
+            step = {v: -share * value * g / square for v, g in zip(slopes, gradients)}
+            change = step if self.velocity else _displacement(self.states, state, step)
+            state.update((x, state[x] + d) for x, d in change.items())
+            lengths.append(math.hypot(*change.values()))
+            reach = max(abs(state[x]) for x in self.moving)
+            if lengths[-1] <= _ARRIVED * reach:
+                break
+            if len(lengths) > 2 and lengths[-2] < lengths[-1] < _NOISE * reach:
+                del lengths[-2:]
+                break
+        else:
+            return None
+        if not abs(value) <= _FOUND * first:
+            return None
+        slow = len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
+        multiple = slow and lengths[-1] > _SLOW * lengths[-2] and steepness[-1] < _FLAT * max(steepness)
+        return _Zero(state, multiple)
+
+
+def _bare(node: Node) -> Node:
+    return node.args[0] if node.op == "scale" else node
+
+
+def _factors(node: Node, given: set[Node]) -> tuple[list[Node], list[Node]]:
+    """The factors of a row that move, and those of them on whose zeros its gradient vanishes."""
+    node = _bare(node)
+    powers = list(zip(node.args, node.value)) if node.op == "mul" else [(node, 1)]
+    moving = [(base, e) for base, e in powers if e > 0 and not symbols([base]) <= given]
+    return [b for b, _ in moving], [b for b, e in moving if e > 1 or _touches(b, given)]
+
+
+def _touches(node: Node, given: set[Node]) -> bool:
+    """Whether it is a sum of terms of one sign, each of which is zero with its gradient, or without one."""
+    pending, signs = [node], set[bool]()
     while pending:
         term = pending.pop()
         if term.op == "add":
             pending.extend(term.args)
+        elif _is_square(_bare(term), given):
+            signs.add(term.op == "scale" and term.value < 0.0)
         else:
-            terms.append((term.value < 0.0, term.args[0]) if term.op == "scale" else (False, term))
-    given = {p.symbol for p in states.model.parameters}
-    moving = 0
-    for _, term in terms:
-        if term.op != "mul":
             return False
-        for base, exponent in zip(term.args, term.value):
-            if symbols([base]) <= given:
-                if exponent % 2 and len(terms) > 1:
-                    return False
-            elif exponent < 2 or (exponent % 2 and len(terms) > 1):
-                return False
-            else:
-                moving += 1
-    return moving >= len(terms) and len({sign for sign, _ in terms}) == 1
+    return len(signs) == 1
+
+
+def _is_square(term: Node, given: set[Node]) -> bool:
+    """Whether a term is nowhere negative, as a product of even powers and roots, and moves."""
+    if term.op == "sqrt":
+        return _touches(term.args[0], given)
+    if term.op != "mul":
+        return False
+    for base, exponent in zip(term.args, term.value):
+        if exponent % 2 and not (base.op == "sqrt" and exponent > 0):
+            return False
+        if exponent < 0 and not symbols([base]) <= given:
+            return False
+    return not symbols([term]) <= given
 
 
 def _displacement(
@@ -150,29 +238,39 @@ def _displacement(
     return {q: b - a for q, a, b in zip(states.q, drift, moved)}
 
 
-def _fault(x: Classified) -> Fault:
+def _fault(s: _Suspect) -> Fault:
+    x = s.found
+    if s.factor is not None:
+        where = f"where `{text(s.factor)}` is zero, which is one way to meet it, so that no force can "
+        where += "enforce it there"
+    elif s.everywhere:
+        where = "wherever the constraint holds, so that no force can enforce it"
+    else:
+        where = "on states where the constraint holds, so that no force can enforce it there"
     return Fault(
         "LAG0413",
-        f"the gradient of the constraint `{x.row.label}` vanishes wherever the constraint holds, so that no "
-        "force can enforce it",
+        f"the gradient of the constraint `{x.row.label}` vanishes {where}",
         x.constraint.span,
-        remedy=_remedy(x.constraint.left_span.text, x.constraint.right_span.text)
-        or "write what has to vanish itself, each part as a row of its own: `a = b` in place of "
-        "`norm(a - b) = 0`",
+        remedy=_remedy(s),
     )
 
 
-def _remedy(left: str, right: str) -> str | None:
-    """For the usual ways to write such a row, what it says."""
-    found = _HELD.fullmatch(left)
-    if found is None or right.strip() != "0":
-        return None
-    if found["square"] is not None:
-        return f"write `{found['square'].strip()} = 0`"
-    inside = found["norm"]
-    if inside is None:
-        first, comma, second = found["dot"].partition(",")
-        if comma == "" or first.strip() != second.strip():
-            return None
-        inside = first
-    return f"write `{inside.strip()} = {{0, 0, 0}}`, a row for each component"
+def _remedy(s: _Suspect) -> str:
+    if s.factor is not None:
+        return (
+            "write the factor that is meant to vanish, as a row of its own and to the first power: "
+            "`y = 0` or `x = 0` in place of `x^2*y = 0`"
+        )
+    c = s.found.constraint
+    rows = held(c.left, c.right) if len(c.residuals) == 1 else None
+    if rows:
+        return f"write {_listed(rows)}{', each as a row of its own' if len(rows) > 1 else ''}"
+    return (
+        "write what has to vanish itself, each part as a row of its own: `a = b` in place of "
+        "`norm(a - b) = 0`, `x = 0` in place of `x^2 = 0`"
+    )
+
+
+def _listed(rows: Sequence[str]) -> str:
+    *first, last = [f"`{row}`" for row in rows]
+    return f"{', '.join(first)} and {last}" if first else last

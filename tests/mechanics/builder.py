@@ -8,6 +8,7 @@ from lagc.diagnostics.faults import Source, Span
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, matmul, matvec, transpose
+from lagc.frontend.tree import Name
 from lagc.meaning.model import (
     FIXED,
     UNSTATED,
@@ -33,6 +34,7 @@ from lagc.meaning.model import (
 from lagc.mechanics.states import quaternion_rate
 
 SPAN = Span(Source("built.lag", "built\n"), 0, 5)
+SIDE = Name("built", SPAN)
 
 
 class Builder:
@@ -195,7 +197,7 @@ class Builder:
         kept = [(label, r) for label, r in zip(labels, nodes) if not r.is_zero]
         labels, nodes = [x for x, _ in kept], [r for _, r in kept]
         units = ("",) * len(kept)
-        self.constraints.append(Constraint(name, tuple(labels), tuple(nodes), units, SPAN, SPAN, SPAN))
+        self.constraints.append(Constraint(name, tuple(labels), tuple(nodes), units, SPAN, SIDE, SIDE))
 
     def initially(self, residual: Node) -> None:
         self.conditions.append(InitialCondition(residual, SPAN))

@@ -123,7 +123,8 @@ ENTRIES: dict[str, Entry] = {
         "a constraint whose gradient vanishes where it holds",
         "A constraint acts along its gradient.  `x^2 = 0` or `norm(a - b) = 0` touches zero and does not "
         "cross it: wherever it holds, its gradient vanishes or has no direction: no force can enforce it.  "
-        "What is meant is that what is squared vanishes.",
+        "What is meant is that what is squared vanishes.  `x^2*y = 0` does so where x is zero, on one "
+        "of its branches.",
         _on_particle("  constraint c: x^2 = 0;\n"),
         _on_particle("  constraint c: x = 0;\n"),
     ),
