@@ -98,10 +98,15 @@ def _warnings(
     """Loads that may not do what they seem to; potentials always do."""
     if all(isinstance(action, Potential) for action in states.model.actions):
         return ()
-    from lagc.mechanics.opposing import feeding_loads  # loaded where there are loads
+    from lagc.mechanics.feeding import feeding_dissipations  # loaded where there are loads
+    from lagc.mechanics.opposing import feeding_loads
     from lagc.mechanics.points import points_of_their_own
 
-    return (*points_of_their_own(states, rows), *feeding_loads(states, rows, contributions))
+    return (
+        *points_of_their_own(states, rows),
+        *feeding_dissipations(states, rows, contributions),
+        *feeding_loads(states, rows),
+    )
 
 
 def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:

@@ -57,12 +57,13 @@ def random_motions(
     rows: Sequence[Row] = (),
     sizes: Mapping[Node, float] | None = None,
     each: int = _MOTIONS,
+    vary: bool = True,
 ) -> Iterator[Motion]:
     """Random motions, with speeds up to `sizes` (1 where none is given), `each` from a place: those that
-    `rows` allow, where they are not too many to tell."""
+    `rows` allow, where they are not too many to tell.  With `vary` off the parameters keep their values."""
     chance = Chance(77003)
     bound = rows if len(rows) + len(states.v) <= _LARGEST else ()
-    for place, sample in enumerate(samples(states.model, _STATES)):
+    for place, sample in enumerate(samples(states.model, _STATES, vary)):
         for _ in range(each):
             speeds = {v: (sizes or {}).get(v, 1.0) * chance.draw() for v in states.v}
             state: State | None = {**sample, **speeds}

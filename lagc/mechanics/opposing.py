@@ -9,16 +9,15 @@ velocities that are the same on the constraints are the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, combinations
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, matvec, sub
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Torque
-from lagc.mechanics.equations import Contribution, Row
+from lagc.mechanics.equations import Row
 from lagc.mechanics.magnitude import VANISHES
 from lagc.mechanics.motions import (
     KEPT,
@@ -79,12 +78,8 @@ class _Pair:
         return dot(force, moved), length(force) * length(moved)
 
 
-def feeding_loads(
-    states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
-) -> Iterator[Fault]:
-    """LAG0412 of loads that oppose another velocity than that which they act on, and of dissipations
-    that bring energy in every motion."""
-    yield from _feeding_dissipations(states, contributions)
+def feeding_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
+    """LAG0412 of loads that oppose another velocity than that which they act on."""
     loads = [load for load in _moved(states) if not _is_plain(load)][:_MOST]
     pairs = _paired(loads, list(random_motions(states))) if loads else []
     for pair in pairs:
@@ -259,26 +254,3 @@ def _opposes_another(pair: _Pair, opposed: _Velocity) -> Fault:
         remedy,
         "warning",
     )
-
-
-def _feeding_dissipations(states: States, contributions: Sequence[Contribution]) -> Iterator[Fault]:
-    """Those that bring energy in every motion: their sign is not that of a dissipation."""
-    spans: Mapping[str, Span] = {x.name: x.span for x in states.model.actions}
-    for c in contributions:
-        if c.kind == "dissipation":
-            powers = [_brought(states, c, motion) for motion in random_motions(states)]
-            if powers and all(p > 0.0 for p in powers):
-                yield Fault(
-                    "LAG0412",
-                    f"the dissipation `{c.name}` brings energy into the system: "
-                    "its force points along the motion",
-                    spans.get(c.name),
-                    remedy="a dissipation grows with the rates, such as `1/2*c*der(x)^2` with c > 0",
-                    severity="warning",
-                )
-
-
-def _brought(states: States, c: Contribution, motion: Motion) -> float:
-    forces, columns = list(c.forces.values()), [states.v[j] for j in c.forces]
-    moving, still = (evaluate(forces, state) for state in (motion.state, motion.rest))
-    return sum((a - b) * (motion.state[v] - motion.rest[v]) for a, b, v in zip(moving, still, columns))

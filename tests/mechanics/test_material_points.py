@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import random
 
+import numpy
 import pytest
 
 import lagc
@@ -292,6 +293,17 @@ TAKING = [
     "force F = c*velocity(bob) at bob;",
     "dissipation D = 1/2*c*norm(velocity(disc, at = G - R*world.z))^2;",
     "dissipation D = 1/2*c*(der(y) - 3 [m/s])^2;",
+    "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 1.999*der(x)*der(y));",
+    "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 - 2*der(x)*der(y));",
+    "dissipation D = 1/2*c*(der(x) - der(y) + 3 [m/s])^2;",
+    "dissipation D = 1/2*c*(der(x) - R*der(phi))^2 + 1/2*d*(der(th) - der(phi))^2;",
+    "dissipation D = c*der(x)^4/(4 [m2/s2]);",
+    "dissipation D = c*(der(x) - der(y) - 1 [m/s])^4/(4 [m2/s2]);",
+    "dissipation D = c*(1 [m/s])*sqrt(der(x)^2 + der(y)^2);",
+    "dissipation D = f*abs(der(x) - der(y));",
+    "dissipation D = f*abs(der(x) - 2 [m/s]);",
+    "dissipation D = 1/2*c*(1 + (x/l)^2)*der(x)^2;",
+    "constraint same: x = y; dissipation D = 1/2*c*(der(x)^2 + der(y)^2 - 3*(der(x) - der(y))^2);",
 ]
 FEEDING = [
     f"force F = -c*velocity(disc) on disc at {UNDER};",
@@ -306,6 +318,18 @@ FEEDING = [
     "torque T = -d*angular_velocity(bar) on bar from disc;",
     "torque T = -d*der(elbow)*world.z on arm;",
     "dissipation D = -1/2*c*der(y)^2;",
+    "dissipation D = c*der(x)*der(y);",
+    "dissipation D = 1/2*c*(der(x) - der(y))*(der(x) + 2*der(y));",
+    "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 2.001*der(x)*der(y));",
+    "dissipation D = f*der(x);",
+    "dissipation D = -f*abs(der(x) - der(y));",
+    "dissipation D = 1/2*c*der(x)^2 + f*der(y);",
+    "dissipation D = 1/2*c*(der(x) - der(y))^2 + f*der(y);",
+    "dissipation D = c*der(x)^3/(1 [m/s]);",
+    "dissipation D = 1/2*c*der(x)^2*((x/l)^2 - 1);",
+    "dissipation D = c*(der(x)^4/(4 [m2/s2]) - 1e-3*der(x)^2);",
+    "dissipation D = -c*(1 [m/s])*sqrt(der(x)^2 + der(y)^2);",
+    "dissipation D = 1/2*c*der(y)^2 - 1e-9*c*der(h)^2;",
 ]
 
 
@@ -342,3 +366,25 @@ def test_a_particle_has_no_other_points() -> None:
         codes("force F = f*world.x on bob at G;")
     with pytest.raises(lagc.Refused, match="which has no place"):
         codes("force F = f*world.x on B at G;")
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_dissipations_take_energy_where_their_form_is_nowhere_negative(seed: int) -> None:
+    """Random forms in four rates with known eigenvalues, some of them zero, and a drive inside or
+    outside of their range."""
+    chance = random.Random(seed)
+    basis, _ = numpy.linalg.qr(numpy.random.default_rng(seed).normal(size=(4, 4)))
+    values = [10 ** chance.uniform(-2, 2) for _ in range(4)]
+    zeros = chance.randrange(3)
+    values[:zeros] = [0.0] * zeros
+    negative = seed % 3 == 1
+    if negative:
+        values[-1] *= -1e-3
+    driven = seed % 4
+    along = basis @ [0 if driven != 1 and value == 0 else chance.uniform(1, 2) for value in values]
+    feeds = negative or (driven == 1 and zeros > 0)
+    rates = ["der(x)", "der(y)", "der(h)", "der(s)"]
+    parts = ["(" + " + ".join(f"({c:.17g})*{v}" for c, v in zip(row, rates)) + ")" for row in basis.T]
+    form = " + ".join(f"1/2*c*({value!r})*{part}^2" for value, part in zip(values, parts) if value)
+    drive = " + ".join(f"f*({c:.17g})*{v}" for c, v in zip(along, rates)) if driven else "0*f*der(x)"
+    assert codes(f"dissipation D = {form} + {drive};") == (["LAG0412"] if feeds else [])
