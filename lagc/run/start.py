@@ -11,7 +11,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
-from lagc.render.numpy.support.start import FIXED, RUN, UNSTATED, Conditions, Consistency
+from lagc.render.numpy.support.start import Consistency
+from lagc.render.numpy.support.startrows import FIXED, RUN, UNSTATED, Conditions
 from lagc.run.problem import NOT_FINITE, OK, System
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word

@@ -9,7 +9,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from lagc.render.numpy.support.start import Conditions, Consistency
+from lagc.render.numpy.support.start import Consistency
+from lagc.render.numpy.support.startrows import Conditions
 from lagc.run.problem import INCONSISTENT, OK
 
 Rows = Callable[[Sequence[float]], tuple[list[float], list[list[float]], list[float]]]

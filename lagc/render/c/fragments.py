@@ -14,6 +14,7 @@ from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
 from lagc.render.tableaus import DOP853, TABLEAUS
 
+START = ("leastnorm.c", "startrows.c", "starttable.c", "startsteps.c", "startchoice.c", "start.c")
 _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
 
 
@@ -33,7 +34,7 @@ def start_declarations(interface: Interface) -> str:
 
 
 def start_definitions(interface: Interface) -> list[str]:
-    return [resolve(_read(name), interface) for name in ("leastnorm.c", "start.c")]
+    return [resolve(_read(name), interface) for name in START]
 
 
 def definitions(program: Program) -> list[str]:

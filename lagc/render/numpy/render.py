@@ -20,7 +20,7 @@ from lagc.render.numpy.verbs import verbs
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "projection.py", "integrate.py",
            "record.py")  # fmt: skip
-START = ("leastnorm.py", "start.py")
+START = ("leastnorm.py", "startrows.py", "starttable.py", "startsteps.py", "startchoice.py", "start.py")
 _IMPORTS = """\
 from __future__ import annotations
 

@@ -7,9 +7,12 @@ enum {
     LAGC_FIXED = 4
 };
 
+#define LAGC_PREDICTED 3 /* sets of values that are tried because linear prediction asks for them */
+
 /* Room for lagc_consistent; no need to fill it. */
 typedef struct {
-    int culprit;            /* of a failure: the condition that is missed most, or an index of x */
+    int culprit;            /* of a failure: the condition that is missed most; of NOT_FINITE the
+                               index in q, v and the stated rates */
     int loose[LAGC_NU];     /* 1: this value may have moved */
     double y[LAGC_NU];      /* q, v, and the stated rates */
     int levels[LAGC_NU];
@@ -20,6 +23,10 @@ typedef struct {
     int best_picked[LAGC_NU];
     int values[LAGC_NU];
     int columns[LAGC_NU];
+    int stated[LAGC_NU];
+    int marks[LAGC_NU];
+    int let[LAGC_NU];
+    int set_picked[LAGC_PREDICTED * LAGC_NU];
     double home[LAGC_NU];   /* the guess */
     double weights[LAGC_NU];
     double widths[LAGC_NU];
@@ -31,13 +38,28 @@ typedef struct {
     double trial[LAGC_NU];
     double turned[LAGC_NU];
     double step[LAGC_NU];
+    double ways[LAGC_NU];
+    double kept[LAGC_NU];
+    double held[LAGC_NU];
+    double reached[LAGC_NU];
+    double answer[LAGC_NU];
+    double set_ways[LAGC_PREDICTED * LAGC_NU];
+    double set_count[LAGC_PREDICTED];
+    double set_total[LAGC_PREDICTED];
     double ease;
-    double trials;
+    int work;               /* factorisations so far */
     int first;              /* the spread that led to a start */
     int other;              /* the one that did where most was free */
     int count;              /* of columns */
     int positions;          /* of the rows that follow: conditions of positions come first */
+    int ended;              /* where the rows end: those of one part */
+    int left;               /* rows of the table */
     int rows[LAGC_NE];
+    int all[LAGC_NE];
+    int order[LAGC_NE];
+    int group[LAGC_NE];
+    int solved[LAGC_NE];
+    int basis[LAGC_NE];
     int chosen[LAGC_NE];
     double c[LAGC_NE];
     double sizes[LAGC_NE];
@@ -47,8 +69,8 @@ typedef struct {
     double right[LAGC_NE];
     double J[LAGC_NJ];
     double trial_J[LAGC_NJ];
-    double matrix[LAGC_NE * LAGC_NU];
-    double rests[LAGC_NE * LAGC_NU];
+    double matrix[LAGC_NE * (LAGC_NU + 1)];
+    double rests[LAGC_NE * (LAGC_NU + 1)];
 } lagc_start_work;
 
 /* Move the guess x[NX] onto all conditions of the start: constraints, their rates, the initial
