@@ -11,13 +11,16 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
+from lagc.render.numpy.support.leastnorm import inner, least_norm
 from lagc.render.numpy.support.start import Consistency
 from lagc.render.numpy.support.startrows import FIXED, RUN, UNSTATED, Conditions
 from lagc.run.problem import NOT_FINITE, OK, System
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
-_MOST_FOUND = 6  # values that nobody stated, named in one note
+_MOST_FOUND = 6  # values or conditions that are named in one note
+_SLIGHTLY = 0.01  # of their size: moves such as rounding leaves
+_PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +35,7 @@ class Change:
     stated: bool = False
     place: str = ""
     forced: tuple[str, ...] = ()
+    share: float = 0.0  # how far it moved, of its size
 
     def __str__(self) -> str:
         place = f" ({self.place})" if self.place else ""
@@ -66,14 +70,31 @@ class Start:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is worth telling: each stated value that moved; the others in one line."""
-        stated = [str(c) for c in self.changes if c.stated]
+        """What is worth telling: each stated value that moved, in one line where they are many or moved
+        little; the others in one line."""
+        stated = [c for c in self.changes if c.stated]
         found = [c for c in self.changes if not c.stated]
-        if not found:
-            return tuple(stated)
-        shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
-        more = f" and {len(found) - _MOST_FOUND} more" if len(found) > _MOST_FOUND else ""
-        return (*stated, f"found for the start: {', '.join(shown)}{more}")
+        lines = [str(c) for c in stated]
+        if len(stated) > _MOST_FOUND or (len(stated) > 2 and max(c.share for c in stated) < _SLIGHTLY):
+            lines = [_together(stated)]
+        if found:
+            shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
+            lines.append(f"found for the start: {', '.join(shown)}{_more(found)}")
+        return tuple(lines)
+
+
+def _together(changes: Sequence[Change]) -> str:
+    """Stated values that moved, and why, in one line."""
+    forced = list(dict.fromkeys(name for c in changes for name in c.forced))
+    shown = ", ".join(f"`{c.name}`" for c in changes[:_MOST_FOUND]) + _more(changes)
+    reason = f" to meet {', '.join(forced[:_MOST_FOUND])}{_more(forced)}" if forced else ""
+    return (
+        f"stated values moved by at most {max(c.share for c in changes):.2g} of their size{reason}: {shown}"
+    )
+
+
+def _more(parts: Sequence[object]) -> str:
+    return f" and {len(parts) - _MOST_FOUND} more" if len(parts) > _MOST_FOUND else ""
 
 
 def names(system: System) -> list[str]:
@@ -133,29 +154,51 @@ class _Words:
             if abs(given - used) > _SHOWN * max(abs(given), search.weights[i]):
                 moved.append(i)
         found: dict[tuple[int, ...], Change] = {}
+        led = [i for i in moved if self.levels[i] != UNSTATED and search.free[i] and not search.part[i]]
+        together = self._forced(search, led) if len(led) > _MOST_FOUND else ()
         for i in moved:
             stated = self.levels[i] != UNSTATED
             whole = _whole(self.conditions, i) if stated else (i,)
             if whole in found:
                 continue
             name, given, used = self.names[i], self.given[i], search.y[i]
-            forced = self._forced(search, i) if stated and search.free[i] else ()
+            forced = together
+            if not together and stated and search.free[i]:
+                forced = self._forced(search, [i])
             place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
-            change = Change(name, given, used, self.units[i], stated, place, forced)
+            share = max(abs(self.given[j] - search.y[j]) / search.weights[j] for j in whole)
+            change = Change(name, given, used, self.units[i], stated, place, forced, share)
             if len(whole) > 1:
                 parts = tuple([self.given[j] for j in whole]), tuple([search.y[j] for j in whole])
-                change = Change(_owner(name), *parts, "", stated, place, forced)
+                change = Change(_owner(name), *parts, "", stated, place, forced, share)
             found[whole] = change
         return tuple(found.values())
 
-    def _forced(self, search: Consistency, i: int) -> tuple[str, ...]:
-        """The conditions that cannot hold with unknown i as it was given."""
-        levels = [UNSTATED if free else FIXED for free in search.free]
-        for j in _whole(self.conditions, i):
-            levels[j] = FIXED
-        tied = self._tied(levels, i)
-        rows = self._minimal(levels, tied) if self._fails(levels, tied) else []
-        return tuple([self.rows[k][0] for k in rows])
+    def _forced(self, search: Consistency, values: Sequence[int]) -> tuple[str, ...]:
+        """The conditions that cannot hold with `values` as they were given: those whose combination, linear
+        at the start, asks for moves of them and of nothing else that is free."""
+        rows = self._tied(search, values)
+        _, jacobian, _ = search.evaluate(search.y)
+        free = [j for j in range(search.n) if search.free[j]]
+        place = {j: k for k, j in enumerate(free)}
+        slopes = [[0.0] * len(rows) for _ in free]
+        for k, row in enumerate(rows):
+            first = self.conditions.ends[row - 1] if row > 0 else 0
+            largest = 0.0
+            for entry in range(first, self.conditions.ends[row]):
+                j = self.conditions.columns[entry]
+                if j in place:
+                    slopes[place[j]][k] = jacobian[entry] * search.weights[j]
+                    largest = max(largest, abs(slopes[place[j]][k]))
+            for slope in slopes if largest > 0.0 else ():
+                slope[k] /= largest
+        right = [1.0 + j / search.n if j in values else 0.0 for j in free]  # weights that hardly cancel
+        factors = least_norm(slopes, right, _SHOWN) if rows else []
+        least = _PART * max(map(abs, factors), default=0.0)
+        missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(slopes, right)]
+        if factors and max(missed) < _PART:
+            rows = [row for row, factor in zip(rows, factors) if abs(factor) > least]
+        return tuple([self.rows[row][0] for row in rows])
 
     def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
@@ -191,16 +234,15 @@ class _Words:
         search = Consistency(self.conditions, self.t, self.guess, levels, rows)
         return not search.solve(0, _TRIED)
 
-    def _tied(self, levels: list[int], i: int) -> list[int]:
-        """The rows that unknown i reaches, from row to row by what is free."""
-        search = Consistency(self.conditions, self.t, self.guess, levels, ())
-        known, rows = set(_whole(self.conditions, i)), set[int]()
+    def _tied(self, search: Consistency, values: Sequence[int]) -> list[int]:
+        """The rows that `values` reach, from row to row by what is free."""
+        known, rows = {j for i in values for j in _whole(self.conditions, i)}, set[int]()
         while True:
             more = {k for k in range(len(self.rows)) if k not in rows and known & set(search.columns(k))}
             if not more:
                 return sorted(rows)
             rows |= more
-            known |= {j for k in more for j in search.columns(k) if levels[j] == UNSTATED}
+            known |= {j for k in more for j in search.columns(k) if search.free[j]}
 
 
 def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:

@@ -2,6 +2,7 @@
 
 #define LAGC_MOST_SETS 128.0 /* sets of columns whose linear prediction is looked at */
 #define LAGC_EXCHANGES 10    /* of columns, where there are more sets */
+#define LAGC_WIDE 0.1        /* weights: moves up to it are trusted to be linear */
 #define LAGC_BENT 0.05       /* of what is missed: curvature up to which the first prediction is taken */
 #define LAGC_UNMOVED 1e-22   /* squared, in weights */
 #define LAGC_MOST_WORK 200   /* factorisations of a search that no prediction helps */
@@ -9,6 +10,7 @@
 /* Whether there is a start with what is free now, from the guess, beside it, or where one was found. */
 static int lagc_tries(const lagc_params *p, double t, lagc_start_work *w)
 {
+    w->work++;
     return lagc_find(p, t, 0, 1, w) || lagc_find(p, t, 2, 3, w) ||
            (w->other != 0 && w->other != 2 && lagc_find(p, t, w->other, w->other + 1, w));
 }
@@ -159,13 +161,24 @@ static int lagc_rank(int k, int found, double slack, lagc_start_work *w)
     return found;
 }
 
-/* The basis of k of n columns, improved by exchanges of one column for another while that helps. */
-static void lagc_exchange(int n, int k, double slack, lagc_start_work *w)
+/* w->picked and w->ways: the basis of k of n columns, and its moves. */
+static void lagc_pick(int n, int k, lagc_start_work *w)
 {
-    double count, total;
-    int times, i, j, r;
-    for (r = 0; r < k; r++)
+    int r;
+    for (r = 0; r < k; r++) {
+        w->picked[r] = w->basis[r];
         w->ways[r] = w->rests[w->solved[r] * (n + 1) + n];
+    }
+}
+
+/* Improve the basis of k of n columns by exchanges of one column for another, while that helps and asks
+ * for no wide move, which the conditions would not be linear for; whether any did. */
+static int lagc_exchange(int n, int k, double slack, lagc_start_work *w)
+{
+    const double widest = lagc_largest(w->ways, k);
+    const double bound = widest > LAGC_WIDE ? widest : LAGC_WIDE;
+    double count, total;
+    int times, i, j, r, helped = 0;
     count = lagc_cost(w->basis, w->ways, k, slack, &total, w);
     for (times = 0; times < LAGC_EXCHANGES; times++) {
         int out = -1, into = -1;
@@ -181,9 +194,11 @@ static void lagc_exchange(int n, int k, double slack, lagc_start_work *w)
                     continue;
                 way = row[n] / row[j];
                 for (r = 0; r < k; r++)
-                    w->set_ways[r] = r != i ? w->ways[r] - w->rests[w->solved[r] * (n + 1) + j] * way : way;
+                    w->step[r] = r != i ? w->ways[r] - w->rests[w->solved[r] * (n + 1) + j] * way : way;
+                if (!(lagc_largest(w->step, k) <= bound))
+                    continue;
                 w->basis[i] = j;
-                now_count = lagc_cost(w->basis, w->set_ways, k, slack, &now_total, w);
+                now_count = lagc_cost(w->basis, w->step, k, slack, &now_total, w);
                 w->basis[i] = before;
                 if (now_count < count || (now_count == count && now_total < total)) {
                     count = now_count;
@@ -197,11 +212,10 @@ static void lagc_exchange(int n, int k, double slack, lagc_start_work *w)
             break;
         lagc_pivot(w->rests, w->left, n + 1, w->solved[out], into);
         w->basis[out] = into;
-        for (r = 0; r < k; r++)
-            w->ways[r] = w->rests[w->solved[r] * (n + 1) + n];
+        helped = 1;
+        lagc_pick(n, k, w);
     }
-    for (r = 0; r < k; r++)
-        w->picked[r] = w->basis[r];
+    return helped;
 }
 
 static double lagc_subsets(int n, int count)
@@ -219,8 +233,11 @@ static int lagc_candidates(int n, int k, double slack, lagc_start_work *w)
 {
     int found = 0, i;
     if (lagc_subsets(n, k) > LAGC_MOST_SETS) {
-        lagc_exchange(n, k, slack, w);
-        return lagc_rank(k, 0, slack, w);
+        lagc_pick(n, k, w);
+        found = lagc_rank(k, found, slack, w);
+        if (lagc_exchange(n, k, slack, w))
+            found = lagc_rank(k, found, slack, w);
+        return found;
     }
     for (i = 0; i < k; i++)
         w->picked[i] = i;
@@ -242,7 +259,7 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
         w->now[w->stated[i]] = w->home[w->stated[i]];
     bend = lagc_bend(p, t, w->now, w->kept, w);
     slack = bend < 0.1 ? bend : 0.1;
-    slack = slack > LAGC_DEPENDENT ? slack : LAGC_DEPENDENT;
+    slack = slack > LAGC_NEGLIGIBLE ? slack : LAGC_NEGLIGIBLE;
     for (i = 0; i < LAGC_NU; i++)
         w->best[i] = 0.5 * (w->kept[i] + w->now[i]);
     k = lagc_table(p, t, w->best, w->now, m, w);
@@ -251,7 +268,7 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
     for (set = 0; set < sets; set++) {
         const double *ways = w->set_ways + set * LAGC_NU;
         const double least = slack * lagc_largest(ways, k);
-        int pass;
+        int pass, sure = 1;
         for (pass = 0; pass < 2; pass++) { /* what the prediction moves, else the whole basis */
             int picked = 0, led;
             for (i = 0; i < k; i++)
@@ -275,8 +292,9 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
                 }
                 break;
             }
+            sure = 0;
         }
-        if (count < HUGE_VAL && bend <= LAGC_BENT)
+        if (sure && bend <= LAGC_BENT)
             break;
     }
     lagc_let(w->best_picked, chosen, 1, w);

@@ -1,6 +1,6 @@
 /* -- the conditions made linear: what they ask of stated values -- */
 
-#define LAGC_DEPENDENT 1e-9 /* of the largest slope of a row: a pivot that counts as zero */
+#define LAGC_NEGLIGIBLE 1e-9 /* of the largest slope of a row: a pivot that counts as zero */
 
 /* Solve row i of m for column k of n, and take it from the others. */
 static void lagc_pivot(double *rows, int m, int n, int i, int k)
@@ -28,7 +28,7 @@ static int lagc_solved(int m, int n, lagc_start_work *w)
         w->chosen[i] = 0;
     for (;;) {
         int at = -1, column = -1;
-        double largest = LAGC_DEPENDENT;
+        double largest = LAGC_NEGLIGIBLE;
         for (i = 0; i < m; i++)
             if (!w->chosen[i])
                 for (k = 0; k < n; k++)
@@ -86,7 +86,7 @@ static int lagc_table(const lagc_params *p, double t, const double *at, const do
     w->work++;
     for (k = 0; k < first; k++) {
         int best = -1;
-        double largest = LAGC_DEPENDENT;
+        double largest = LAGC_NEGLIGIBLE;
         for (r = 0; r < m; r++)
             if (!w->chosen[r] && fabs(w->rests[r * width + k]) > largest) {
                 best = r;
@@ -128,7 +128,7 @@ static int lagc_ways(int n, int k, lagc_start_work *w)
     }
     for (i = 0; i < k; i++) {
         int best = -1;
-        double largest = LAGC_DEPENDENT;
+        double largest = LAGC_NEGLIGIBLE;
         for (r = i; r < k; r++)
             if (fabs(w->matrix[r * (k + 1) + i]) > largest) {
                 best = r;

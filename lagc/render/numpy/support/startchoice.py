@@ -7,12 +7,13 @@ from math import inf
 
 from lagc.render.numpy.support.startrows import ratio_of
 from lagc.render.numpy.support.startsteps import BESIDE, NEAR, SPREADS, Approach
-from lagc.render.numpy.support.starttable import DEPENDENT, moves_of, pivot_on
+from lagc.render.numpy.support.starttable import NEGLIGIBLE, moves_of, pivot_on
 
 # -- what follows is part of generated modules --
 
 MOST_SETS = 128  # sets of columns whose linear prediction is looked at
 EXCHANGES = 10  # of columns, where there are more sets
+WIDE = 0.1  # weights: moves up to it are trusted to be linear
 PREDICTED = 3  # sets that are tried
 BENT = 0.05  # of what is missed: curvature up to which the first prediction that leads to a start is taken
 UNMOVED = 1e-22  # squared, in weights
@@ -57,12 +58,13 @@ class Choice(Approach):
             beside[j] = self.home[j]
         bend = self.bend(beside, start)
         slack = bend if bend < 0.1 else 0.1
-        slack = slack if slack > DEPENDENT else DEPENDENT
+        slack = slack if slack > NEGLIGIBLE else NEGLIGIBLE
         table, basis = self.table([0.5 * (a + b) for a, b in zip(start, beside)], beside, columns)
         best: list[int] = []
         y, least = start, (inf, inf)
         for picked, ways in self.candidates(table, basis, columns, slack):
             largest = _largest(ways)
+            sure = False
             needed = [p for p, d in zip(picked, ways) if abs(d) > slack * largest]
             for chosen in (needed, picked) if len(needed) < len(picked) else (picked,):
                 owners = [self.owner(columns[p]) for p in chosen]
@@ -70,11 +72,12 @@ class Choice(Approach):
                 led = self.attempts()
                 self.set_all(owners, False)
                 if led:
+                    sure = chosen is needed or len(needed) == len(picked)
                     cost = self.moved(values)
                     if cost < least:
                         best, y, least = owners, self.y, cost
                     break
-            if least[0] < inf and bend <= BENT:
+            if sure and bend <= BENT:
                 break
         self.set_all(best, True)
         self.y = y
@@ -114,21 +117,28 @@ class Choice(Approach):
         """Sets of columns that can meet the conditions, as far as they are linear, with the moves: the few
         that move fewest values and least."""
         n, k = len(columns), len(basis)
-        if _subsets(n, k) > MOST_SETS:
-            return [self.exchanged(table, basis, columns, slack)]
         found: list[tuple[tuple[float, float], list[int], list[float]]] = []
-        picked = list(range(k))
-        while True:
-            moves = moves_of(table, picked)
-            if len(moves) == k:
-                cost = self.cost([columns[p] for p in picked], moves, slack)
-                at = len(found)
-                while at > 0 and cost < found[at - 1][0]:
-                    at -= 1
-                found.insert(at, (cost, picked[:], moves))
-                del found[PREDICTED:]
-            if not _next(picked, n):
-                break
+
+        def rank(picked: list[int], moves: list[float]) -> None:
+            cost = self.cost([columns[p] for p in picked], moves, slack)
+            at = len(found)
+            while at > 0 and cost < found[at - 1][0]:
+                at -= 1
+            found.insert(at, (cost, picked[:], moves))
+            del found[PREDICTED:]
+
+        if _subsets(n, k) > MOST_SETS:
+            rank(basis, [row[n] for row in table])
+            if self.exchanged(table, basis, columns, slack):
+                rank(basis, [row[n] for row in table])
+        else:
+            picked = list(range(k))
+            while True:
+                moves = moves_of(table, picked)
+                if len(moves) == k:
+                    rank(picked, moves)
+                if not _next(picked, n):
+                    break
         return [(chosen, moves) for _, chosen, moves in found]
 
     def cost(self, columns: list[int], moves: Sequence[float], slack: float) -> tuple[float, float]:
@@ -141,32 +151,32 @@ class Choice(Approach):
                 total += d * d
         return float(len(owners)), total
 
-    def exchanged(
-        self, table: list[list[float]], basis: list[int], columns: list[int], slack: float
-    ) -> tuple[list[int], list[float]]:
-        """The basis, improved by exchanges of one column for another while that helps."""
+    def exchanged(self, table: list[list[float]], basis: list[int], columns: list[int], slack: float) -> bool:
+        """Improve the basis by exchanges of one column for another, while that helps and asks for no wide
+        move, which the conditions would not be linear for; whether any did."""
         k, n = len(basis), len(columns)
         moves = [row[n] for row in table]
         now = self.cost([columns[p] for p in basis], moves, slack)
+        bound, helped = _largest(moves), False
+        bound = bound if bound > WIDE else WIDE
         for _ in range(EXCHANGES):
             best, out, into = now, -1, -1
             for p in range(n):
-                if p in basis:
-                    continue
-                for i in range(k):
+                for i in range(0 if p in basis else k):
                     if abs(table[i][p]) > 0.01:
                         way = table[i][n] / table[i][p]
                         trial = [moves[r] - table[r][p] * way if r != i else way for r in range(k)]
-                        trying = [columns[b if r != i else p] for r, b in enumerate(basis)]
-                        cost = self.cost(trying, trial, slack)
-                        if cost < best:
-                            best, out, into = cost, i, p
+                        if _largest(trial) <= bound:
+                            trying = [columns[b if r != i else p] for r, b in enumerate(basis)]
+                            cost = self.cost(trying, trial, slack)
+                            if cost < best:
+                                best, out, into = cost, i, p
             if out < 0:
                 break
             pivot_on(table, out, into)
-            basis[out], now = into, best
+            basis[out], now, helped = into, best, True
             moves = [row[n] for row in table]
-        return basis, moves
+        return helped
 
     def searched(self, values: list[int], moves: list[float], start: list[float]) -> None:
         """By trying sets, the smallest first, and then to hold one value after the other; what has not
@@ -230,6 +240,7 @@ class Choice(Approach):
     def attempts(self) -> bool:
         """Whether there is a start with what is free now, from the guess, beside it, or where one was
         found."""
+        self.work += 1
         spreads = (0, BESIDE) if self.other in (0, BESIDE) else (0, BESIDE, self.other)
         return any(self.solve(k, k + 1) for k in spreads)
 

@@ -8,7 +8,7 @@ from lagc.render.numpy.support.startrows import Meeting
 
 # -- what follows is part of generated modules --
 
-DEPENDENT = 1e-9  # of the largest slope of a row: a pivot that counts as zero
+NEGLIGIBLE = 1e-9  # of the largest slope of a row: a pivot that counts as zero
 
 
 class Linear(Meeting):
@@ -41,7 +41,7 @@ class Linear(Meeting):
                 rows.append([a / largest for a in row])
         self.work += 1
         for k in range(first):
-            best, largest = -1, DEPENDENT
+            best, largest = -1, NEGLIGIBLE
             for i, row in enumerate(rows):
                 if abs(row[k]) > largest:
                     best, largest = i, abs(row[k])
@@ -71,7 +71,7 @@ def solved_rows(rows: list[list[float]]) -> tuple[list[list[float]], list[int]]:
     solved: list[int] = []
     basis: list[int] = []
     while True:
-        at, column, largest = -1, -1, DEPENDENT
+        at, column, largest = -1, -1, NEGLIGIBLE
         for i, row in enumerate(rows):
             if i not in solved:
                 for k in range(len(row) - 1):
@@ -90,7 +90,7 @@ def moves_of(table: list[list[float]], picked: list[int]) -> list[float]:
     k = len(picked)
     rows = [[*(row[p] for p in picked), row[-1]] for row in table]
     for i in range(k):
-        best, largest = -1, DEPENDENT
+        best, largest = -1, NEGLIGIBLE
         for r in range(i, k):
             if abs(rows[r][i]) > largest:
                 best, largest = r, abs(rows[r][i])
