@@ -17,7 +17,7 @@ from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.forms import rate_coefficients
 from lagc.mechanics.freeterms import free_terms, with_rates
-from lagc.mechanics.grounds import LARGEST, along, anywhere, on_rows
+from lagc.mechanics.grounds import LARGEST, along, anywhere, far_away, on_rows
 from lagc.mechanics.inertia import moving_parts
 from lagc.mechanics.integrability import Integrable, integrable_rows
 from lagc.mechanics.judge import Judge
@@ -29,6 +29,7 @@ from lagc.mechanics.states import States, build_states
 from lagc.records import dataclass, replace
 
 _STATES = 3
+_FEW = 20  # rows with which states far away are tried
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,7 +251,10 @@ def _with_cuts(states: States, c: Conserved, at_rows: Judge) -> Conserved:
 def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) -> list[dict[Node, float]]:
     """Consistent states with the default parameters, near the start and farther, and with others."""
     count = _STATES if small else 1
-    beside = (onto(states, rows, s) for s in samples(states.model, count))
+    drawn = list(samples(states.model, count))
+    if len(rows) <= _FEW:
+        drawn += far_away(states)
+    beside = (onto(states, rows, s) for s in drawn)
     start = [] if met.start is None else [met.start]
     return [*start, *met.beside[:1], *met.far[-2:], *(s for s in beside if s is not None)]
 

@@ -37,6 +37,7 @@ from lagc.records import dataclass
 Number = TypeVar("Number", int, float)
 
 _STATES = 3
+_FAR_AWAY = (3.0, 30.0)  # sizes of the coordinates
 _MOST_ROWS = 40  # of which unknowns are chosen
 _DRAWS = 40
 LARGEST = 160  # accelerations and multipliers that are solved for
@@ -44,13 +45,20 @@ LARGEST = 160  # accelerations and multipliers that are solved for
 
 def anywhere(states: States) -> Ground:
     """Positions, rates, speeds and time are free."""
-    tries = list(samples(states.model, _STATES))
+    tries = [*samples(states.model, _STATES), *far_away(states)]
 
     def place(point: Point, truths: Truths) -> bool:
         _turn(states, point)
         return True
 
     return Ground(states.graph, defaults(states.model), (), place, lambda truths: tries)
+
+
+def far_away(states: States) -> list[State]:
+    """States many sizes of the coordinates away, and later: where roots that are |u| have another sign."""
+    time = states.model.time
+    drawn = [(spread, s) for spread in _FAR_AWAY for s in samples(states.model, 2, spread=spread)]
+    return [{**s, time: spread * s[time]} for spread, s in drawn]
 
 
 def on_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:

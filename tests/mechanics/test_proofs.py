@@ -311,3 +311,25 @@ def test_a_cut_that_a_quantity_jumps_at_is_named(name: str) -> None:
     b.potential("V", potential)
     (energy,) = [c for c in analyse(derive(b.model())).conserved if c.name == "energy"]
     assert ("atan2" in energy.reason) is jumps
+
+
+HIDDEN: dict[str, Callable[[Builder, Node], Node]] = {
+    "folded angle": lambda b, u: b.graph.unary("asin", b.graph.sin(u)) - u,
+    "folded cosine": lambda b, u: b.graph.sqrt(1.0 - b.graph.sin(u) ** 2) - b.graph.cos(u),
+    "spelt out": lambda b, u: b.graph.sqrt(u * u - 6.0 * u + 9.0) - (3.0 - u),
+    "in parts": lambda b, u: b.graph.sqrt(u * u - 5.0 * u + 6.25) + b.graph.sqrt(u * u + 1.0) ** 2
+    - (2.5 - u) - u * u - 1.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("along", ["x", "time"])
+@pytest.mark.parametrize("name", HIDDEN)
+def test_a_root_that_bends_far_away_is_seen(name: str, along: str, seed: int) -> None:
+    """Zero beside the start, by roots of squares that are not written as such, and not beyond."""
+    b = Builder()
+    x, y = b.coordinate("x", random.Random(seed).uniform(-0.3, 0.3)), b.coordinate("y", 0.3)
+    b.particle("p", b.parameter("m"), (x, y, 0.0))
+    b.force("hidden", (HIDDEN[name](b, x if along == "x" else b.time), 0.0, 0.0), (x, y, 0.0))
+    found = facts(analyse(derive(b.model())))
+    assert found == {"momentum(y)": True, "momentum().y": True}
