@@ -54,7 +54,7 @@ def anywhere(states: States) -> Ground:
     return Ground(states.graph, defaults(states.model), (), place, lambda truths: tries)
 
 
-def far_away(states: States) -> list[State]:
+def far_away(states: States) -> list[dict[Node, float]]:
     """States many sizes of the coordinates away, and later: where roots that are |u| have another sign."""
     time = states.model.time
     drawn = [(spread, s) for spread in _FAR_AWAY for s in samples(states.model, 2, spread=spread)]

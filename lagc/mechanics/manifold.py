@@ -25,6 +25,7 @@ _CONVERGED = 1e-12
 _NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
 _SHORT, _AWAY = 1e-3, 0.03  # steps by which motions are counted, and how much of one is a motion
 _QUICK, _SLOW = 6, 0.3  # Newton's last steps, each half of that before where surfaces touch
+_TINY, _TURNED = 1e-7, 0.1  # a step of the sizes, and how much a gradient changes that turns in it
 _STEPS = 4
 _MANY = 40  # rows with which fewer states will do
 LARGEST = 150  # rows for which states are looked for
@@ -65,8 +66,9 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
             break
         few = len(rows) > _MANY
         beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
+        turning = any(manifold.turns(state) for state in (start, *beside))
         freedom = None
-        if manifold.touching:
+        if manifold.touching or turning:
             freedom = _Manifold(states, [row for row in rows if row.kind == "holonomic"]).freedom(start)
         return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
@@ -118,12 +120,23 @@ class _Manifold:
         slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
         return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
 
+    def turns(self, state: State) -> bool:
+        """Whether a row's gradient turns within next to nothing, as that of a norm does where it is zero."""
+        sizes = [self.scales[x] for x in self.states.v]
+        near = {**state, **{q: state[q] + _TINY * self.scales[q] * self.chance.draw() for q in self.states.q}}
+        for here, beside in zip(jacobian(self.rows, sizes, state), jacobian(self.rows, sizes, near)):
+            largest = max(map(abs, here), default=0.0)
+            changes = [abs(x - y) for x, y in zip(here, beside)]
+            if not all(change <= _TURNED * largest for change in changes) and largest != 0.0:
+                return True  # and where it is no number
+        return False
+
     def freedom(self, start: State) -> int:
         """The dimension of what short steps from the start meet, in all directions that the rows allow."""
         found: list[list[float]] = []
         for _ in range(min(len(self.states.q), _MANY) + 1):
-            moved = self.met(self._displaced(start, _SHORT))
-            if moved is not None:
+            moved = self._displaced(start, _SHORT)
+            if self._solve(self.positions, self.slopes, self.states.q, moved):
                 way = [(moved[x] - start[x]) / (_SHORT * self.scales[x]) for x in self.states.q]
                 found.append(way)
         return dimension(found, _AWAY)
@@ -168,6 +181,8 @@ class _Manifold:
         lengths: list[float] = []
         for _ in range(_ITERATIONS):
             values = magnitudes(flat, state)
+            if not any(value for value, _ in values[: len(residuals)]):
+                return True  # whatever the slopes: a norm has none where it is zero
             if not all(math.isfinite(size) for _, size in values):
                 return False
             entries = iter(values[len(residuals) :])

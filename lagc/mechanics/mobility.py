@@ -44,18 +44,16 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
     if not rows:
         return Mobility(frozenset(), 0, 0, True, True)
-    beside = met.beside or met.far
-    tried = [_span(states, rows, state) for state in beside]
-    first = None if met.start is None else _span(states, rows, met.start)
-    spans = [*tried, first] if first else tried
+    tried = [*(met.beside or met.far), *([] if met.start is None else [met.start])]
+    spans = [_span(states, rows, state) for state in tried]
     if not spans:
         return Mobility(frozenset(), len(rows), None, False, False)
     best = max(spans, key=lambda span: span.rank)
     spare = frozenset(range(len(rows))) - set(best.independent())
-    at_start = first.rank if first else None
+    at_start = None if met.start is None else spans[-1].rank
     if met.freedom is not None:
         holonomic = [row for row in rows if row.kind == "holonomic"]
-        places = max([_span(states, holonomic, state).rank for state in beside], default=0)
+        places = max(_span(states, holonomic, state).rank for state in tried)
         return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
     proved = best.rank in (len(rows), _largest(states, rows, met))
     return Mobility(spare, best.rank, at_start, proved, True)

@@ -15,6 +15,7 @@ from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, add, matmul, matvec, sub, transpose
 from lagc.meaning.model import Frame
 from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.constraints import classify
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.manifold import walk
@@ -337,3 +338,18 @@ def test_velocity_rows_beside_surfaces_that_touch(speeds: int) -> None:
         b.constraint("knife", b.der(u) - (1.0 + v * v) * b.der(v))
     a = analyse(derive(b.model()))
     assert a.degrees_of_freedom == a.positional_freedom == 2 - speeds
+
+
+@pytest.mark.parametrize(("way", "held"), [("norm", 2), ("norm", 3), ("squares", 1), ("squares", 2)])
+def test_a_radius_of_zero_holds_all_that_it_holds(way: str, held: int) -> None:
+    """Where such a row comes to be counted: no gradient tells, and `derive` refuses it."""
+    b = Builder()
+    rng = random.Random(f"{way} {held}")
+    x = [b.coordinate(f"x{k}", rng.uniform(-0.5, 0.5)) for k in range(4)]
+    b.lagrangian("kinetic", b.graph.sum(0.5 * b.der(y) ** 2 for y in x), is_kinetic=True)
+    r, square = b.parameter("r", 0.0), b.graph.sum(y**2 for y in x[:held])
+    b.constraint("ball", b.graph.sqrt(square) - r if way == "norm" else square - r**2)
+    states = build_states(b.model())
+    rows = [x.row for x in classify(states)]
+    found = mobility(states, rows, walk(states, rows))
+    assert (found.rank, found.proved) == (held, False)
