@@ -42,6 +42,15 @@ class Motion:
             still = _halfway(forth, back)
         return less(moving, still)
 
+    def given(self, values: Mapping[Node, float]) -> Motion:
+        """The same with other values of parameters."""
+
+        def changed(state: State) -> State:
+            return {**{x: value for x, value in state.items() if x.op == "symbol"}, **values}
+
+        near = changed(self.near[0]), changed(self.near[1])
+        return Motion(self.place, changed(self.state), changed(self.rest), near)
+
     def towards(self, other: Motion, share: float) -> Motion:
         """That share of the way to another motion from the same place."""
 

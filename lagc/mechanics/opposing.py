@@ -2,8 +2,7 @@
 
 Where friction was meant, such a load can bring energy.  What a load does that depends on the rates,
 its vector less that at rest, opposes a velocity where its power on it is never positive.  That is
-asked at random motions, first of the bare coordinates, then of those that the constraints allow:
-velocities that are the same on the constraints are the same.
+asked at random motions that the constraints allow: velocities that are the same there are the same.
 """
 
 from __future__ import annotations
@@ -14,9 +13,9 @@ from itertools import chain, combinations
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, matvec, sub
+from lagc.expr.vectors import Vector, add, cross, matvec, sub
 from lagc.expr.walk import depends, symbols
-from lagc.meaning.model import Force, Frame, Torque
+from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
 from lagc.mechanics.equations import Row
 from lagc.mechanics.magnitude import VANISHES
 from lagc.mechanics.motions import (
@@ -37,6 +36,7 @@ from lagc.records import dataclass
 Load = Force | Torque
 _NEXT = 5  # motions that each is taken together with, less 1
 _MOST = 40  # loads that are looked at
+_NEAR = 12  # bodies or frames whose velocities a load is compared with
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,10 @@ class _Velocity:
     terms: tuple[tuple[float, Frame | None, Vector], ...]
     words: str
     span: Span | None = None
+
+    @property
+    def nodes(self) -> list[Node]:
+        return [x for _, _, vector in self.terms for x in vector]
 
     def less(self, other: _Velocity) -> _Velocity:
         opposite = tuple([(-sign, frame, vector) for sign, frame, vector in other.terms])
@@ -79,18 +83,26 @@ class _Pair:
 
 
 def feeding_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
-    """LAG0412 of loads that oppose another velocity than that which they act on."""
-    loads = [load for load in _moved(states) if not _is_plain(load)][:_MOST]
+    """LAG0412 of loads that oppose another velocity than that which they act on, or that a negative
+    parameter turns from a friction into a drive."""
+    moved = _moved(states)
+    loads = [load for load in moved if not _is_plain(load) or _negative(states, load)][:_MOST]
     pairs = _paired(loads, list(random_motions(states))) if loads else []
     for pair in pairs:
         moving = _speeds_of(states, pair)
         sizes = equal_speeds(states, moving, [v.value for v in (pair.acted, *_written(pair.load))])
-        if _brings(pair, random_motions(states, (), sizes)):
+        if not _brings(pair, random_motions(states, (), sizes)):
+            continue
+        negative = _negative(states, pair.load)
+        upright = {p.symbol: abs(p.value or 0.0) for p in negative}
+        if negative and _takes(
+            pair, pair.acted, [m.given(upright) for m in random_motions(states, (), sizes)]
+        ):
+            yield _turned(pair.load, negative)
+        elif not _is_plain(pair.load):
             candidates = list(_candidates(states, pair))
             sizes = equal_speeds(states, moving, [pair.acted.value, *(c.value for c in candidates)])
-            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, (), sizes)))
-            if opposed and rows:
-                opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
+            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
             if opposed:
                 yield _opposes_another(pair, opposed)
 
@@ -99,7 +111,7 @@ def _speeds_of(states: States, pair: _Pair) -> list[Node]:
     """The speeds that the vector or the velocity depends on: all of them where some are declared."""
     if not states.plain:
         return list(states.v)
-    reached = symbols([*pair.load.vector, *(x for _, _, vector in pair.acted.terms for x in vector)])
+    reached = symbols([*pair.load.vector, *pair.acted.nodes])
     return [v for v in states.v if v in reached]
 
 
@@ -109,6 +121,12 @@ def _moved(states: States) -> list[Load]:
     rates = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
     moving = depends(chain.from_iterable(x.vector for x in loads), rates)
     return [x for x in loads if not moving.isdisjoint(x.vector)]
+
+
+def _negative(states: States, load: Load) -> list[Parameter]:
+    """The parameters that the load depends on and whose values are negative."""
+    known = symbols(load.vector)
+    return [p for p in states.model.parameters if p.value is not None and p.value < 0.0 and p.symbol in known]
 
 
 def _is_plain(load: Load) -> bool:
@@ -211,25 +229,48 @@ def _written(load: Load) -> list[_Velocity]:
 
 
 def _candidates(states: States, pair: _Pair) -> Iterator[_Velocity]:
-    """What a load may be meant to oppose: velocities that it was written with, their differences,
-    those of bodies or frames, and those of frames in the frames that they turn in."""
+    """What a load may be meant to oppose: velocities that it was written with, those of bodies or frames
+    that move with what it depends on, of the bodies' material points where it acts, and of frames in the
+    frames that they turn in; and the differences of these."""
     load, model = pair.load, states.model
     written = _written(load)
     yield from written
     for a, b in combinations(written, 2):
         yield a.less(b)
-    if isinstance(load, Force):
-        for body in model.bodies:
-            yield _Velocity(((1.0, None, body.velocity),), f"velocity({body.name})")
-        return
-    turns = {
-        frame.name: _Velocity(((1.0, frame, frame.angular_velocity),), f"angular_velocity({frame.name})")
-        for frame in model.frames
-    }
-    yield from turns.values()
+    rates = symbols(states.in_rates(load.vector)) & states.rates.keys()
+    known = list(_of_bodies(model, load) if isinstance(load, Force) else _of_frames(model))
+    near = [v for v in known if rates & symbols(states.in_rates(v.nodes))][:_NEAR]
+    yield from near
+    for a in near:
+        yield from (a.less(b) for b in known[:_NEAR] if b is not a)
+
+
+def _of_bodies(model: Model, load: Force) -> Iterator[_Velocity]:
+    for body in model.bodies:
+        yield _Velocity(((1.0, None, body.velocity),), f"velocity({body.name})")
+    point = load.target.text if load.target else ""
+    for body in model.bodies:
+        if load.at is not None and body.frame is not None:
+            turn = matvec(body.frame.axes, body.frame.angular_velocity)
+            velocity = add(body.velocity, cross(turn, sub(load.at, body.position)))
+            yield _Velocity(((1.0, None, velocity),), f"velocity({body.name}, at = {point})")
+
+
+def _of_frames(model: Model) -> Iterator[_Velocity]:
     for frame in model.frames:
-        if frame.parent in turns:
-            yield turns[frame.name].less(turns[frame.parent])
+        yield _Velocity(((1.0, frame, frame.angular_velocity),), f"angular_velocity({frame.name})")
+
+
+def _turned(load: Load, negative: Sequence[Parameter]) -> Fault:
+    names = ", ".join(f"`{p.name}`" for p in negative)
+    return Fault(
+        "LAG0412",
+        f"`{load.name}` brings energy into the system: with {names} above zero it would oppose the motion "
+        "that it acts on",
+        load.span,
+        remedy=f"give {names} the other sign; a drive may stay as it is",
+        severity="warning",
+    )
 
 
 def _opposes_another(pair: _Pair, opposed: _Velocity) -> Fault:

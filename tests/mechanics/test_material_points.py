@@ -210,6 +210,8 @@ model Scene
   parameter Damping c = 2;
   parameter Force f = 3;
   parameter RotationalDamping d = 0.4;
+  parameter Damping bad = -2;
+  parameter RotationalDamping worse = -0.4;
   coordinate Length x, y, h, s;
   coordinate Angle phi, lean, th, pin, elbow;
   frame L = rotate_x(world, lean);
@@ -291,6 +293,15 @@ TAKING = [
     "force F = (-2*c*der(y) + 3*c*der(pin)*l)*world.y at cart;",
     "force F = c*(1 - (y/(1 [m]))^2)*velocity(cart) at cart;",
     "force F = c*velocity(bob) at bob;",
+    "force F = bad*velocity(bob) at bob;",
+    "force F = -c*(velocity(bob) - {bad*(1 [m/kg]), 0, 0}) at bob;",
+    "force F = bad*(1 [m/s])*world.y at bob;",
+    "force F = (f*y/(1 [m]) + 3*c*der(y) + 5*f*pin + 2*c*l*der(pin))*world.y at cart;",
+    "force F = -c*der(y)*world.y at cart;",
+    f"force F = -c*(der(x) - R*cos(lean)*der(phi))*world.x on disc at {UNDER};",
+    "torque T = -d*(der(th) + der(elbow))*world.z on arm;",
+    "torque T = -d*(der(th) - der(phi))*world.z on rod;",
+    "force F = -c*der(s)*rod.x at slider;",
     "dissipation D = 1/2*c*norm(velocity(disc, at = G - R*world.z))^2;",
     "dissipation D = 1/2*c*(der(y) - 3 [m/s])^2;",
     "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 1.999*der(x)*der(y));",
@@ -318,6 +329,19 @@ FEEDING = [
     "torque T = -d*angular_velocity(bar) on bar from disc;",
     "torque T = -d*der(elbow)*world.z on arm;",
     "dissipation D = -1/2*c*der(y)^2;",
+    # the same written with the rates
+    f"force F = -c*der(x)*world.x on disc at {UNDER};",
+    "force F = -c*der(y)*world.y at bob;",
+    "torque T = -d*(der(elbow) + der(th))*world.z on rod;",
+    "torque T = -d*der(elbow)*world.z on rod;",
+    # a sign that a parameter turns
+    "force F = -bad*velocity(disc) at disc;",
+    "force F = -bad*der(y)*world.y at cart;",
+    f"force F = -bad*velocity(disc, at = {UNDER}) on disc at {UNDER};",
+    "force F = -bad*norm(velocity(bob))*(velocity(bob) - velocity(cart))/(1 [m/s]) at bob; "
+    "force E = bad*norm(velocity(bob))*(velocity(bob) - velocity(cart))/(1 [m/s]) at cart;",
+    "torque T = -worse*(angular_velocity(arm) - angular_velocity(rod)) on arm from rod;",
+    "dissipation D = 1/2*bad*der(y)^2;",
     "dissipation D = c*der(x)*der(y);",
     "dissipation D = 1/2*c*(der(x) - der(y))*(der(x) + 2*der(y));",
     "dissipation D = 1/2*c*(der(x)^2 + der(y)^2 + 2.001*der(x)*der(y));",
@@ -337,6 +361,13 @@ FEEDING = [
 @pytest.mark.parametrize("lines", TAKING)
 def test_what_takes_energy_or_is_a_drive_is_not_warned_of(lines: str, radius: float) -> None:
     assert "LAG0412" not in codes(lines, radius)
+
+
+@pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
+@pytest.mark.parametrize("slip", ["-c*(der(x) - R*der(phi))", "-f*tanh((der(x) - R*der(phi))/(1 [m/s]))"])
+def test_a_slip_in_rates_is_seen_at_a_point_that_does_not_slip(slip: str, radius: float) -> None:
+    found = codes(f"constraint upright: lean = 0; force F = {slip}*world.x at {UNDER};", radius)
+    assert found == ["LAG0411", "LAG0412"]
 
 
 @pytest.mark.parametrize("radius", [1e-3, 0.1, 30.0])
