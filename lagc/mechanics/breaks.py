@@ -42,6 +42,7 @@ _LOGIC = frozenset(("and", "or", "not"))
 _ALIKE = 1e-11  # of their terms: two sides agree
 _BESIDE = 1e-6  # of the way to a change: one side of it
 _NEARER = tuple([10.0 ** (-0.5 * k) for k in range(4, 9)])  # of the way: both sides of an end
+_LITTLE = 1e-4
 _STAYS, _GROWS = 0.8, 3.0  # from one distance to the next: a jump stays, a slope may grow as a cusp's
 _SEEN = 1e-7  # of the size of both sides
 
@@ -84,6 +85,10 @@ class Switch:
             return math.isfinite(low) and math.isfinite(high) and math.floor(low) == math.floor(high)
         return (low >= 0.0 or high <= 0.0) if self.pieces else (low > 0.0 or high < 0.0)
 
+    def active(self, state: State) -> bool:
+        """An angle changes on the negative axis alone."""
+        return self.node.op != "atan2" or not evaluate([self.node.args[1]], state)[0] > 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Edge:
@@ -122,7 +127,7 @@ def find_break(
             found.extend(e for state in more for e in _edges(x, state, ways))
     cut: Break | None = None
     for switch, found in zip(switches, edges):
-        if rows and _never_zero(nodes, switch.side, leaves, found):
+        if rows and _never_zero(nodes, switch, leaves, found):
             continue
         if switch.pieces:
             wrt = leaves if slopes else ()
@@ -211,7 +216,8 @@ def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]
                 reach = max(zero.reach, size / 16.0)
                 step = _BESIDE * max(abs(zero.at), reach)
                 at, before, after = ({**state, leaf: zero.at + d} for d in (0.0, -step, step))
-                yield Edge(state, leaf, at, before, after, reach, zero.crosses)
+                if switch.active(before) or switch.active(after):
+                    yield Edge(state, leaf, at, before, after, reach, zero.crosses)
 
 
 def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> list[Edge]:
@@ -231,19 +237,34 @@ def _moved(edge: Edge, end: float) -> State:
     return {**edge.at, edge.leaf: x + end * (abs(x) or 1.0)}
 
 
-def _never_zero(nodes: Sequence[Node], side: Node, leaves: Sequence[Node], edges: Sequence[Edge]) -> bool:
-    """Whether one of `nodes` has the same sign at all `edges`, whatever the `leaves` that `side` does not
-    depend on."""
-    below = set(reachable([side]))
+def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], edges: Sequence[Edge]) -> bool:
+    """Whether one of `nodes` has the same sign at all `edges`, whatever the `leaves` that do not move the
+    change."""
+    below = set(reachable([switch.side]))
     for node in nodes:
-        free = [leaf for leaf in leaves if leaf not in below and leaf in reachable([node])]
-        ends = [state for e in edges for state in (e.before, e.after)]
-        values = [evaluate([node], state)[0] for state in ends]
-        if not values or not (min(values) > 0.0 or max(values) < 0.0):
+        signs = [_signs(node, e) for e in edges]
+        if not signs or any(len({pair[k] for pair in signs} | {0}) != 2 for k in (0, 1)):
             continue
-        if not any(zero.crosses for leaf in free for zero in zeros(along(node, ends[0], leaf), 0.0, 1.0)):
+        free = [leaf for leaf in leaves if leaf not in below and leaf in reachable([node])]
+        lines = [(end, leaf) for end in (edges[0].before, edges[0].after) for leaf in free]
+        if not any(_meets(node, switch, end, leaf) for end, leaf in lines):
             return True
     return False
+
+
+def _meets(node: Node, switch: Switch, state: State, leaf: Node) -> bool:
+    """Whether `node` is zero somewhere along `leaf` at the change."""
+    found = zeros(along(node, state, leaf), 0.0, 1.0)
+    return any(zero.crosses and switch.active({**state, leaf: zero.at}) for zero in found)
+
+
+def _signs(node: Node, edge: Edge) -> list[int]:
+    """On both sides of a change, the lesser first; 0 where it is small beside what it is farther away."""
+    x = edge.at[edge.leaf]
+    far = [{**edge.at, edge.leaf: x + d} for d in (-edge.reach, edge.reach)]
+    values = [evaluate([node], state)[0] for state in (edge.before, edge.after, *far)]
+    least = _LITTLE * (abs(values[2]) + abs(values[3]))
+    return sorted([(v > least) - (v < -least) for v in values[:2]])
 
 
 # -- what changes -----------------------------------------------------------------------------

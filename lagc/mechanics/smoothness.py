@@ -4,7 +4,9 @@ A row of a constraint, the place of a body and a declared speed that bend or jum
 the speeds, which is an impact: no equation of motion holds it.  An energy that jumps is a force
 without bound that its gradient, zero nearly everywhere, does not show.  Forces may jump.
 
-An angle, `atan2`, jumps by a turn on its cut, and many a motion never comes there: that is a warning.
+An angle, `atan2`, jumps by a turn on its cut.  In an energy that is a warning: many a motion never comes
+there, and one that does is seen by its balance of energy.  A row or a place is not, and sine and cosine
+say the same.
 """
 
 from __future__ import annotations
@@ -17,11 +19,12 @@ from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
 from lagc.mechanics.breaks import CORNERS, ENDS, POLES, STEPS, Break, find_break
 from lagc.mechanics.states import States
 
+_ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"
 _BREAKING = STEPS | CORNERS | POLES | ENDS
 
 
 def refuse_breaks(states: States) -> tuple[Fault, ...]:
-    """Warnings, LAG0425, where an angle's cut may be passed.
+    """Warnings, LAG0425, of energies that jump on the cut of an angle.
 
     Raises Refused: LAG0421 a constraint with a kink or jump, LAG0422 a body whose place or frame has
     one, LAG0423 an energy that jumps, LAG0424 a declared speed that does."""
@@ -67,26 +70,23 @@ def _jump(states: States, node: Node, leaves: Sequence[Node]) -> Break | None:
 def _bent_row(c: Constraint, found: Break | None) -> Fault | None:
     if found is None:
         return None
-    if found.cut:
-        return _cut(f"the constraint `{c.name}`", c.span, found)
+    remedy = "write it with a function whose slope does not jump, or let a force act in its place"
     return Fault(
         "LAG0421",
         f"the constraint `{c.name}` has a {found.kind} where {found.where}: the speeds would jump there",
         c.span,
-        remedy="write it with a function whose slope does not jump, or let a force act in its place",
+        remedy=_ANGLE if found.cut else remedy,
     )
 
 
 def _bent_body(body: Body, found: Break | None) -> Fault | None:
     if found is None:
         return None
-    if found.cut:
-        return _cut(f"the place of `{body.name}`", body.span, found)
     return Fault(
         "LAG0422",
         f"the place of `{body.name}` has a {found.kind} where {found.where}: its velocity would jump there",
         body.span,
-        remedy="write it with a function whose slope does not jump",
+        remedy=_ANGLE if found.cut else "write it with a function whose slope does not jump",
     )
 
 
@@ -94,7 +94,13 @@ def _torn_energy(name: str, span: Span, found: Break | None) -> Fault | None:
     if found is None:
         return None
     if found.cut:
-        return _cut(f"the energy `{name}`", span, found)
+        return Fault(
+            "LAG0425",
+            f"the energy `{name}` jumps where {found.where}: no motion can be followed through there",
+            span,
+            severity="warning",
+            remedy="let the angle be a coordinate, or turn the cut to where the motion does not come",
+        )
     return Fault(
         "LAG0423",
         f"the energy `{name}` has a {found.kind} where {found.where}: no finite force goes with it",
@@ -106,21 +112,9 @@ def _torn_energy(name: str, span: Span, found: Break | None) -> Fault | None:
 def _torn_speed(name: str, span: Span, found: Break | None) -> Fault | None:
     if found is None:
         return None
-    if found.cut:
-        return _cut(f"the speed `{name}`", span, found)
     return Fault(
         "LAG0424",
         f"the speed `{name}` has a jump where {found.where}, though nothing moves faster there",
         span,
         remedy="declare a speed that changes with the motion alone",
-    )
-
-
-def _cut(what: str, span: Span, found: Break) -> Fault:
-    return Fault(
-        "LAG0425",
-        f"{what} jumps where {found.where}: no motion can be followed through there",
-        span,
-        severity="warning",
-        remedy="let an angle be a coordinate, or turn the cut to where the motion does not come",
     )

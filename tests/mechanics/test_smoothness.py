@@ -199,7 +199,7 @@ def test_kinks_and_jumps_that_no_word_tells_of(u: str, w: str) -> None:
 def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
     for row in ("norm({x, 0, 0}) = l", "norm({x - y, 0, 0}) = l", "norm(position(b)) = l",
                 "abs(x - y) = 2*l", "norm({x, y, 0}) + norm({x - l, y, 0}) = 3*l",
-                "norm({x, y, 0})/l = 2 + sin(th)"):  # fmt: skip
+                "norm({x, y, 0})/l = 2 + sin(th)", "atan2(y, x) = 1", "tanh(l/x) = 2"):  # fmt: skip
         assert codes(f"constraint k: {row};") == set(), row
     for row in (
         "norm({x - y, 0, 0}) = y",
@@ -217,7 +217,7 @@ def test_energies_may_have_walls_and_corners() -> None:
         assert codes(f"potential V = 1 [J]*{energy};") == set(), energy
 
 
-def test_the_cut_of_an_angle_is_a_warning_where_something_jumps_with_it() -> None:
+def test_what_jumps_on_the_cut_of_an_angle() -> None:
     def found(line: str) -> list[tuple[str, str]]:
         faults = check(Source("m.lag", f"{HEAD}{line}\nend M;"), Choice())
         return [(f.code, f.severity) for f in faults]
@@ -225,8 +225,14 @@ def test_the_cut_of_an_angle_is_a_warning_where_something_jumps_with_it() -> Non
     cut = [("LAG0425", "warning")]
     for angle in ("atan2(y, x)", "atan2(sin(th), cos(th))", "(atan2(y, x) - 1)^2", "atan2(x, -l)"):
         assert found(f"potential V = 1 [J]*{angle};") == cut, angle
-    assert found("constraint k: th = atan2(y, x);") == cut
-    assert found("body c = Particle(mass = m, at = {0, 0, l*atan2(y, x)});") == cut
+    assert found("constraint k: th = atan2(y, x);") == [("LAG0421", "error")]
+    assert found("constraint k: x = l*atan2(sin(time/T), cos(time/T));") == [("LAG0421", "error")]
+    assert found("constraint k: y*cos(th) = x*sin(th);") == []
+    assert found("body c = Particle(mass = m, at = {0, 0, l*atan2(y, x)});") == [("LAG0422", "error")]
+    assert found("body c = Particle(mass = m, at = {0, 0, l*atan2(y, l + norm({x, y, 0}))});") == []
+    turned = "frame G = rotate_z(world, atan2(y, x))"
+    solid = "body c = Solid(mass = m, inertia = {1, 1, 1} [kg.m2], frame = G, com = {0, 0, 0})"
+    assert found(f"{turned}; {solid};") == []
     for angle in ("atan2(y, x)^2", "cos(atan2(y, x))", "atan2(y, norm({x, l, 0}))", "atan2(sin(th), 2)"):
         assert found(f"potential V = 1 [J]*{angle};") == [], angle
 

@@ -162,11 +162,10 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  speed Velocity u = der(x)*(2 + sin(y/(1 [m])));\n"),
     ),
     "LAG0425": Entry(
-        "the cut of an angle where nothing may jump",
-        "`atan2(y, x)` jumps by a turn where `y` passes 0 with `x` below 0.  A row, a place, an energy or a "
-        "declared speed that jumps with it is right as long as the motion stays away from there: a run that "
-        "comes to the cut fails.  What is the same on both sides, as the square of the angle in an energy or "
-        "a frame that is turned by it, may pass.",
+        "an energy that jumps on the cut of an angle",
+        "`atan2(y, x)` jumps by a turn where `y` passes 0 with `x` below 0.  An energy that jumps with it is "
+        "right as long as the motion stays away from there; a run that passes the cut fails, since its "
+        "energy is out of balance.  What is the same on both sides, as the square of the angle, may pass.",
         _on_particle("  potential V = 1 [J]*atan2(y, x);\n"),
         _on_particle("  potential V = 1 [J]*atan2(y, x)^2;\n"),
     ),
