@@ -221,11 +221,11 @@ def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]
 
 
 def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> list[Edge]:
-    """From all `starts`, where there is a change near one of three."""
-    few = [e for state in starts[::3] for e in _edges(switch, state, ways)]
-    if not few and not switch.pieces:
+    """From all `starts`, where there is a change near one of every four; an angle's may be at any."""
+    few = [e for state in starts[::4] for e in _edges(switch, state, ways)]
+    if not few and not switch.pieces and switch.node.op != "atan2":
         return []
-    return few + [e for k, state in enumerate(starts) if k % 3 for e in _edges(switch, state, ways)]
+    return few + [e for k, state in enumerate(starts) if k % 4 for e in _edges(switch, state, ways)]
 
 
 def _changes(switch: Switch, level: float, value: Callable[[float], float], x: float) -> float:
