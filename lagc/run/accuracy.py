@@ -12,18 +12,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from math import floor, inf, log10
+from math import floor, inf, isfinite, log10
+from operator import sub
+from typing import TYPE_CHECKING
 
 from lagc import cache
 from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
-from lagc.run.balance import Balance, balance
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
-from lagc.run.rounding import rounding_drift
+
+if TYPE_CHECKING:
+    from lagc.run.balance import Balance
 
 SAFETY = 2.0  # on every estimate
 BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
 ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
+HARMLESS = 0.1  # of the accuracy asked: less rounding than that is not looked at closely
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 PILOTS = (1e-5, 1e-6)
 FINEST = 1e-15  # no tolerance is below this
@@ -35,6 +39,7 @@ SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
 
 Progress = Callable[[float], None]
+Sizes = Sequence[tuple[Sequence[int], float]]
 
 
 @dataclass
@@ -101,8 +106,9 @@ class _Search:
     progress: Progress | None
     tried: list[Trajectory] = field(default_factory=list)
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
-    compared: dict[tuple[float, float], tuple[float, float | None]] = field(default_factory=dict)
+    compared: dict[tuple[float, float], float] = field(default_factory=dict)
     drifts: dict[float, float] = field(default_factory=dict)  # by tolerance
+    scales: dict[float, Sizes] = field(default_factory=dict)  # by tolerance
     balance: Balance | None = None
 
     @property
@@ -110,8 +116,7 @@ class _Search:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """A run after the first may take many times the
-        steps of the ones before, not any number."""
+        """A run after the first may take many times the steps of the ones before, not any number."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         return Options(method=self.method, rtol=tol, max_steps=limit)
@@ -186,23 +191,38 @@ class _Search:
     def rounding(self) -> float:
         """What rounding may bring to the finest run: it grows as the errors of the method do, which are
         the tolerance at each step at first."""
+        return self.drift() * self._growth()
+
+    def _growth(self) -> float:
         tol = min(self.runs)
         injected = SAFETY * max(self.runs[tol].steps, 1) * tol
-        return self.drift() * max(1.0, self.truncation() / injected)
+        return max(1.0, self.truncation() / injected)
 
     def drift(self) -> float:
         """What rounding brings to the finest run, where it does not grow."""
+        from lagc.run.rounding import rounding_drift  # where there is no answer yet
+
         tol = min(self.runs)
         found = self.drifts.get(tol)
         if found is None:
             run = self.runs[tol]
-            found = ROUGHLY * rounding_drift(self.system, run, sizes(run, self.system.interface))
+            left, harmless = self.accuracy - self.truncation(), HARMLESS * self.accuracy
+            room = min(left, harmless) if left > 0.0 else harmless
+            enough = room / (ROUGHLY * self._growth())
+            found = ROUGHLY * rounding_drift(self.system, run, self._sizes(tol), enough)
             self.drifts[tol] = found
         return found
 
     def _balance(self) -> Balance:
-        run = self.runs[min(self.runs)]
-        return balance(self.system, run, sizes(run, self.system.interface), self.accuracy)
+        from lagc.run.balance import balance
+
+        tol = min(self.runs)
+        return balance(self.system, self.runs[tol], self._sizes(tol), self.accuracy)
+
+    def _sizes(self, tol: float) -> Sizes:
+        if tol not in self.scales:
+            self.scales[tol] = sizes(self.runs[tol], self.system.interface)
+        return self.scales[tol]
 
     def truncation(self) -> float:
         """The error of the finest run that its steps bring."""
@@ -219,11 +239,11 @@ class _Search:
         tols = sorted(self.runs)
         if len(tols) < 2:
             return inf
-        difference, _ = self._difference(tols[0], tols[1])
+        difference = self._difference(tols[0], tols[1])
         alike = self._alike(self.runs[tols[0]].steps, self.runs[tols[1]].steps)
         if len(tols) == 2:
             return max(SAFETY * difference * max(1.0, alike), SMALLEST)
-        before, _ = self._difference(tols[0], tols[2])
+        before = self._difference(tols[0], tols[2])
         slope, step = self._slope(), tols[1] / tols[2]
         if slope is None:
             return max(SAFETY * max(difference, before * step * step) * max(1.0, alike), SMALLEST)
@@ -244,7 +264,7 @@ class _Search:
         tols = sorted(self.runs)[:4]
         if len(tols) < 3:
             return None
-        errors = [self._difference(tols[0], tol)[0] for tol in tols[1:]]
+        errors = [self._difference(tols[0], tol) for tol in tols[1:]]
         if any(e <= 1e-14 for e in errors):
             return None
         slopes = [(log10(b) - log10(a)) / (log10(s) - log10(r))
@@ -258,7 +278,7 @@ class _Search:
         if self.balance is not None:  # the runs agree, and yet they are wrong
             return tols[0] / 10.0
         slope = self._slope() or 1.0
-        difference, _ = self._difference(tols[0], tols[1])
+        difference = self._difference(tols[0], tols[1])
         error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         error *= BENT if self.system.interface.bends else 1.0
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
@@ -268,11 +288,10 @@ class _Search:
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return 10.0 * max(FINEST, fine)
 
-    def _difference(self, fine: float, coarse: float) -> tuple[float, float | None]:
+    def _difference(self, fine: float, coarse: float) -> float:
         found = self.compared.get((fine, coarse))
         if found is None:
-            target = self.accuracy / SAFETY
-            found = difference(self.runs[fine], self.runs[coarse], self.system.interface, target)
+            found = spread(self.runs[fine], self.runs[coarse], self._sizes(fine), self._sizes(coarse))
             self.compared[fine, coarse] = found
         return found
 
@@ -290,13 +309,16 @@ class _Search:
             found.rounding, found.drift = self.rounding(), self.drift()
             found.balance, found.beside = self.balance, self.runs[tols[1]]
             if found.estimated > self.accuracy:
-                _, found.horizon = self._difference(tols[0], tols[1])
+                finest, interface = self.runs[tols[0]], self.system.interface
+                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY)
         return found
 
 
 def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
-    """The indices of the states of each kind, and their scale."""
-    return [(group, scale(trajectory, group)) for group in kinds(interface)]
+    """The indices of the states of each kind, and the largest magnitude of these."""
+    largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
+    return [(group, max((largest[i] for i in group), default=0.0) if largest else 0.0)
+            for group in kinds(interface)]  # fmt: skip
 
 
 def kinds(interface: Interface) -> list[list[int]]:
@@ -305,11 +327,6 @@ def kinds(interface: Interface) -> list[list[int]]:
     for i, kind in enumerate(interface.kinds):
         groups.setdefault(kind, []).append(i)
     return list(groups.values())
-
-
-def scale(trajectory: Trajectory, group: Sequence[int]) -> float:
-    """The largest magnitude of the states of one kind."""
-    return max((abs(x[i]) for x in trajectory.states for i in group), default=0.0)
 
 
 def _plain(tol: float) -> float:
@@ -339,6 +356,17 @@ def difference(
     if not alike or alike[-1]:
         return largest, None
     return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
+
+
+def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
+    """The largest scaled difference of two runs over the same times, from their sizes."""
+    columns, worst = [*zip(zip(*a.states), zip(*b.states))], 0.0
+    for (group, one), (_, other) in zip(of_a, of_b):
+        size = max(one, other)
+        for i in group if size > 0.0 else ():
+            gaps = [*map(abs, map(sub, *columns[i]))]
+            worst = max(worst, max(gaps) / size if isfinite(sum(gaps)) else inf)
+    return worst
 
 
 def _memory_name(

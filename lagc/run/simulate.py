@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from time import perf_counter
+from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.run.accuracy import verified_run
+from lagc.run.counted import Counted
 from lagc.run.names import state_name
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
@@ -33,6 +35,7 @@ def simulate(
     (LAG0604), or no start is consistent (LAG0610), or the start is not computable (LAG0611).
     """
     began = perf_counter()
+    counted: Any = Counted(system)
     request = request.completed(system.interface.simulate)
     start = begin(system, request)
     times = request.grid()
@@ -42,16 +45,16 @@ def simulate(
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
-    elif len(times) > 1 and rests(system, start.x, times):
+    elif len(times) > 1 and rests(counted, start.x, times):
         trajectory, options = resting(start.x, times), Options()
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
         notes.append(RESTS)
     else:
         assert request.accuracy is not None
-        found = verified_run(system, start.x, times, request.accuracy, progress)
+        found = verified_run(counted, start.x, times, request.accuracy, progress)
         options, tried = found.options, found.tried
-        told = judge(system, found, request.accuracy, times[-1])
+        told = judge(counted, found, request.accuracy, times[-1])
         trajectory = told.trajectory
     if trajectory.redundant_rows and told.status == "ok":
         notes.append(redundancy(system, trajectory))
@@ -66,7 +69,7 @@ def simulate(
         interrupted=trajectory.status == INTERRUPTED,
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),
-            rhs=sum(r.rhs for r in tried), operations=system.interface.operations,
+            rhs=sum(r.rhs for r in tried) + counted.evaluations, operations=system.interface.operations,
             compile_s=compile_s, run_s=perf_counter() - began, integrations=len(tried),
         ),
     )  # fmt: skip

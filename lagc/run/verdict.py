@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from lagc.records import dataclass
 from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
-from lagc.run.balance import Balance
-from lagc.run.cause import cause, growth
 from lagc.run.dependence import kept_share, own_share
 from lagc.run.names import row_name, speed_name, state_name
 from lagc.run.problem import (
@@ -20,6 +20,9 @@ from lagc.run.problem import (
     System,
     Trajectory,
 )
+
+if TYPE_CHECKING:
+    from lagc.run.balance import Balance
 
 UNKNOWN = "the cause is not known"
 
@@ -76,6 +79,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
+    from lagc.run.cause import cause  # where something failed
+
     why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
     if status == STEP_UNDERFLOW:
         return "failed", f"at {t} the step became too small: {why}"
@@ -102,6 +107,8 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
             return Verdict("failed", message, run, estimated)
         message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}"
         return Verdict("failed", message, run, estimated)
+    from lagc.run.cause import cause, growth
+
     kept = sum(1 for t in run.times if t <= horizon)
     times, states = run.times[:kept], run.states[:kept]
     tenfold = growth(system, run, found.beside, horizon)

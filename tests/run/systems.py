@@ -47,6 +47,9 @@ class Handmade(ABC):
         other.parameters = list(values)
         return other
 
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+        return None
+
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         return list(d)
 

@@ -10,7 +10,7 @@ import pytest
 import lagc
 from lagc.api import Run
 from lagc.library import library_models
-from lagc.run.accuracy import difference, kinds, scale
+from lagc.run.accuracy import difference, sizes
 from lagc.run.cause import losing_rank
 from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
 from lagc.run.verdict import verdict
@@ -25,7 +25,7 @@ MODELS = Random(20).sample(sorted(set(library_models()) - SENSITIVE), 10)
 def true_error(model: lagc.CompiledModel, run: Run) -> float:
     """Against a run at the finest tolerance; scaled as the estimate is."""
     system, found = model.system, Trajectory(run.times, run.states, run.times[-1], run.states[-1])
-    size = min(1.0, *(scale(found, group) for group in kinds(system.interface)))
+    size = min(1.0, *(size for _, size in sizes(found, system.interface)))
     options = Options("dop853", 1e-13, 1e-13 * size)
     reference = system.integrate(options, 0.0, run.states[0], run.times)
     assert reference.status == OK

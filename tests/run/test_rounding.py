@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from _thread import allocate_lock, start_new_thread
 from collections.abc import Callable
 from math import cos, sin
 from random import Random
+from typing import Any
 
 import mpmath
 import pytest
@@ -12,9 +14,14 @@ from mpmath import mpf
 
 import lagc
 from lagc.api import Run
-from lagc.run.accuracy import difference
-from lagc.run.problem import Trajectory
-from lagc.run.rounding import _control, directed
+from lagc.run.accuracy import difference, sizes, verified_run
+from lagc.run.counted import Counted
+from lagc.run.directed import apart, control, directed
+from lagc.run.problem import Trajectory, Vector
+from lagc.run.request import Request
+from lagc.run.rounding import rounding_drift
+from lagc.run.simulate import simulate
+from tests.run.integrated import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], list[float]]  # q, then v
@@ -157,12 +164,94 @@ def test_rows_that_nearly_depend_on_each_other(angle: float) -> None:
     assert runs[0].status == "ok"
 
 
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+@pytest.mark.parametrize("offset", [0.0, 0.5])
+def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float) -> None:
+    # a swing of 1e-7 about a place where exp(x) - 1 has lost seven digits
+    text = f"""model M
+      coordinate Real x(start = {offset + 1e-7!r});
+      kinetic K = 1/2*1 [kg.m2]*der(x)^2;
+      potential V = 4 [J]*(exp(x - {offset!r}) - (x - {offset!r}));
+    end M;"""
+    run = lagc.loads(text).compile(backend=backend).simulate(2.0, accuracy=1e-12, points=11)
+    assert run.estimated is not None
+    # the last place of 1 in a difference of 1e-7, or of the place in the way that it swings
+    lost = 2.0**-53 / (1e-7 if offset == 0.0 else 1.0)
+    assert run.estimated > lost
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+@pytest.mark.parametrize("name", ["simple_pendulum", *(f"classic/{name}" for name in (
+    "kepler", "four_bar", "rolling_disc", "toda_lattice", "cart_pendulum"))])  # fmt: skip
+def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str) -> None:
+    model = lagc.load(name).compile(backend=backend)
+    system = model.load(backend)
+    x0 = model.simulate(1e-3, accuracy=1e-3, points=2).states[0]
+    times = [0.01 * k for k in range(101)]
+    counted: Any = Counted(system)
+    found = verified_run(counted, x0, times, 1e-6)
+    assert found.estimated <= 1e-6
+    assert counted.evaluations <= 40
+    # the quick look is a bound of the close one
+    groups = sizes(found.trajectory, system.interface)
+    quick, close = (rounding_drift(system, found.trajectory, groups, room) for room in (1e-3, -1.0))
+    assert close <= quick <= 1e-10
+
+
+def test_every_evaluation_is_counted() -> None:
+    class Noted(Oscillator):
+        calls = 0
+
+        def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+            self.calls += 1
+            return super().rhs(t, x, xdot, lam)
+
+        def energies(self, t: float, x: Vector) -> list[float]:
+            self.calls += 1
+            return super().energies(t, x)
+
+    for accuracy in (1e-6, 1e-13):  # without a close look, and with one
+        system: Any = Noted()
+        run = simulate(system, Request(stop=3.0, accuracy=accuracy))
+        assert system.calls - 2 == run.cost.rhs  # the energies that are told of the run are two
+
+
 def test_arithmetic_is_rounded_up_and_down_and_then_as_before() -> None:
     one, little = float("1"), float("1e-30")
-    with directed(1):
-        above = one + little
-    with directed(-1):
-        below = one - little
-    assert one + little == one
-    if _control() is not None:
+
+    def sums(way: int) -> tuple[float, float]:
+        with directed(way):
+            return one + little, one - little
+
+    above, below = apart(lambda: sums(1))[0], apart(lambda: sums(-1))[1]
+    assert apart(lambda: sums(0)) == (one, one) == (one + little, one - little)
+    if control() is not None:
         assert above > one > below
+
+
+def test_only_the_thread_apart_is_rounded_otherwise() -> None:
+    one, little = float("1"), float("1e-30")
+    here, there = allocate_lock(), allocate_lock()
+    seen: list[tuple[float, float]] = []
+    here.acquire()
+    there.acquire()
+
+    def other() -> None:
+        there.acquire()
+        seen.append((one + little, one - little))
+        here.release()
+
+    def work() -> float:
+        with directed(1):
+            there.release()
+            here.acquire()
+            return one + little
+
+    start_new_thread(other, ())
+    above = apart(work)
+    assert seen == [(one, one)] and (above > one or control() is None)
+
+
+def test_what_fails_apart_fails_here() -> None:
+    with pytest.raises(ZeroDivisionError):
+        apart(lambda: 1 // 0)

@@ -105,6 +105,22 @@ class CSystem(CompiledSystem):
         lam[:] = desk.lam[: self.nc]
         return status
 
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+        from lagc.run.directed import control
+
+        found, desk = control(), self._at(x)
+        if found is None:
+            return None
+        (turn, up, _), time = found, c_double(t)
+        turn(up)
+        try:
+            status: int = desk.rhs(self._p, time, desk.x, desk.xdot, desk.lam, desk.work)
+        finally:
+            turn(0)
+        xdot[:] = desk.xdot[:]
+        lam[:] = desk.lam[: self.nc]
+        return status
+
     def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
         xdot, lam = [0.0] * self.nx, [0.0] * self.nc
         self.rhs(t, x, xdot, lam)

@@ -73,6 +73,9 @@ class NumpySystem(CompiledSystem):
         status: int = self._own.desk.rhs(t, x, xdot, lam)
         return status
 
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+        return None
+
     def assemble(self, t: float, x: Vector) -> int:
         equations = self._own.desk.equations
         equations.lost = False

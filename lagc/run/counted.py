@@ -1,0 +1,30 @@
+"""A system whose evaluations beside integrations are counted: what verifies a run is a part of its cost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lagc.run.problem import System, Vector
+
+
+class Counted:
+    """`system` with its functions, and how often rates or energies were asked of it."""
+
+    def __init__(self, system: System):
+        self.system, self.evaluations = system, 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.system, name)
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        self.evaluations += 1
+        return self.system.rhs(t, x, xdot, lam)
+
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+        status = self.system.rounded(t, x, xdot, lam)
+        self.evaluations += status is not None
+        return status
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        self.evaluations += 1
+        return self.system.energies(t, x)
