@@ -24,7 +24,7 @@ Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are bl
 _KINKS = ("abs", "sign", "min", "max")
 _COMPARISONS = ("lt", "le", "eq")
 _SEED = 91
-_MOST = 6  # differences of which all combinations of signs are tried
+_MOST = 8  # differences of which all combinations of signs are tried
 _MOST_PAIRED = 12  # of which pairs are
 
 

@@ -77,8 +77,8 @@ class Judge:
         if len(branches.differences) > 1:
             blended = branches.blended()
             verdict, rooted = self._in_field(asked, blended, branches.truths(blended))
-            if verdict:
-                return True, rooted
+            if verdict or (verdict is False and not branches.complete):
+                return verdict or None, rooted
         proved, rooted = branches.complete, False
         for signs in branches.all():
             truths = branches.truths(signs)

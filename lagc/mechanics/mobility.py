@@ -21,6 +21,7 @@ from lagc.mechanics.grounds import on_rows
 from lagc.mechanics.judge import Judge
 from lagc.mechanics.linear import Span
 from lagc.mechanics.manifold import Consistent, jacobian, scales
+from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -30,7 +31,7 @@ class Mobility:
     """Of rows by index: those that follow from the ones before, and the rank of all.
 
     `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is
-    False where no consistent state was found: then all rows count.
+    False where no consistent state was found: then the rank is that beside the constraints.
     """
 
     spare: frozenset[int]
@@ -45,9 +46,9 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     if not rows:
         return Mobility(frozenset(), 0, 0, True, True)
     tried = [*(met.beside or met.far), *([] if met.start is None else [met.start])]
-    spans = [_span(states, rows, state) for state in tried]
+    spans = [_span(states, rows, state) for state in tried or samples(states.model, 2, vary=False)]
     if not spans:
-        return Mobility(frozenset(), len(rows), None, False, False)
+        return Mobility(frozenset(), min(len(rows), len(states.v)), None, False, False)
     best = max(spans, key=lambda span: span.rank)
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = None if met.start is None else spans[-1].rank
@@ -55,8 +56,8 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
         holonomic = [row for row in rows if row.kind == "holonomic"]
         places = max(_span(states, holonomic, state).rank for state in tried)
         return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
-    proved = best.rank in (len(rows), _largest(states, rows, met))
-    return Mobility(spare, best.rank, at_start, proved, True)
+    proved = bool(tried) and best.rank in (len(rows), _largest(states, rows, met))
+    return Mobility(spare, best.rank, at_start, proved, bool(tried))
 
 
 def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> Span:

@@ -52,10 +52,11 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
             {"name": c.name, "kind": c.kind, "effect": c.effect, "conservative": c.conservative}
             for c in equations.contributions
         ],
-        "cyclic": list(analysis.cyclic),
+        "cyclic": [name for name in analysis.cyclic if name not in interface.dropped],
         "conserved": [
             {"name": c.name, "expression": written.text(c.expression), "reason": c.reason, "proved": c.proved}
             for c in analysis.conserved
+            if not c.expression.is_zero
         ],
         "seems": {
             "cyclic": list(analysis.seems.cyclic),

@@ -353,3 +353,15 @@ def test_a_radius_of_zero_holds_all_that_it_holds(way: str, held: int) -> None:
     rows = [x.row for x in classify(states)]
     found = mobility(states, rows, walk(states, rows))
     assert (found.rank, found.proved) == (held, False)
+
+
+def test_freedom_is_never_less_than_none() -> None:
+    """More rows than speeds that all but agree, so that no state is found."""
+    b = Builder()
+    x, y = b.coordinate("x", 0.3), b.coordinate("y", 0.7)
+    b.particle("p", b.graph.one, (x, y, 0.0))
+    for k in range(4):
+        b.constraint(f"r{k}", (x - 1e-9 * k) ** 2 + (1.0 + 1e-9 * k) * y**2 - 1.0)
+    states = build_states(b.model())
+    rows = [c.row for c in classify(states)]
+    assert 0 <= mobility(states, rows, walk(states, rows)).rank <= 2

@@ -333,3 +333,30 @@ def test_a_root_that_bends_far_away_is_seen(name: str, along: str, seed: int) ->
     b.force("hidden", (HIDDEN[name](b, x if along == "x" else b.time), 0.0, 0.0), (x, y, 0.0))
     found = facts(analyse(derive(b.model())))
     assert found == {"momentum(y)": True, "momentum().y": True}
+
+
+@pytest.mark.parametrize("count", [3, 9, 14])
+def test_what_only_one_of_many_branches_breaks_is_seen(count: int) -> None:
+    """A push, and a row, that are there where many conditions hold and as many do not."""
+    for as_row in (False, True):
+        b = Builder()
+        g = b.graph
+        places = [b.coordinate(f"x{k}") for k in range(count)]
+        for k, x in enumerate(places):
+            b.particle(f"p{k}", g.one, (x, 0.0, 0.0))
+        y, z = b.coordinate("y"), b.coordinate("z")
+        b.particle("p", g.one, (0.0, y, z))
+        corner = g.one
+        for k, x in enumerate(places):
+            corner = (
+                corner * g.binary(*(("max", x - 10.0, g.zero) if k % 2 else ("min", x + 10.0, g.zero))) ** 2
+            )
+        if as_row:
+            b.constraint("row", b.der(y) - b.der(z))
+            b.constraint("bent", b.der(y) - (1.0 + corner) * b.der(z))
+        else:
+            b.force("push", (0.0, corner, 0.0), (0.0, y, z))
+        e = derive(b.model())
+        assert len(e.rows) == (2 if as_row else 0)
+        if not as_row:
+            assert not {"momentum(y)", "momentum().y"} & facts(analyse(e)).keys()

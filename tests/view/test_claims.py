@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -96,6 +97,20 @@ def test_claims_over_the_library(path: Path) -> None:
 def test_claims_over_random_systems(seed: int) -> None:
     e = derive(model(random_system(seed)))
     if walk(build_states(e.model), e.rows).all:
+        assert_true(e)
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
+    """Without drives, friction and given loads: energy is claimed."""
+    s = random_system(seed)
+    links = tuple(replace(link, drive=(0.0, 1.0)) for link in s.links)
+    s = replace(
+        s, links=links, wave=(0.0,) * 4, drag=(), torques=(), damping=0.0, pfaffian=(), quadratic=False
+    )
+    e = derive(model(s))
+    if walk(build_states(e.model), e.rows).all:
+        assert "energy" in [c.name for c in analyse(e).conserved]
         assert_true(e)
 
 
