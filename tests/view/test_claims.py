@@ -105,9 +105,8 @@ def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
     """Without drives, friction and given loads: energy is claimed."""
     s = random_system(seed)
     links = tuple(replace(link, drive=(0.0, 1.0)) for link in s.links)
-    s = replace(
-        s, links=links, wave=(0.0,) * 4, drag=(), torques=(), damping=0.0, pfaffian=(), quadratic=False
-    )
+    s = replace(s, links=links, wave=(0.0,) * 4, drag=(), torques=())
+    s = replace(s, damping=0.0, magnetic=0.0, pfaffian=(), quadratic=False)
     e = derive(model(s))
     if walk(build_states(e.model), e.rows).all:
         assert "energy" in [c.name for c in analyse(e).conserved]
