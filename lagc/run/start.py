@@ -117,12 +117,21 @@ def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] 
     search = Consistency(conditions, t, guess, levels)
     status = search.run()
     if status == NOT_FINITE:
-        return Start(guess)
+        return Start(guess, (), _strange(interface, search.culprit - search.state))
     found = _Words(system, conditions, t, guess, search.levels)
     x = [*search.y[: search.state], *guess[search.state :]]
     if status == OK:
         return Start(x, found.changes(search))
     return Start(x, (), *found.conflict(search))
+
+
+def _strange(interface: Interface, rate: int) -> tuple[Missed, ...]:
+    """The stated rate that is not finite; nothing where it is another start value."""
+    if rate < 0:
+        return ()
+    place = interface.start_places[len(interface.start_places) - len(interface.rate_names) + rate]
+    name = f"what `{interface.rate_names[rate]}` ({place}) is stated to be"
+    return (Missed(name, float("nan"), interface.rate_units[rate]),)
 
 
 def conditions_of(system: System) -> Conditions:
@@ -205,8 +214,9 @@ class _Words:
         c = search.evaluate(search.y)[0]
         at_guess = search.evaluate(search.home)[0]
         strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
+        strange = strange or [row for row in (search.directionless(),) if row >= 0]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
-        rows = strange or self._minimal(levels, range(len(self.rows)))
+        rows = strange or self._minimal(levels, search.rows)
         held = []
         for i in [] if strange else range(search.n):
             if levels[i] == FIXED and not search.part[i]:
@@ -217,18 +227,18 @@ class _Words:
                 else:
                     name = _owner(self.names[i]) if len(whole) > 1 else self.names[i]
                     held.append(f"`{name}` ({self.interface.start_places[i]})")
-        amounts = [float("nan") if strange else abs(c[k]) for k in rows]
+        amounts = [abs(c[k]) if abs(at_guess[k]) < float("inf") else float("nan") for k in rows]
         missed = [Missed(self.rows[k][0], a, self.rows[k][1]) for k, a in zip(rows, amounts)]
         return tuple(missed), tuple(held)
 
     def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
         """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
         kept = list(rows)
-        for k in reversed(kept[:]):
+        for k in sorted(kept, reverse=True):
             fewer = [row for row in kept if row != k]
             if self._fails(levels, fewer):
                 kept = fewer
-        return kept
+        return sorted(kept)
 
     def _fails(self, levels: list[int], rows: Sequence[int]) -> bool:
         search = Consistency(self.conditions, self.t, self.guess, levels, rows)

@@ -88,6 +88,7 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
     for k in interface.quaternions:
         ends.append(len(columns) + 4)
         columns += range(k, k + 4)
+    columns = columns or [0]  # C knows no empty array
     unknowns = range(len(interface.start_levels))
     return {
         "KINDS_OF_X": interface.kinds, "KINDS": [max(interface.kinds) + 1],

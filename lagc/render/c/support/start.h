@@ -54,6 +54,7 @@ typedef struct {
     int positions;          /* of the rows that follow: conditions of positions come first */
     int ended;              /* where the rows end: those of one part */
     int left;               /* rows of the table */
+    int rank;               /* columns that the linear conditions ask for */
     int rows[LAGC_NE];
     int all[LAGC_NE];
     int order[LAGC_NE];

@@ -263,6 +263,7 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
     for (i = 0; i < LAGC_NU; i++)
         w->best[i] = 0.5 * (w->kept[i] + w->now[i]);
     k = lagc_table(p, t, w->best, w->now, m, w);
+    w->rank = k;
     sets = lagc_candidates(m, k, slack, w);
     lagc_copy(w->held, w->kept);
     for (set = 0; set < sets; set++) {
@@ -352,7 +353,7 @@ static int lagc_fewest(const lagc_params *p, double t, int n, int count, int lim
 static void lagc_search(const lagc_params *p, double t, int n, lagc_start_work *w)
 {
     int limit = w->work + LAGC_MOST_WORK, count, i, k;
-    for (count = 0; count <= n && w->work <= limit; count++)
+    for (count = w->rank > 0 ? 0 : 1; count <= n && w->work <= limit; count++) /* none was tried already */
         if (lagc_fewest(p, t, n, count, limit, w))
             return;
     for (k = 0; k < n; k++) { /* by how far they moved, the order of equals kept */

@@ -5,6 +5,7 @@
 #define LAGC_EXACT 1e-15    /* at which the iteration ends */
 #define LAGC_SHORTEST (1.0 / 16384.0) /* part of a step that is tried at last */
 #define LAGC_NEAR 8.0       /* weights from the guess: one farther off is taken if none is nearer */
+#define LAGC_ALIKE 1.01     /* what attempts from near the guess miss: they ended at the same place */
 #define LAGC_SPREADS 8
 
 /* How far from the guess attempt k begins, in widths. */
@@ -88,7 +89,7 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
                 break;
             factor = lagc_longest(w);
             least = norm <= LAGC_CLOSE ? 0.6 * factor : LAGC_SHORTEST * factor;
-            while (factor >= least) {
+            while (factor >= least && least > 0.0) {
                 lagc_copy(w->trial, y);
                 for (k = 0; k < w->count; k++)
                     w->trial[w->columns[k]] += factor * w->step[k] * lagc_weight(w, w->columns[k]);
@@ -266,7 +267,7 @@ static int lagc_lacking(const lagc_params *p, double t, const double *y, lagc_st
  * that is near, else the nearest. */
 static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_start_work *w)
 {
-    double least = HUGE_VAL, nearest = HUGE_VAL;
+    double least = HUGE_VAL, nearest = HUGE_VAL, most = 0.0;
     int i, k, pass, any = 0, stated = 0;
     lagc_copy(w->y, w->home);
     if (lagc_hopeless(p, t, w))
@@ -302,11 +303,15 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
                 lagc_copy(w->best, w->now);
                 least = size;
             }
+            if (size > most)
+                most = size;
         }
         if (nearest <= LAGC_NEAR || !any)
             break;
-        if (k == 2 && k + 1 < end && nearest == HUGE_VAL && lagc_lacking(p, t, w->best, w))
-            break;
+        if (k == 2 && k + 1 < end && nearest == HUGE_VAL)
+            if ((most <= LAGC_ALIKE * least && LAGC_ALIKE * least < HUGE_VAL) ||
+                lagc_lacking(p, t, w->best, w))
+                break;
     }
     lagc_copy(w->y, w->best);
     return nearest < HUGE_VAL;

@@ -24,6 +24,7 @@ class Choice(Approach):
     """Of stated values that contradict the conditions, as few as possible move, and as little."""
 
     other = 0  # the spread that led to a start where most was free
+    rank = 0  # how many columns the linear conditions ask for
 
     def set(self, i: int, free: bool) -> None:
         """Let the value at i move or hold it, a quaternion as a whole."""
@@ -62,6 +63,7 @@ class Choice(Approach):
         table, basis = self.table([0.5 * (a + b) for a, b in zip(start, beside)], beside, columns)
         best: list[int] = []
         y, least = start, (inf, inf)
+        self.rank = len(basis)
         for picked, ways in self.candidates(table, basis, columns, slack):
             largest = _largest(ways)
             sure = False
@@ -119,7 +121,7 @@ class Choice(Approach):
         n, k = len(columns), len(basis)
         found: list[tuple[tuple[float, float], list[int], list[float]]] = []
 
-        def rank(picked: list[int], moves: list[float]) -> None:
+        def enter(picked: list[int], moves: list[float]) -> None:
             cost = self.cost([columns[p] for p in picked], moves, slack)
             at = len(found)
             while at > 0 and cost < found[at - 1][0]:
@@ -128,15 +130,15 @@ class Choice(Approach):
             del found[PREDICTED:]
 
         if _subsets(n, k) > MOST_SETS:
-            rank(basis, [row[n] for row in table])
+            enter(basis, [row[n] for row in table])
             if self.exchanged(table, basis, columns, slack):
-                rank(basis, [row[n] for row in table])
+                enter(basis, [row[n] for row in table])
         else:
             picked = list(range(k))
             while True:
                 moves = moves_of(table, picked)
                 if len(moves) == k:
-                    rank(picked, moves)
+                    enter(picked, moves)
                 if not _next(picked, n):
                     break
         return [(chosen, moves) for _, chosen, moves in found]
@@ -182,7 +184,7 @@ class Choice(Approach):
         """By trying sets, the smallest first, and then to hold one value after the other; what has not
         been tried when the work is done moves."""
         limit = self.work + MOST_WORK
-        for count in range(len(values) + 1):
+        for count in range(0 if self.rank > 0 else 1, len(values) + 1):  # none was tried already
             if self.work > limit:
                 break
             if self.fewest(values, count, limit):

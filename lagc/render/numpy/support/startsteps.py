@@ -19,6 +19,7 @@ SHORTEST = 2.0**-14  # part of a step that is tried at last
 SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # of the widths: how far from the guess attempts begin
 BESIDE = 2  # the spread that leaves a singular guess well behind
 NEAR = 8.0  # weights from the guess: a start farther off is not taken before others are sought
+ALIKE = 1.01  # what attempts from near the guess miss: they ended at the same place
 HOMEWARD = 20  # steps back towards the guess
 TURN = 6.283185307179586
 FOLLOWING = (1e-11, 1e-5)  # of its length: the rest of a row that follows from others
@@ -32,7 +33,7 @@ class Approach(Linear):
     def solve(self, first: int, end: int) -> bool:
         """Look for a start from the spreads first..end-1, what is free moving; `y` is the best found: the
         first that is near, else the nearest."""
-        least, nearest, stated = inf, inf, False
+        least, nearest, most, stated = inf, inf, 0.0, False
         self.y = self.home[:]
         if self.hopeless():
             return False
@@ -54,9 +55,11 @@ class Approach(Linear):
                     break
                 if size < least:
                     best, least = y, size
+                most = max(most, size)
             if nearest <= NEAR or True not in self.free:
                 break
-            if k == BESIDE and k + 1 < end and nearest == inf and self.lacking(best):
+            unmet = k == BESIDE and k + 1 < end and nearest == inf
+            if unmet and (most <= ALIKE * least < inf or self.lacking(best)):
                 break
         self.y = best
         return nearest < inf
@@ -120,7 +123,7 @@ class Approach(Linear):
                     break
                 factor = self.longest(columns, step)
                 least = 0.6 * factor if norm <= CLOSE else SHORTEST * factor
-                while factor >= least:
+                while factor >= least > 0.0:
                     trial = y[:]
                     for j, d in zip(columns, step):
                         trial[j] += factor * d * self.weight(j)

@@ -1,0 +1,156 @@
+"""What a start costs where stated values contradict the conditions, and how far the choice sees."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from collections.abc import Sequence
+from math import cos, hypot, pi, sin
+
+import pytest
+
+from lagc.render.numpy.support.start import Consistency
+from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
+from lagc.run.start import conditions_of, consistent_start
+from tests.run.started import Twins, program_of, system_of
+
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+
+
+def chain(places: Sequence[tuple[float, float]], lengths: Sequence[float]) -> str:
+    """Particles in a plane at stated places, each at a given distance from the one before."""
+    lines = ["model Chain"]
+    for i, (x, z) in enumerate(places):
+        lines.append(f"  coordinate Length x{i}(start = {x!r} [m]), z{i}(start = {z!r} [m]);")
+        lines.append(f"  body b{i} = Particle(mass = 1, at = {{x{i}, 0, z{i}}});")
+    for i, length in enumerate(lengths):
+        before = f" - {{x{i - 1}, 0, z{i - 1}}}" if i else ""
+        lines.append(f"  constraint c{i}: norm({{x{i}, 0, z{i}}}{before}) = {length!r} [m];")
+    return "\n".join([*lines, "end Chain;\n"])
+
+
+def bent(n: int, dice: random.Random) -> list[tuple[float, float]]:
+    """The places of a chain of n links of 0.1 m that points anywhere but along an axis."""
+    x, z, found = 0.0, 0.0, []
+    for _ in range(n):
+        angle = dice.choice((0.0, pi / 2, pi, 3 * pi / 2)) + dice.uniform(0.3, 1.2)
+        x, z = x + 0.1 * cos(angle), z + 0.1 * sin(angle)
+        found.append((x, z))
+    return found
+
+
+@pytest.mark.parametrize("n", (3, 8, 16, 30))
+def test_places_that_were_rounded_cost_little(n: int) -> None:
+    """One value moves for each condition, by about the rounding: an attempt or two settle it."""
+    places = [(round(x, 3), round(z, 3)) for x, z in bent(n, random.Random(n))]
+    system = system_of(chain(places, [0.1] * n))
+    guess = system.start()
+    search = Consistency(conditions_of(system), 0.0, guess, system.interface.start_levels)
+    assert search.run() == OK
+    assert search.work <= 60
+    assert sum(a != b for a, b in zip(guess, search.y)) <= n
+    assert max(abs(a - b) for a, b in zip(guess, search.y)) < 0.05 * 0.1 * n
+    start = consistent_start(system)
+    assert len([c for c in start.changes if c.stated]) <= n
+    assert len(start.notes) <= 3
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_contradiction_in_the_middle_of_a_chain_stays_there(seed: int) -> None:
+    """The length of one link is another: its end moves on the circle of the next, by two values."""
+    dice = random.Random(seed)
+    n = 12
+    at, places = dice.randrange(n), bent(n, dice)
+    lengths = [hypot(x - u, z - w) for (x, z), (u, w) in zip(places, [(0.0, 0.0), *places])]
+    lengths[at] *= 1.0 + dice.choice((-0.02, 0.02))
+    system = system_of(chain(places, lengths))
+    guess = system.start()
+    search = Consistency(conditions_of(system), 0.0, guess, system.interface.start_levels)
+    assert search.run() == OK
+    assert sum(a != b for a, b in zip(guess, search.y)) <= 2
+    assert max(map(abs, search.evaluate(search.y)[0])) < 1e-12
+
+
+def test_parts_that_share_nothing_are_left_alone() -> None:
+    """Of many pendulums one is stated wrongly."""
+    pendulums = [
+        f"  coordinate Length x{i}(start = 0.6 [m]), y{i}(start = {0.8 if i != 7 else 0.9} [m]), z{i};\n"
+        f"  body b{i} = Particle(mass = 1, at = {{x{i}, y{i}, z{i}}});\n"
+        f"  constraint c{i}: x{i}^2 + y{i}^2 = 1 [m2];\n"
+        f"  constraint d{i}: z{i} = 2*x{i};\n"
+        for i in range(12)
+    ]
+    system = system_of("model M\n" + "".join(pendulums) + "end M;\n")
+    start = consistent_start(system)
+    (change,) = [c for c in start.changes if c.stated]
+    assert change.name == "y7" and change.used == pytest.approx(0.8, abs=1e-15)
+    assert change.forced == (f"constraint `c7` (m.lag:{2 + 4 * 7 + 2})",)
+    search = Consistency(conditions_of(system), 0.0, system.start(), system.interface.start_levels)
+    assert search.run() == OK and search.work <= 30
+
+
+TURNED = """\
+model M
+  parameter Velocity v = 1 [m/s];
+  coordinate Orientation o;
+  coordinate Length x(rate = {rate}), y;
+  speed Velocity u(start = 1 [m/s]) = der(x) + der(y);
+  speed Velocity w(start = 1 [m/s]) = der(x) - der(y);
+  body b = Solid(mass = 1, inertia = {{1, 2, 3}}, frame = rotate(world, o), com = {{x, y, 0}});
+  constraint c: x + y = 1 [m];
+end M;
+"""
+
+
+@pytest.fixture(scope="module")
+def turning() -> Twins:
+    return Twins(program_of(TURNED.format(rate="v")))
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    ("parts", "status", "turned"),
+    [
+        ((2.0, 0.0, 0.0, 0.0), OK, (1.0, 0.0, 0.0, 0.0)),
+        ((1e200, 0.0, 0.0, 0.0), OK, (1.0, 0.0, 0.0, 0.0)),
+        ((3e-170, 4e-170, 0.0, 0.0), OK, (0.6, 0.8, 0.0, 0.0)),
+        ((-3e170, 0.0, 4e170, 0.0), OK, (-0.6, 0.0, 0.8, 0.0)),
+        ((5e-324, 0.0, 0.0, 0.0), OK, (1.0, 0.0, 0.0, 0.0)),
+        ((0.0, 0.0, 0.0, 0.0), INCONSISTENT, None),
+        ((float("nan"),) * 4, NOT_FINITE, None),
+        ((1.0, float("inf"), 0.0, 0.0), NOT_FINITE, None),
+    ],
+)
+def test_any_direction_is_taken_and_none_invented(
+    turning: Twins, parts: tuple[float, ...], status: int, turned: tuple[float, ...] | None
+) -> None:
+    twins = turning
+    names = twins.interface.q_names
+    first = names.index("o.w")
+    guess = twins.guess
+    guess[first : first + 4] = parts
+    found = twins.by_python(0.0, guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, guess, None))
+    assert found[0] == status
+    if turned:
+        assert found[2][first : first + 4] == pytest.approx(turned, rel=1e-15)
+
+
+@needs_gcc
+def test_a_stated_rate_that_is_not_finite_is_named() -> None:
+    twins = Twins(program_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    assert found[:2] == (NOT_FINITE, twins.n)
+    start = consistent_start(system_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))
+    (missed,) = map(str, start.missed)
+    assert missed == "what `der(x)` (m.lag:4) is stated to be is no finite number there"
+
+
+def test_a_step_beyond_all_numbers_ends_the_attempt() -> None:
+    """A slope of 5e-324, the least that is not zero, asks for an endless step."""
+    system = system_of("classic/n_four_bar")
+    guess = [-0.6911375757741971, 0.0, 5e-324, -0.3162966008557273, 1.505160766880794, 0.3577644230700024]
+    levels = [1, 3, 0, 1, 0, 0]
+    search = Consistency(conditions_of(system), 0.0, guess, levels)
+    assert search.run() in (OK, INCONSISTENT)
