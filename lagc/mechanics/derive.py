@@ -105,7 +105,7 @@ def _warnings(
     return (
         *points_of_their_own(states, rows),
         *feeding_dissipations(states, rows, contributions),
-        *feeding_loads(states, rows),
+        *feeding_loads(states, rows, contributions),
     )
 
 

@@ -16,7 +16,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.expr.walk import depends, reachable
+from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.equations import Contribution, Row
 from lagc.mechanics.linear import Span as Spanned
 from lagc.mechanics.magnitude import VANISHES, magnitudes
@@ -26,6 +26,7 @@ from lagc.mechanics.states import States
 
 _LARGEST = 60  # speeds beyond which a form is not looked at
 _SIZES = tuple([10.0**k for k in range(-4, 5)])  # of the speeds, beside those of the motions
+_EACH = 16  # motions from a place
 _POLYNOMIAL = ("symbol", "add", "scale", "mul")
 _LARGE = 1e3  # from which on a drive is no more felt
 
@@ -52,19 +53,49 @@ def feeding_dissipations(
             )
 
 
+def takes(states: States, c: Contribution, places: Sequence[Motion]) -> bool:
+    """Whether a load is linear in the speeds and what they bring of it takes energy from every motion,
+    with constraints or without, at the `places`."""
+    if len(states.v) > _LARGEST:
+        return False
+    forms = _forms(states, c)
+    if forms is None:
+        return False
+    matrices = [_matrix(states, c, forms, motion) for motion in places]
+    return bool(matrices) and all(_has_minimum(matrix, [0.0] * len(matrix)) for matrix in matrices)
+
+
 def _feeds(states: States, rows: Sequence[Row], c: Contribution) -> bool:
-    graph, columns = states.graph, [states.v[j] for j in c.forces]
-    forms = [gradient(graph, {force: -graph.one}, columns) for force in c.forces.values()]
-    motions = list(random_motions(states, rows, vary=False))
-    moving = depends(reachable(list(c.forces.values())), states.v)
-    slopes = depends([x for form in forms for x in form.values()], states.v)
-    if slopes or any(x.op not in _POLYNOMIAL for x in moving):
+    forms = _forms(states, c)
+    motions = random_motions(states, rows, each=_EACH if forms is None else 1, vary=False)
+    if forms is None:
         return any(_is_fed(states, c, motion) for motion in motions)
-    places = {motion.place: motion for motion in motions}
-    return any(_is_indefinite(states, rows, c, forms, m) for m in places.values())
+    return any(_is_indefinite(states, rows, c, forms, motion) for motion in motions)
 
 
-# -- quadratic functions ----------------------------------------------------------------------------
+# -- what is linear in the speeds -------------------------------------------------------------------
+
+
+def _forms(states: States, c: Contribution) -> list[dict[Node, Node]] | None:
+    """The slopes of the forces, less their sign; None where these depend on the speeds."""
+    graph, forces = states.graph, list(c.forces.values())
+    if any(x.op not in _POLYNOMIAL for x in depends(reachable(forces), states.v)):
+        return None
+    columns = [v for v in states.v if v in symbols(forces)]
+    forms = [gradient(graph, {force: -graph.one}, columns) for force in forces]
+    return None if depends([x for form in forms for x in form.values()], states.v) else forms
+
+
+def _matrix(states: States, c: Contribution, forms: Sequence[Mapping[Node, Node]], motion: Motion) -> Matrix:
+    """The form of the power, symmetric, over all speeds."""
+    place = {v: k for k, v in enumerate(states.v)}
+    values = iter(magnitudes([x for form in forms for x in form.values()], motion.rest))
+    matrix = [[0.0] * len(place) for _ in place]
+    for j, form in zip(c.forces, forms):
+        for k, x in enumerate(dense({place[v]: next(values) for v in form}, [1.0] * len(place))):
+            matrix[j][k] += x / 2
+            matrix[k][j] += x / 2
+    return matrix
 
 
 def _is_indefinite(
@@ -75,21 +106,17 @@ def _is_indefinite(
     motion: Motion,
 ) -> bool:
     """Whether the form is negative along a motion, or has no minimum."""
-    place = {states.v[j]: k for k, j in enumerate(c.forces)}
-    values = iter(magnitudes([x for form in forms for x in form.values()], motion.rest))
-    matrix = [dense({place[x]: next(values) for x in form}, [1.0] * len(place)) for form in forms]
-    force = [
-        x if abs(x) > VANISHES * size else 0.0 for x, size in magnitudes(list(c.forces.values()), motion.rest)
-    ]
+    matrix, force = _matrix(states, c, forms, motion), [0.0] * len(states.v)
+    for j, (x, size) in zip(c.forces, magnitudes(list(c.forces.values()), motion.rest)):
+        force[j] = x if abs(x) > VANISHES * size else 0.0
     if not rows:
         return not _has_minimum(matrix, force)
-    sizes = [scales(states)[states.v[j]] for j in c.forces]
-    everywhere = [scales(states)[v] for v in states.v]
-    held = Spanned(jacobian([row for row in rows if row.linear], everywhere, motion.state))
+    sizes = [scales(states)[v] for v in states.v]
+    held = Spanned(jacobian([row for row in rows if row.linear], sizes, motion.state))
     allowed = []
-    for j in range(len(states.v)):
-        e = held.remainder([float(i == j) for i in range(len(states.v))])
-        allowed.append([e[i] * size for i, size in zip(c.forces, sizes)])
+    for j in range(len(sizes)):
+        e = held.remainder([float(i == j) for i in range(len(sizes))])
+        allowed.append([x * size for x, size in zip(e, sizes)])
     projected = [[_power(matrix, a, b) for b in allowed] for a in allowed]
     reach = max(abs(x) for row in projected for x in row)
     push = [sum(f * x for f, x in zip(force, a)) for a in allowed]

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain, combinations
+from itertools import chain, combinations, islice
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, add, cross, matvec, sub
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
-from lagc.mechanics.equations import Row
+from lagc.mechanics.equations import Contribution, Row
+from lagc.mechanics.feeding import takes
 from lagc.mechanics.magnitude import VANISHES
 from lagc.mechanics.motions import (
     KEPT,
@@ -34,6 +35,7 @@ from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 Load = Force | Torque
+_PLACES = 2  # at which a load is asked whether it takes energy from every motion
 _NEXT = 5  # motions that each is taken together with, less 1
 _MOST = 40  # loads that are looked at
 _NEAR = 12  # bodies or frames whose velocities a load is compared with
@@ -82,11 +84,15 @@ class _Pair:
         return dot(force, moved), length(force) * length(moved)
 
 
-def feeding_loads(states: States, rows: Sequence[Row]) -> Iterator[Fault]:
+def feeding_loads(
+    states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
+) -> Iterator[Fault]:
     """LAG0412 of loads that oppose another velocity than that which they act on, or that a negative
     parameter turns from a friction into a drive."""
-    moved = _moved(states)
-    loads = [load for load in moved if not _is_plain(load) or _negative(states, load)][:_MOST]
+    moved = [load for load in _moved(states) if not _is_plain(load) or _negative(states, load)]
+    brought = {c.name: c for c in contributions}
+    places = list(islice(random_motions(states, each=1, vary=False), _PLACES)) if moved else []
+    loads = [load for load in moved if not takes(states, brought[load.name], places)][:_MOST]
     pairs = _paired(loads, list(random_motions(states))) if loads else []
     for pair in pairs:
         moving = _speeds_of(states, pair)
@@ -130,15 +136,11 @@ def _negative(states: States, load: Load) -> list[Parameter]:
 
 
 def _is_plain(load: Load) -> bool:
-    """Whether it is written with the velocity that it acts on, or with both that make it up, and with
-    no other."""
+    """Whether it is written with the velocity that it acts on, and with no other."""
     written = list(dict.fromkeys(vector for vector, _ in load.mentioned))
     if isinstance(load, Force):
-        acted = [load.velocity]
-        both = (sub(written[0], written[1]), sub(written[1], written[0])) if len(written) == 2 else ()
-        return written == acted or load.velocity in both
-    acted = [matvec(f.axes, f.angular_velocity) for f in (load.frame, load.reaction) if f is not None]
-    return set(written) == set(acted)
+        return written == [load.velocity]
+    return load.reaction is None and written == [matvec(load.frame.axes, load.frame.angular_velocity)]
 
 
 def _opposed(

@@ -17,6 +17,7 @@ from lagc.expr.graph import Node
 from lagc.frontend.parse import parse
 from lagc.meaning.model import Body, Model
 from lagc.meaning.resolve import resolve
+from lagc.mechanics import opposing
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from tests.oracle.lagrange import STEP, Expressions, mp
@@ -294,6 +295,10 @@ TAKING = [
     "force F = c*(1 - (y/(1 [m]))^2)*velocity(cart) at cart;",
     "force F = c*velocity(bob) at bob;",
     "force F = bad*velocity(bob) at bob;",
+    "torque T = d*(angular_velocity(bar) - angular_velocity(disc)) on disc from bar;",
+    "torque T = d*(angular_velocity(disc) - angular_velocity(bar)) on bar from disc;",
+    "torque T = -d*norm(angular_velocity(arm))*(angular_velocity(arm) - angular_velocity(rod))*(1 [s]) "
+    "on arm from rod;",
     "force F = -c*(velocity(bob) - {bad*(1 [m/kg]), 0, 0}) at bob;",
     "force F = bad*(1 [m/s])*world.y at bob;",
     "force F = (f*y/(1 [m]) + 3*c*der(y) + 5*f*pin + 2*c*l*der(pin))*world.y at cart;",
@@ -334,6 +339,12 @@ FEEDING = [
     "force F = -c*der(y)*world.y at bob;",
     "torque T = -d*(der(elbow) + der(th))*world.z on rod;",
     "torque T = -d*der(elbow)*world.z on rod;",
+    # the two of a pair exchanged
+    "torque T = -d*(angular_velocity(bar) - angular_velocity(disc)) on disc from bar;",
+    "torque T = -d*(angular_velocity(disc) - angular_velocity(bar)) on bar from disc;",
+    "torque T = d*norm(angular_velocity(bar))*(angular_velocity(disc) - angular_velocity(bar))*(1 [s]) "
+    "on disc from bar;",
+    "force F = -c*(velocity(bar, at = s*rod.x) - velocity(slider)) on slider at s*rod.x from bar;",
     # a sign that a parameter turns
     "force F = -bad*velocity(disc) at disc;",
     "force F = -bad*der(y)*world.y at cart;",
@@ -397,6 +408,20 @@ def test_a_particle_has_no_other_points() -> None:
         codes("force F = f*world.x on bob at G;")
     with pytest.raises(lagc.Refused, match="which has no place"):
         codes("force F = f*world.x on B at G;")
+
+
+def test_damping_in_joints_is_plain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No motion is looked at for loads that are linear and take energy from every motion."""
+    lines = ["coordinate Angle q0; frame F0 = rotate_x(world, q0);"]
+    for i in range(1, 8):
+        turn, before = "xyz"[i % 3], f"F{i - 1}"
+        lines.append(f"coordinate Angle q{i}; frame F{i} = rotate_{turn}({before}, q{i});")
+        lines.append(f"body b{i} = Solid(mass = 1, inertia = {{1, 1, 1.5}}, frame = F{i}, com = R*F{i}.y);")
+        lines.append(f"torque T{i} = -d*der(q{i})*F{i}.{turn} on F{i} from {before};")
+        lines.append(f"force E{i} = -c*velocity(b{i}, at = R*F{i}.x) on b{i} at R*F{i}.x;")
+    looked = []
+    monkeypatch.setattr(opposing, "_brings", lambda *given: looked.append(given))
+    assert codes("\n".join(lines)) == [] and not looked
 
 
 @pytest.mark.parametrize("seed", range(24))
