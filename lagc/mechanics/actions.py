@@ -15,7 +15,6 @@ from lagc.expr.vectors import Vector, matvec, transpose
 from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Frame, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
-from lagc.mechanics.smoothness import jumps_in_time
 from lagc.mechanics.states import States, seeds
 from lagc.records import dataclass
 
@@ -63,10 +62,18 @@ def _potential(states: States, name: str, effect: str | None, energy: Node, kind
     slopes = gradient(graph, {energy: graph.one}, states.q)
     power = -tangent(graph, [energy], dict(zip(states.q, states.qdot)))[0]
     driven = depends([energy], [given.symbol for given in model.inputs])
-    conservative = not driven and not jumps_in_time(states, energy)
+    conservative = not driven and not _jumps_in_time(states, energy)
     forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
     return Acting(Contribution(name, kind, effect, forces, power, conservative), power, stored)
+
+
+def _jumps_in_time(states: States, energy: Node) -> bool:
+    if not depends([energy], [states.model.time]):
+        return False
+    from lagc.mechanics.smoothness import jumps_in_time  # loaded where there is a question
+
+    return jumps_in_time(states, energy)
 
 
 def _applied(

@@ -15,8 +15,11 @@ from lagc.mechanics.equations import Contribution, EquationsOfMotion, Row
 from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
-from lagc.mechanics.smoothness import refuse_breaks
 from lagc.mechanics.states import States, build_states
+
+_ANALYTIC = frozenset((
+    "const", "symbol", "add", "scale", "sin", "cos", "exp", "sinh", "cosh", "tanh", "atan"
+))  # fmt: skip
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -28,7 +31,7 @@ def derive(model: Model) -> EquationsOfMotion:
     """
     graph = model.graph
     states = build_states(model)
-    cuts = refuse_breaks(states)
+    cuts = _cuts(states)
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     acting = act(states)
@@ -78,6 +81,20 @@ def derive(model: Model) -> EquationsOfMotion:
         dropped=tuple([reason for _, reason in dropped]),
         warnings=(*cuts, *_warnings(states, kept, contributions)),
     )
+
+
+def _cuts(states: States) -> tuple[Fault, ...]:
+    """Warnings of energies that jump; what may not break anything is not looked at."""
+    if all(_is_analytic(node) for node in states.graph.nodes):
+        return ()
+    from lagc.mechanics.smoothness import refuse_breaks  # loaded where something may
+
+    return refuse_breaks(states)
+
+
+def _is_analytic(node: Node) -> bool:
+    """As a function of its arguments, everywhere."""
+    return node.op in _ANALYTIC or (node.op == "mul" and min(node.value) > 0)
 
 
 def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]]]:
