@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from lagc.records import dataclass
 from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
-from lagc.run.dependence import kept_share, own_share
 from lagc.run.names import row_name, speed_name, state_name
 from lagc.run.problem import (
     INCONSISTENT,
@@ -44,7 +43,7 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
     status, message = verdict(system, run, stop)
     if status != "ok":
         return Verdict(status, message, run, estimated)
-    kept = kept_share(system, run)
+    kept = _kept(system, run)
     if kept is not None:
         return Verdict("failed", _nearly(system, *kept), run, estimated)
     if estimated > asked:
@@ -72,6 +71,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
             f"at {t} the mass matrix is singular: nothing has inertia along {speed_name(system, k)}",
         )
     if status == INCONSISTENT:
+        from lagc.run.dependence import own_share
+
         own = own_share(system, trajectory, [k], [(trajectory.t, trajectory.x)]) if k >= 0 else None
         if own is not None:
             return "failed", f"at {t} {_nearly(system, *own)}"
@@ -134,6 +135,15 @@ def _unbalanced(out: Balance, asked: float) -> str:
             f"runs of different tolerance agree; {UNKNOWN}")  # fmt: skip
 
 
+def _kept(system: System, run: Trajectory) -> tuple[int, float] | None:
+    """`kept_share`, where a row was left out."""
+    if not run.redundant_rows:
+        return None
+    from lagc.run.dependence import kept_share
+
+    return kept_share(system, run)
+
+
 def _nearly(system: System, row: int, share: float) -> str:
     return (f"{row_name(system, row)} all but depends on others: a share of {share:.1g} of it is its own, "
             "and what that demands is not met; leave it out, or make it differ more")  # fmt: skip
@@ -141,7 +151,7 @@ def _nearly(system: System, row: int, share: float) -> str:
 
 def redundancy(system: System, trajectory: Trajectory) -> str:
     """A note on rows that were found to depend on others."""
-    kept = kept_share(system, trajectory)
+    kept = _kept(system, trajectory)
     if kept is not None:
         return _nearly(system, *kept)
     rows = ", ".join(row_name(system, k) for k in trajectory.redundant_rows)
