@@ -19,7 +19,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends",
+    "initial_places", "bends", "timed",
 )  # fmt: skip
 
 _BENDING = ("abs", "floor", "sign", "min", "max", "select")
@@ -89,6 +89,7 @@ def interface(
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
         bends=_bends(functions["system"]),
+        timed=_timed(functions["system"]),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
@@ -103,6 +104,11 @@ def _bends(function: Function) -> bool:
         if moving[-1] and o.op in _BENDING:
             return True
     return False
+
+
+def _timed(function: Function) -> bool:
+    """Whether what moves the system depends on time itself."""
+    return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 
 def _warning(fault: Fault) -> str:

@@ -135,6 +135,7 @@ class Interface:
     warnings: tuple[str, ...]  # what may not be meant as it is written
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
+    timed: bool = False  # the rates depend on time itself
 
     @property
     def nx(self) -> int:

@@ -35,6 +35,7 @@ MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of th
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
+LONGEST = 0.02  # of the time, a step where the rates depend on time itself
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
 
@@ -116,10 +117,12 @@ class _Search:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """A run after the first may take many times the steps of the ones before, not any number."""
+        """A run after the first may take many times the steps of the ones before, not any number.  Where
+        time itself moves the system, no step is so long that it would see little of it."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
-        return Options(method=self.method, rtol=tol, max_steps=limit)
+        longest = LONGEST * abs(self.times[-1] - self.times[0]) if self.system.interface.timed else 0.0
+        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest)
 
     def run(self, tol: float) -> Trajectory:
         options = self.options(tol)

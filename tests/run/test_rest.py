@@ -210,3 +210,41 @@ def test_orbits_of_any_size(m: float, C: float, a: float) -> None:
         true = max(true, abs(x - exact[0]) / a, abs(y - exact[1]) / a)
     assert run.status == "ok", run.message
     assert true <= 1.3 * run.estimated <= 1.3e-9  # the size that errors are relative to is 1.3 a
+
+
+LATE = [  # force (N) on 1 kg at rest, the time that is looked at, where it is then
+    ("if time > 5 [s] then 1 [N] else 0 [N]", 10.0, 12.5),
+    ("if time > 5 [s] and time < 6 [s] then 1 [N] else 0 [N]", 20.0, 14.5),
+    ("(3 [N])*max(0, time/(1 [s]) - 5)", 10.0, 62.5),
+    ("(3 [N])*max(0, time/(1 [s]) - 5)^2", 10.0, 156.25),
+    ("(1 [N])*max(0, time/(1 [s]) - 50)", 100.0, 50.0**3 / 6.0),
+    ("(1 [N])*sign(sin(pi*time/(5 [s])))", 20.0, 50.0),
+]
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize(("force", "stop", "end"), LATE)
+def test_what_rests_is_set_in_motion_later(force: str, stop: float, end: float, backend: str) -> None:
+    text = f"""model Late
+  coordinate Length x;
+  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  force push = ({force})*world.x at b;
+end Late;"""
+    run = lagc.loads(text).compile(backend=backend).simulate(stop)
+    assert run.status == "ok", run.message
+    assert run["x"][-1] == pytest.approx(end, rel=1e-6)
+
+
+@pytest.mark.parametrize("balanced", ["(1e15 [N])*world.x at a", "-(1e15 [N/m])*velocity(a)*(1 [s]) at a"])
+def test_no_rest_beside_what_rests(balanced: str) -> None:
+    """The rounding of great forces in balance on one body moves no other."""
+    text = f"""model Beside
+  coordinate Length x(start = 1 [m]), y(start = 1 [m]);
+  body a = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  body b = Particle(mass = 1 [kg], at = {{0, y, 0}});
+  force one = {balanced};
+  force other = -({balanced.partition(" at")[0]}) at a;
+  force push = (0.1 [N])*world.y at b;
+end Beside;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(10.0)
+    assert run["y"][-1] == pytest.approx(6.0)

@@ -58,6 +58,7 @@ void lagc_begin(lagc_state *s, double t, const double *x)
     s->lost = 0;
 #endif
     s->listening = 0;
+    s->longest = 0.0;
     s->culprit = -1;
 }
 
@@ -328,6 +329,9 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
             if (!(o->step > 0.0))
                 t_new = s->t + h;
         }
+        if (!rejected && size > s->longest)
+            s->longest = size;
+        w->longest = rejected ? s->longest : 0.0;
         if ((rejected || !lands) && 0.1 * size <= 2.3e-16 * fabs(s->t) + 1e-40 * rest)
             return lagc_stop(s, cause != LAGC_OK ? cause : LAGC_STEP_UNDERFLOW, w);
         status = method == LAGC_DOPRI5 ? lagc_dopri5_stages(p, s->t, s->x, h, s, w)

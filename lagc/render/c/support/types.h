@@ -13,6 +13,7 @@ typedef struct {
     double xdot[LAGC_NX];
     double reached[LAGC_KINDS]; /* sizes of the kinds of states, with the one that is tried */
     double weights[LAGC_NX];
+    double longest; /* that of the trajectory, in a second attempt at a step */
     double noise[LAGC_NX]; /* rounding of the first rates, where it was asked for */
     double qdot[LAGC_NQ];
     double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
@@ -80,6 +81,7 @@ typedef struct {
     long rhs; /* evaluations */
     int culprit;
     double sizes[LAGC_KINDS]; /* of coordinates, and speeds, of one unit: the largest so far */
+    double longest; /* step that was tried at first */
     int listening; /* the error of the last step was judged with its rounding */
     int called; /* from here on for the functions below: no step was made since the caller had it */
     int method; /* of the last step */

@@ -1,17 +1,40 @@
 /* -- what counts as an error of one step, and how long the first may be -- */
 
+/* The sizes that kinds take from rest over the longest step so far, as they set out in this one: where a
+ * motion begins with a kink, no step is short enough to be exact by what it reaches itself. */
+static void lagc_departing(const lagc_state *s, const lagc_options *o, double h, const lagc_work *w,
+                           double *sizes)
+{
+    int i;
+    for (i = 0; i < LAGC_KINDS; i++)
+        sizes[i] = 0.0;
+    for (i = 0; i < LAGC_NQ + LAGC_NV; i++) {
+        const double way = fabs(s->y[i] - s->x[i]) * (w->longest / fabs(h));
+        if (way > sizes[lagc_kinds[i]])
+            sizes[lagc_kinds[i]] = way;
+    }
+    for (i = 0; i < LAGC_KINDS; i++)
+        if (s->sizes[i] > o->rtol * sizes[i]) /* it moves already */
+            sizes[i] = 0.0;
+}
+
 /* w->reached, those of the trajectory with its new state s->y, and what errors of a step over h are
  * measured in; w->noise is the rounding of rates, where it is known.  An angle that winds does not make
  * others less telling. */
 static void lagc_weights(const lagc_state *s, const lagc_options *o, double h, lagc_work *w)
 {
+    double departing[LAGC_KINDS];
     int i;
-    for (i = 0; i < LAGC_KINDS; i++)
+    for (i = 0; i < LAGC_KINDS; i++) {
         w->reached[i] = s->sizes[i];
+        departing[i] = 0.0;
+    }
     lagc_enlarge(s->y, w->reached);
+    if (w->longest > 0.0)
+        lagc_departing(s, o, h, w, departing);
     for (i = 0; i < LAGC_NQ + LAGC_NV; i++) {
         const int kind = lagc_kinds[i];
-        double size = w->reached[kind], weight;
+        double size = departing[kind] > w->reached[kind] ? departing[kind] : w->reached[kind], weight;
         if (kind == 0 && size > 1.0)
             size = fabs(s->y[i]) > 1.0 ? fabs(s->y[i]) : 1.0;
         weight = o->atol + o->rtol * size + 10.0 * fabs(h) * w->noise[i];

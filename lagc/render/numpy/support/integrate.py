@@ -22,7 +22,7 @@ from lagc.render.numpy.support.base import (
 from lagc.render.numpy.support.linear import not_finite
 from lagc.render.numpy.support.problem import Problem
 from lagc.render.numpy.support.projection import nudge, project
-from lagc.render.numpy.support.sizes import enlarge, first_step, sizes_of, weigh
+from lagc.render.numpy.support.sizes import departing, enlarge, first_step, sizes_of, weigh
 from lagc.render.numpy.support.stages import (
     dop853_at,
     dop853_dense,
@@ -101,6 +101,8 @@ class Integrator:
         self.sizes = sizes_of(problem.kinds, self.x)  # the largest so far
         self.reached = self.sizes  # the same with the state that is tried
         self.weights: list[float] = []
+        self.longest = 0.0  # step that was tried at first
+        self.departing = False  # this attempt at a step is not the first
         self.listening = False  # the error of the last step was judged with its rounding
         self.noise = [0.0] * (problem.nq + problem.nv)  # rounding of k[0]
 
@@ -194,6 +196,9 @@ class Integrator:
                 h = size * direction
                 if options.step == 0.0:
                     t_new = t + h
+            if not rejected and size > self.longest:
+                self.longest = size
+            self.departing = rejected
             if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40 * rest:
                 return self._stop(cause if cause != OK else STEP_UNDERFLOW)
             status, y = method.stages(self.problem, t, x, h, k, self.lam)
@@ -321,7 +326,11 @@ class Integrator:
         kinds = self.problem.kinds
         self.reached = self.sizes[:]
         enlarge(kinds, y, self.reached)
-        self.weights = weigh(kinds, self.reached, self.options, h, y, self.noise)
+        sizes = self.reached
+        if self.departing:
+            moved = [b - a for a, b in zip(self.x, y)]
+            sizes = departing(kinds, self.sizes, self.reached, self.options, moved, self.longest / abs(h))
+        self.weights = weigh(kinds, sizes, self.options, h, y, self.noise)
 
     def _listen(self) -> None:
         """Raise `noise` to what rounding may change in the rates k[0]: see `Equations.nearby`."""

@@ -30,6 +30,28 @@ def sizes_of(kinds: Sequence[int], x: Sequence[float]) -> list[float]:
     return sizes
 
 
+def departing(
+    kinds: Sequence[int],
+    sizes: list[float],
+    reached: list[float],
+    options: Options,
+    moved: list[float],
+    longer: float,
+) -> list[float]:
+    """`reached`, at least the sizes that kinds take from rest over the longest step so far, `longer` times
+    this one, as they set out in this one: where a motion begins with a kink, no step is short enough to
+    be exact by what it reaches itself."""
+    found = [0.0] * len(sizes)
+    for kind, a in zip(kinds, moved):
+        way = abs(a) * longer
+        if way > found[kind]:
+            found[kind] = way
+    for kind, (before, now) in enumerate(zip(sizes, reached)):
+        if before > options.rtol * found[kind] or not found[kind] > now:  # it moves already
+            found[kind] = now
+    return found
+
+
 def weigh(
     kinds: Sequence[int], sizes: list[float], options: Options, h: float, y: list[float], noise: list[float]
 ) -> list[float]:
