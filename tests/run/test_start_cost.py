@@ -12,7 +12,7 @@ import pytest
 from lagc.render.numpy.support.start import Consistency
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
 from lagc.run.start import conditions_of, consistent_start
-from tests.run.started import Twins, program_of, system_of
+from tests.run.started import Twins, program_of, start_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 
@@ -154,3 +154,24 @@ def test_a_step_beyond_all_numbers_ends_the_attempt() -> None:
     levels = [1, 3, 0, 1, 0, 0]
     search = Consistency(conditions_of(system), 0.0, guess, levels)
     assert search.run() in (OK, INCONSISTENT)
+
+
+@pytest.mark.parametrize("turns", (0.1, 20.0, 300.0, -1e6))
+def test_gears_begin_turned_as_far_as_is_stated(turns: float) -> None:
+    """Linear in angles: the partner of a wheel that has turned often is where the ratio says."""
+    solid = (
+        "body {0} = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, {0}a), com = {{0, 0, 0}});"
+    )
+    bodies = "\n  ".join(map(solid.format, "pqr"))
+    text = f"""\
+model Gears
+  coordinate Angle pa(start = {turns!r} [rad]), qa, ra;
+  {bodies}
+  constraint g: pa = 2*qa;
+  constraint h: qa + 3*ra = 0;
+end Gears;
+"""
+    found = start_of(text)
+    assert found["pa"] == turns
+    assert found["qa"] == pytest.approx(turns / 2.0, rel=1e-14)
+    assert found["ra"] == pytest.approx(-turns / 6.0, rel=1e-14)

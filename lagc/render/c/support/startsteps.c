@@ -62,7 +62,7 @@ static double lagc_longest(const lagc_start_work *w)
 static void lagc_improve(const lagc_params *p, double t, double *y, int first, int end,
                          lagc_start_work *w)
 {
-    double norm, past;
+    double norm, past, longest = 1.0;
     int n, k;
     if (first == end || w->count == 0)
         return;
@@ -75,7 +75,7 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
     for (n = 0; n < 60 && LAGC_EXACT < norm && norm < HUGE_VAL; n++) {
         int pass, found = 0;
         if (n > 0 && n % 8 == 0) { /* what is missed halves, or it is no use */
-            if (!(norm < 0.5 * past))
+            if (longest == 1.0 && !(norm < 0.5 * past))
                 break;
             past = norm;
         }
@@ -87,17 +87,19 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
             w->work++;
             if (!lagc_least_norm(w, end - first, w->count, pass ? 1e-5 : 1e-11))
                 break;
-            factor = lagc_longest(w);
-            least = norm <= LAGC_CLOSE ? 0.6 * factor : LAGC_SHORTEST * factor;
+            longest = lagc_longest(w);
+            least = norm <= LAGC_CLOSE ? 0.6 * longest : LAGC_SHORTEST * longest;
+            factor = 1.0; /* whole turns are gone where all is linear */
             while (factor >= least && least > 0.0) {
                 lagc_copy(w->trial, y);
                 for (k = 0; k < w->count; k++)
                     w->trial[w->columns[k]] += factor * w->step[k] * lagc_weight(w, w->columns[k]);
                 lagc_meet(p, t, w->trial, w->trial_c, w->trial_J, w->trial_sizes);
-                found = lagc_norm(w->trial_c, first, end, w) < norm * (1.0 - 0.1 * factor);
+                found = lagc_norm(w->trial_c, first, end, w) <
+                        norm * (1.0 - (factor <= longest ? 0.1 * factor : 0.999));
                 if (found)
                     break;
-                factor *= 0.5;
+                factor = factor <= longest ? 0.5 * factor : longest;
             }
         }
         if (!found)

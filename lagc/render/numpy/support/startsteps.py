@@ -107,12 +107,12 @@ class Approach(Linear):
         norm = norm_of(c, scales, rows)
         if norm <= CLOSE:
             return y
-        past = norm
+        past, longest = norm, 1.0
         for n in range(NEWTON_STEPS):
             if not EXACT < norm < inf:
                 break
             if n > 0 and n % LATE == 0:
-                if not norm < 0.5 * past:
+                if longest == 1.0 and not norm < 0.5 * past:
                     break
                 past = norm
             matrix, found = self.matrix(jacobian, rows, columns), False
@@ -121,17 +121,19 @@ class Approach(Linear):
                 step = least_norm(matrix, [-c[i] for i in rows], dependent)
                 if step == []:
                     break
-                factor = self.longest(columns, step)
-                least = 0.6 * factor if norm <= CLOSE else SHORTEST * factor
+                longest = self.longest(columns, step)
+                least = 0.6 * longest if norm <= CLOSE else SHORTEST * longest
+                factor = 1.0  # whole turns are gone where all is linear
                 while factor >= least > 0.0:
                     trial = y[:]
                     for j, d in zip(columns, step):
                         trial[j] += factor * d * self.weight(j)
                     tc, tj, tz = self.evaluate(trial)
-                    found = norm_of(tc, scales, rows) < norm * (1.0 - 0.1 * factor)
+                    part = 0.1 * factor if factor <= longest else 0.999
+                    found = norm_of(tc, scales, rows) < norm * (1.0 - part)
                     if found:
                         break
-                    factor *= 0.5
+                    factor = 0.5 * factor if factor <= longest else longest
                 if found:
                     break
             if not found:
