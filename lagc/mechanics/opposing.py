@@ -223,6 +223,8 @@ def _ratio(one: Load, other: Load, motions: Sequence[Motion]) -> int:
         a, b = values(one.vector, motion.state), values(other.vector, motion.state)
         size = VANISHES * (length(a) + length(b))
         signs -= {s for s in signs if not length((a[0] - s * b[0], a[1] - s * b[1], a[2] - s * b[2])) <= size}
+        if not signs:
+            break
     return max(signs, default=0)
 
 

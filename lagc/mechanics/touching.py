@@ -96,14 +96,16 @@ def _suspect(
         return _Suspect(x, factor=vanishing[0]) if regular else _Suspect(x, everywhere=True)
     slopes = {states.v[j]: node for j, node in x.row.jacobian.items()}
     node = x.row.residual
-    beside = any(_is_branch(search, node, slopes, z) for z in search.zeros(node, slopes, start))
+    beside = any(_is_branch(search, node, slopes, z, tries) for z in search.zeros(node, slopes, start))
     return _Suspect(x) if beside or search.all_multiple(node, slopes, tries) else None
 
 
-def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero) -> bool:
-    """Whether it is multiple, and zeros all around are too and are others than this one, where there is
-    room for others: from afar a small circle is a point."""
-    if not zero.multiple:
+def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero, tries: Sequence[State]) -> bool:
+    """Whether it is multiple, with other parameters too, and zeros all around are and are others than
+    this one, where there is room for others: from afar a small circle is a point."""
+    given = [p.symbol for p in search.states.model.parameters]
+    turned = [{**zero.state, **{p: other[p] for p in given}} for other in tries]
+    if not zero.multiple or not any(z.multiple for z in search.zeros(node, slopes, turned[_STATES:])):
         return False
     sizes, chance = scales(search.states), Chance(911)
     moving = [x for x in search.moving if x in symbols([node])]

@@ -278,3 +278,15 @@ def test_a_second_run_loads_no_stage_of_the_compiler(heavy: str, capsys: pytest.
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, timeout=60)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(("idle", "said"), [
+    ("spare", "spare: nothing depends on it\n"), ("spare, gone", "spare, gone: nothing depends on them\n"),
+])  # fmt: skip
+def test_what_is_dropped_is_said(
+    idle: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "idle.lag"
+    path.write_text(FALLING.replace("coordinate Length z", f"coordinate Angle {idle}; coordinate Length z"))
+    assert sim(str(path), "-p", "m=1", "--stop", "0.1") == 0
+    assert said in capsys.readouterr().out

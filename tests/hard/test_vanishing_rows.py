@@ -225,3 +225,10 @@ def test_where_gradients_vanish_over_random_forms(made: str) -> None:
             assert fault.code == "LAG0413", fault
             where = next(words for words in WHERE if words in fault.message)
         assert where == MADE[made], line
+
+
+@pytest.mark.parametrize("row", ["x^2 = r*one", "x^2 + y^2 = r^2", "x^3 = r*one^2", "(x - y)^2 = r*(x + y)"])
+def test_values_of_parameters_refuse_no_row(row: str) -> None:
+    """With r = 0 it only touches; what is compiled holds for any r."""
+    lines = f"parameter Length r = 0; constraint c: {row};"
+    lagc.loads(TWO % {"l": 0.3, "size": 0.3, "lines": lines}).compile().equations  # noqa: B018
