@@ -5,6 +5,7 @@ jump       the rates differ on both sides of a state, however near
 singular   speeds grow so fast that they are without bound in a moment
 stiff      the fastest component is far faster than the motion, and steps are as short as its
            stability demands (E. Hairer, G. Wanner, *Solving ODEs II*, Springer 1996, IV.2)
+kink       second differences of a constraint along the motion do not shrink as they should (`bent`)
 growth     small differences grow by the same factor again and again
 """
 
@@ -31,9 +32,13 @@ def cause(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """What was found at (t, x), in words; empty where nothing was."""
     if len(x) < system.nx or not all(map(isfinite, x)):
         return ""
-    return losing_rank(system, t, x) or _jump(system, run, t, x) or _singular(system, run, t, x) or _stiff(
-        system, run, t, x
-    )  # fmt: skip
+    return (
+        losing_rank(system, t, x)
+        or bent(system, run, t, x)
+        or _jump(system, run, t, x)
+        or _singular(system, run, t, x)
+        or _stiff(system, run, t, x)
+    )
 
 
 def losing_rank(system: System, t: float, x: list[float]) -> str:
@@ -61,6 +66,27 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
         if row >= 0
         else ""
     )
+
+
+def bent(system: System, run: Trajectory, t: float, x: list[float]) -> str:
+    """Which constraint is not smooth at (t, x), in words; empty where all are.
+
+    Along the motion r(t + h) - 2 r(t) + r(t - h) goes with h^2 where r is smooth, with h at a kink.
+    """
+    rates = _rates(system, t, x) if len(x) == system.nx else None
+    if rates is None:
+        return ""
+    here = system.position(t, x)
+    bends: list[list[float]] = []
+    for way in WAYS[:5]:
+        h = way * _span(run, t)
+        before, after = (system.position(t + d, [a + d * b for a, b in zip(x, rates)]) for d in (-h, h))
+        bends.append([abs(a - 2.0 * b + c) for a, b, c in zip(before, here, after)])
+    for k, sizes_of in enumerate(zip(*bends)):
+        ratios = [a / b for a, b in pairwise(sizes_of) if b > 0.0]
+        if any(all(5.0 < r < 20.0 for r in three) for three in zip(ratios, ratios[1:], ratios[2:])):
+            return f"{row_name(system, k)} is not smooth there: the speeds would have to jump"
+    return ""
 
 
 def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:

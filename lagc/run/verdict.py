@@ -71,12 +71,14 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
             f"at {t} the mass matrix is singular: nothing has inertia along {speed_name(system, k)}",
         )
     if status == INCONSISTENT:
+        from lagc.run.cause import bent
         from lagc.run.dependence import own_share
 
         own = own_share(system, trajectory, [k], [(trajectory.t, trajectory.x)]) if k >= 0 else None
         if own is not None:
             return "failed", f"at {t} {_nearly(system, *own)}"
-        return "failed", f"at {t} the constraints contradict each other: {row_name(system, k)}"
+        why = bent(system, trajectory, trajectory.t, trajectory.x)
+        return "failed", f"at {t} {why or f'the constraints contradict each other: {row_name(system, k)}'}"
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
