@@ -1,26 +1,14 @@
-"""A consistent start, and in words what had to move for it, or what contradicts what.
-
-The search is that of the generated code (`lagc.render.numpy.support.start` and its twin in C); here
-are the names.  Which conditions forced a value, or contradict each other, is found by leaving out
-one after the other while the search still fails.
-"""
+"""The state to begin with, and what had to move for it, or what contradicts what."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from lagc.optimize.program import Interface
 from lagc.records import dataclass
-from lagc.render.numpy.support.leastnorm import inner, least_norm
-from lagc.render.numpy.support.start import Consistency
-from lagc.render.numpy.support.startrows import FIXED, RUN, UNSTATED, Conditions
-from lagc.run.problem import NOT_FINITE, OK, System
+from lagc.run.problem import System
 
-_SHOWN = 1e-9  # of its size: a change that is worth a word
-_TRIED = 3  # spreads after which conditions are taken to contradict each other
 _MOST_FOUND = 6  # values or conditions that are named in one note
 _SLIGHTLY = 0.01  # of their size: moves such as rounding leaves
-_PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,194 +93,22 @@ def names(system: System) -> list[str]:
 def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
     """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
     the run, in place of the model's."""
-    interface = system.interface
-    guess, levels = list(system.start()), list(interface.start_levels)
-    for i, name in enumerate(names(system)):
-        if given and name in given:
-            guess[i] = given[name]
-            levels[i] = max(levels[i], RUN)
-    if not interface.needs_consistency:
+    guess, given = list(system.start()), given or {}
+    stated = {i: given[name] for i, name in enumerate(names(system)) if name in given}
+    for i, value in stated.items():
+        guess[i] = value
+    if not system.interface.needs_consistency:
         return Start(guess)
-    conditions = conditions_of(system)
-    search = Consistency(conditions, t, guess, levels)
-    status = search.run()
-    if status == NOT_FINITE:
-        return Start(guess, (), _strange(interface, search.culprit - search.state))
-    found = _Words(system, conditions, t, guess, search.levels)
-    x = [*search.y[: search.state], *guess[search.state :]]
-    if status == OK:
-        return Start(x, found.changes(search))
-    return Start(x, (), *found.conflict(search))
+    from lagc.run.consistency import search  # where there is something to search for
+
+    return search(system, t, guess, stated)
 
 
-def _strange(interface: Interface, rate: int) -> tuple[Missed, ...]:
-    """The stated rate that is not finite; nothing where it is another start value."""
-    if rate < 0:
-        return ()
-    place = interface.start_places[len(interface.start_places) - len(interface.rate_names) + rate]
-    name = f"what `{interface.rate_names[rate]}` ({place}) is stated to be"
-    return (Missed(name, float("nan"), interface.rate_units[rate]),)
-
-
-def conditions_of(system: System) -> Conditions:
-    interface = system.interface
-    return Conditions(
-        system.nq, system.nv, system.quaternions, interface.start_units, interface.angles,
-        interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
-    )  # fmt: skip
-
-
-class _Words:
-    """The names of what takes part in a start, and which of it matters."""
-
-    def __init__(
-        self, system: System, conditions: Conditions, t: float, guess: list[float], levels: list[int]
-    ):
-        interface = system.interface
-        self.interface, self.conditions, self.t = interface, conditions, t
-        self.guess, self.levels = guess, levels
-        self.names = [*names(system), *interface.rate_names]
-        self.units = [*interface.q_units, *interface.v_units, *interface.rate_units]
-        self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
-        self.rows = _rows(interface)
-
-    def changes(self, search: Consistency) -> tuple[Change, ...]:
-        """What is not as given, of the rates that were stated too."""
-        moved = []
-        for i, (given, used) in enumerate(zip(self.given, search.y)):
-            if abs(given - used) > _SHOWN * max(abs(given), search.weights[i]):
-                moved.append(i)
-        found: dict[tuple[int, ...], Change] = {}
-        led = [i for i in moved if self.levels[i] != UNSTATED and search.free[i] and not search.part[i]]
-        together = self._forced(search, led) if len(led) > _MOST_FOUND else ()
-        for i in moved:
-            stated = self.levels[i] != UNSTATED
-            whole = _whole(self.conditions, i) if stated else (i,)
-            if whole in found:
-                continue
-            name, given, used = self.names[i], self.given[i], search.y[i]
-            forced = together
-            if not together and stated and search.free[i]:
-                forced = self._forced(search, [i])
-            place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
-            share = max(abs(self.given[j] - search.y[j]) / search.weights[j] for j in whole)
-            change = Change(name, given, used, self.units[i], stated, place, forced, share)
-            if len(whole) > 1:
-                parts = tuple([self.given[j] for j in whole]), tuple([search.y[j] for j in whole])
-                change = Change(_owner(name), *parts, "", stated, place, forced, share)
-            found[whole] = change
-        return tuple(found.values())
-
-    def _forced(self, search: Consistency, values: Sequence[int]) -> tuple[str, ...]:
-        """The conditions that cannot hold with `values` as they were given: those whose combination, linear
-        at the start, asks for moves of them and of nothing else that is free."""
-        rows = self._tied(search, values)
-        _, jacobian, _ = search.evaluate(search.y)
-        free = [j for j in range(search.n) if search.free[j]]
-        place = {j: k for k, j in enumerate(free)}
-        slopes = [[0.0] * len(rows) for _ in free]
-        for k, row in enumerate(rows):
-            first = self.conditions.ends[row - 1] if row > 0 else 0
-            largest = 0.0
-            for entry in range(first, self.conditions.ends[row]):
-                j = self.conditions.columns[entry]
-                if j in place:
-                    slopes[place[j]][k] = jacobian[entry] * search.weights[j]
-                    largest = max(largest, abs(slopes[place[j]][k]))
-            for slope in slopes if largest > 0.0 else ():
-                slope[k] /= largest
-        right = [1.0 + j / search.n if j in values else 0.0 for j in free]  # weights that hardly cancel
-        factors = least_norm(slopes, right, _SHOWN) if rows else []
-        least = _PART * max(map(abs, factors), default=0.0)
-        missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(slopes, right)]
-        if factors and max(missed) < _PART:
-            rows = [row for row, factor in zip(rows, factors) if abs(factor) > least]
-        return tuple([self.rows[row][0] for row in rows])
-
-    def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
-        """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
-        c = search.evaluate(search.y)[0]
-        at_guess = search.evaluate(search.home)[0]
-        strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
-        strange = strange or [row for row in (search.directionless(),) if row >= 0]
-        levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
-        rows = strange or self._minimal(levels, search.rows)
-        held = []
-        for i in [] if strange else range(search.n):
-            if levels[i] == FIXED and not search.part[i]:
-                whole = _whole(self.conditions, i)
-                tried = [UNSTATED if j in whole else level for j, level in enumerate(levels)]
-                if self._fails(tried, rows):
-                    levels = tried
-                else:
-                    name = _owner(self.names[i]) if len(whole) > 1 else self.names[i]
-                    held.append(f"`{name}` ({self.interface.start_places[i]})")
-        amounts = [abs(c[k]) if abs(at_guess[k]) < float("inf") else float("nan") for k in rows]
-        missed = [Missed(self.rows[k][0], a, self.rows[k][1]) for k, a in zip(rows, amounts)]
-        return tuple(missed), tuple(held)
-
-    def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
-        """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
-        kept = list(rows)
-        for k in sorted(kept, reverse=True):
-            fewer = [row for row in kept if row != k]
-            if self._fails(levels, fewer):
-                kept = fewer
-        return sorted(kept)
-
-    def _fails(self, levels: list[int], rows: Sequence[int]) -> bool:
-        search = Consistency(self.conditions, self.t, self.guess, levels, rows)
-        return not search.solve(0, _TRIED)
-
-    def _tied(self, search: Consistency, values: Sequence[int]) -> list[int]:
-        """The rows that `values` reach, from row to row by what is free."""
-        known, rows = {j for i in values for j in _whole(self.conditions, i)}, set[int]()
-        while True:
-            more = {k for k in range(len(self.rows)) if k not in rows and known & set(search.columns(k))}
-            if not more:
-                return sorted(rows)
-            rows |= more
-            known |= {j for k in more for j in search.columns(k) if search.free[j]}
-
-
-def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:
-    """The unknowns that move together with i: the parts of a quaternion."""
-    for k in conditions.quaternions:
-        if k <= i < k + 4:
-            return (k, k + 1, k + 2, k + 3)
-    return (i,)
-
-
-def _rows(interface: Interface) -> list[tuple[str, str]]:
-    """The name and unit of each condition."""
-    labels = list(zip(interface.row_labels, interface.row_units, interface.row_places))
-    found = [(f"constraint `{label}` ({place})", unit) for label, unit, place in labels[: interface.nh]]
-    for k, (label, unit, place) in enumerate(labels):
-        rate = "the rate of " if k < interface.nh else ""
-        found.append((f"{rate}constraint `{label}` ({place})", _rate_unit(unit) if rate else unit))
-    found += [(f"the condition at {place}", "") for place in interface.initial_places]
-    places = interface.start_places[len(interface.start_places) - len(interface.rate_names) :]
-    for name, unit, place in zip(interface.rate_names, interface.rate_units, places):
-        found.append((f"what `{name}` ({place}) is made of", unit))
-    for k in interface.quaternions:
-        found.append((f"the unit length of `{_owner(interface.q_names[k])}`", ""))
-    return found
-
-
-def _owner(part: str) -> str:
-    """The orientation that a part such as `o.w` is of."""
-    return part.rpartition(".")[0]
+def _listed(parts: Sequence[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
 def _value(value: float | tuple[float, ...], unit: str) -> str:
     if isinstance(value, tuple):
         return "{" + ", ".join(f"{a:.6g}" for a in value) + "}"
     return f"{value:.6g} {unit}" if unit else f"{value:.6g}"
-
-
-def _rate_unit(unit: str) -> str:
-    return f"{unit}/s" if unit else "1/s"
-
-
-def _listed(parts: Sequence[str]) -> str:
-    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"

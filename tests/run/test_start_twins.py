@@ -9,7 +9,7 @@ import pytest
 
 from lagc.meaning.units import unit
 from lagc.render.numpy.support.start import Consistency
-from lagc.run.start import conditions_of
+from lagc.run.consistency import conditions_of
 from tests.run.started import Twins, program_of, random_levels, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
