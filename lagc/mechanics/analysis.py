@@ -252,8 +252,8 @@ def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) ->
     """Consistent states with the default parameters, near the start and farther, and with others."""
     count = _STATES if small else 1
     drawn = list(samples(states.model, count))
-    if len(rows) <= _FEW:
-        drawn += far_away(states)
+    if len(rows) <= _FEW and not any(row.kind == "holonomic" for row in rows):
+        drawn += far_away(states)  # beside closed loops these may be other ways to assemble them
     beside = (onto(states, rows, s) for s in drawn)
     start = [] if met.start is None else [met.start]
     return [*start, *met.beside[:1], *met.far[-2:], *(s for s in beside if s is not None)]
