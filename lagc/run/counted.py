@@ -20,8 +20,8 @@ class Counted:
         self.evaluations += 1
         return self.system.rhs(t, x, xdot, lam)
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
-        status = self.system.rounded(t, x, xdot, lam)
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        status = self.system.rounded(t, x, xdot, lam, way)
         self.evaluations += status is not None
         return status
 

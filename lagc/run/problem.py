@@ -78,8 +78,8 @@ class System(Protocol):
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
-        """`rhs` with arithmetic rounded up, where that is one call of compiled code; else None."""
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        """`rhs` with arithmetic rounded up (1) or down (-1), where that is one call of compiled code."""
         ...
 
     def position(self, t: float, x: Vector) -> list[float]: ...

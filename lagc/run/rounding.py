@@ -1,11 +1,11 @@
 """What rounding does to a motion: the part of its error that runs of every tolerance share.
 
 First a quick look at four of the recorded states, from above; where that may matter, a close one at a
-dozen.  The equations are evaluated again with each state changed in its last place, and arithmetic rounded up
-(backward errors: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM 2002, ch. 1; rounding
-modes as a probe: W. Kahan, *How futile are mindless assessments of roundoff*, 2006); closely, also down.
-What changes stands for all along the motion, as an ill-conditioned mass matrix is wrong in the same way at
-every step.
+dozen.  The equations are evaluated again with each state changed in its last place, and arithmetic
+rounded up and down (backward errors: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM
+2002, ch. 1; rounding modes as a probe: W. Kahan, *How futile are mindless assessments of roundoff*, 2006):
+what comes out as usual one way, as a sum that happens to be rounded so, does not the other.  What changes
+stands for all along the motion, as an ill-conditioned mass matrix is wrong in the same way at every step.
 """
 
 from __future__ import annotations
@@ -54,24 +54,24 @@ def _quick(system: System, trajectory: Trajectory, groups: Groups, picked: list[
         return float("inf")
     where = sorted({0, max(picked, key=pace), picked[len(picked) // 2], picked[-1]})
     plain = [_rates(system, times[k], states[k]) for k in where]
-    others = _rounded(system, [times[k] for k in where], [_shifted(states[k], k) for k in where])
+    at = [times[k] for k in where], [_shifted(states[k], k) for k in where]
     worst = 0.0
-    for one, other in zip(plain, others):
-        if one is None or other is None:
+    for one, up, down in zip(plain, _rounded(system, *at, 1), _rounded(system, *at, -1)):
+        if one is None or up is None or down is None:
             return float("inf")
-        changes = _changes(one, [other], moving)
+        changes = _changes(one, [up, down], moving)
         worst = max([worst, *(c / size for c, (_, size) in zip(changes, moving))])
     return UNSEEN * worst * abs(times[-1] - times[0])
 
 
 def _rounded(
-    system: System, times: Sequence[float], states: Sequence[Sequence[float]]
+    system: System, times: Sequence[float], states: Sequence[Sequence[float]], way: int
 ) -> list[list[float] | None]:
-    """The rates with arithmetic rounded up: in calls of compiled code, else in a thread of its own."""
+    """The rates with arithmetic rounded up or down: in calls of compiled code, else in another thread."""
     found: list[list[float] | None] = []
     for t, x in zip(times, states):
         xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-        status = system.rounded(t, x, xdot, lam)
+        status = system.rounded(t, x, xdot, lam, way)
         if status is None:
             break
         found.append(None if status in FAILED else xdot)
@@ -80,7 +80,7 @@ def _rounded(
     from lagc.run.directed import apart, directed
 
     def work() -> list[list[float] | None]:
-        with directed(1):
+        with directed(way):
             return [_rates(system, t, x) for t, x in zip(times, states)]
 
     return apart(work)

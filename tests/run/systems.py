@@ -47,7 +47,7 @@ class Handmade(ABC):
         other.parameters = list(values)
         return other
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         return None
 
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:

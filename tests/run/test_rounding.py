@@ -255,3 +255,23 @@ def test_only_the_thread_apart_is_rounded_otherwise() -> None:
 def test_what_fails_apart_fails_here() -> None:
     with pytest.raises(ZeroDivisionError):
         apart(lambda: 1 // 0)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("e", [1e-2, 1e-3, 1e-4, 5e-5, 2e-5, 1e-5, 3e-6])
+def test_coordinates_that_all_but_coincide(e: float, backend: str) -> None:
+    """a is at p + q and b at p + (1 + e) q, under constant forces: q = (f_b - f_a) t^2 / 2 / e, and the mass
+    matrix has the condition 1 / e^2, at every state alike."""
+    text = f"""model Coincide
+  parameter Mass m = 1 [kg];
+  parameter Real e = {e!r};
+  coordinate Length p, q;
+  body a = Particle(mass = m, at = {{p + q, 0, 0}});
+  body b = Particle(mass = m, at = {{0, p + (1 + e)*q, 0}});
+  force f = (1 [N])*world.x at a;
+  force g = (3.3 [N])*world.y at b;
+end Coincide;"""
+    run = lagc.loads(text).compile(backend=backend).simulate(1.0)
+    true = abs(run["q"][-1] * e / 1.15 - 1.0)
+    assert run.estimated is not None and true <= run.estimated
+    assert run.status == "ok" or e < 1e-4

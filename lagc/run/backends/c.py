@@ -105,14 +105,14 @@ class CSystem(CompiledSystem):
         lam[:] = desk.lam[: self.nc]
         return status
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         from lagc.run.directed import control
 
         found, desk = control(), self._at(x)
         if found is None:
             return None
-        (turn, up, _), time = found, c_double(t)
-        turn(up)
+        (turn, up, down), time = found, c_double(t)
+        turn(up if way > 0 else down)
         try:
             status: int = desk.rhs(self._p, time, desk.x, desk.xdot, desk.lam, desk.work)
         finally:

@@ -73,7 +73,7 @@ class NumpySystem(CompiledSystem):
         status: int = self._own.desk.rhs(t, x, xdot, lam)
         return status
 
-    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int | None:
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         return None
 
     def assemble(self, t: float, x: Vector) -> int:
