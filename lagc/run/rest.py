@@ -40,11 +40,12 @@ def _limits(system: System, t: float, x: Sequence[float], plain: Sequence[float]
         other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
         rates = _rates(other, t, [a * b for a, b in zip(x, last)]) or plain
         found = [max(c, abs(a - b)) for c, a, b in zip(found, rates[system.nq :], plain[system.nq :])]
+    limits = [SEVERAL * c for c in found]
     if system.nc:
         kinds = system.interface.kinds[system.nq :]
         largest = {kind: max(c for c, k in zip(found, kinds) if k == kind) for kind in kinds}
-        found = [max(SEVERAL * c, largest[kind]) / SEVERAL for c, kind in zip(found, kinds)]
-    return [SEVERAL * c for c in found] + [0.0] * system.nz
+        limits = [max(limit, largest[kind]) for limit, kind in zip(limits, kinds)]
+    return limits + [0.0] * system.nz
 
 
 def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.records import dataclass
@@ -45,7 +46,7 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
         return Verdict(status, message, run, estimated)
     kept = _kept(system, run)
     if kept is not None:
-        return Verdict("failed", _nearly(system, *kept), run, estimated)
+        return Verdict("failed", _nearly(system, *kept), run, inf)  # what runs share is no estimate
     if estimated > asked:
         told = _missed(system, found, asked)
         if found.failed is not None:
