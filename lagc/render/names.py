@@ -21,46 +21,50 @@ _KEYWORDS = """
 # Functions and macros of the headers of C and POSIX, names of the generated support, words of compilers.
 _LIBRARY = """
     acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim
-    floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint
-    lround modf nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn signbit
-    sin sinh sqrt tan tanh tgamma trunc fpclassify isfinite isinf isnan isnormal isgreater isless
-    isunordered j0 j1 jn y0 y1 yn gamma gamma_r signgam drem significand finite scalb pow10 abs labs div
-    exit abort index rindex time clock signal memcpy memset memmove strlen printf main min max select sign
-    both either inverse math self float_t double_t size_t ptrdiff_t NULL EOF NAN INFINITY HUGE HUGE_VAL
-    HUGE_VALF HUGE_VALL MATH_ERRNO math_errhandling MAXFLOAT DOMAIN OVERFLOW UNDERFLOW SING PLOSS TLOSS
-    X_TLOSS I TRUE FALSE BUFSIZ CHAR_BIT ERANGE EDOM errno stdin stdout stderr complex imaginary noreturn
-    offsetof va_list linux unix i386 near far huge small interface INTERFACE IN OUT OPTIONAL ERROR CONST
-    VOID DELETE OVERFLOW_ M_E M_LOG2E M_LOG10E M_LN2 M_LN10 M_PI M_PI_2 M_PI_4 M_1_PI M_2_PI M_2_SQRTPI
-    M_SQRT2 M_SQRT1_2 FP_NAN FP_INFINITE FP_ZERO FP_SUBNORMAL FP_NORMAL FP_FAST_FMA FP_ILOGB0 FP_ILOGBNAN
-    DBL_MAX DBL_MIN DBL_EPSILON FLT_MAX FLT_MIN FLT_EPSILON INT_MAX INT_MIN
+    floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb
+    lrint lround modf nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn
+    signbit sin sinh sqrt tan tanh tgamma trunc fpclassify isfinite isinf isnan isnormal isgreater
+    isless isunordered j0 j1 jn y0 y1 yn gamma gamma_r signgam drem significand finite scalb pow10 abs
+    labs div exit abort index rindex time clock signal memcpy memset memmove strlen printf main min max
+    select sign both either inverse math self float_t double_t size_t ptrdiff_t NAN math_errhandling I
+    errno stdin stdout stderr complex imaginary noreturn offsetof va_list linux unix i386 near far huge
+    small interface IN OUT ssize_t mode_t off_t pid_t uid_t gid_t caddr_t alloca environ isascii iscsym
+    iscsymf longjmp matherr pclose popen setjmp toascii wcswcs wpopen accmode_t devmajor_t devminor_t
+    fsblkcnt_t fsfilcnt_t in_addr_t in_port_t onexit_t fd_mask pthread_sigmask sys_errlist sys_nerr
+    w_coredump w_retcode w_stopsig w_stopval w_termsig L_ctermid L_cuserid L_tmpnam L_tmpnam_s P_tmpdir
+    FAR NEAR ERA pascal cdecl hyper
 """
 RESERVED = frozenset(_KEYWORDS.split()) | frozenset(_LIBRARY.split())
-# Macros that the headers of some C library define without being asked to.
+# What a header of some C library may define as a macro, by its shape: INT_MAX, ERANGE, M_SQRT2f, PRId64,
+# si_code.  M_cart, L_1, F_N2, J12 are names of people.
 _MACRO = re.compile(
-    r"(M_|FP_|HUGE_|SNAN|MATH_|U?INT|EXIT_|W[A-Z]{4})[A-Za-z0-9_]*|[A-Z0-9_]*_(MAX|MIN|WIDTH|ENDIAN|ORDER)"
-    r"|FD_SETSIZE|NFDBITS"
+    r"(?![A-Z]_?[A-Z]?\d*$)[A-Z][A-Z0-9_]{3,}|[A-Z]_([12]_)?[A-Z]{2,}[A-Z0-9_]*(f|l|f\d+x?)?|M_E(f|l|f\d+x?)?"
+    r"|E[A-Z]{2}|(PRI|SCN)[a-z][A-Z0-9]*|(ru|sa|si|sigev|sv)_[a-z][a-z0-9_]*"
+    r"|B0|B[1-9]\d+|BS\d|CR\d|CS\d|FF\d|NL\d|VT\d"
 )
 _HEADERS = """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign
     stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
     wchar wctype memory malloc unistd new con aux nul prn
 """
+_TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r)\d+")
 HEADERS = frozenset(_HEADERS.split())  # names that a model's files must not take
 
 
 def identifier(name: str) -> str:
     """`name` with letters, digits and single underscores only, not reserved: `der(theta)` is
-    `der_theta`, `link[2].phi` is `link_2_phi`."""
+    `der_theta`, `link[2].phi` is `link_2_phi`, `int` is `int_`."""
     spelled = "".join(_spell(c) for c in unicodedata.normalize("NFC", name))
     plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", spelled)).strip("_")
     if not plain or plain[0].isdigit():
         plain = f"n{plain}"
-    return plain + "_" if is_reserved(plain) else plain
+    return f"{plain}_" if is_reserved(plain) else plain
 
 
 def is_reserved(name: str) -> bool:
-    """Whether C or Python or a header of C has a use of its own for `name`."""
-    return name in RESERVED or _MACRO.fullmatch(name) is not None
+    """Whether C or Python or a header of C has a use of its own for `name`, or may have: never for one that
+    ends with an underscore."""
+    return not name.endswith("_") and (name in RESERVED or _MACRO.fullmatch(name) is not None)
 
 
 class Names:
@@ -73,18 +77,20 @@ class Names:
     ) -> None:
         self.taken = set(taken)
         self.prefixes = tuple(prefixes)
+        self.lead = "its_" if "the_".startswith(self.prefixes) else "the_"
         self.variables = variables
+        self.numbers: dict[str, int] = {}  # the last that was put behind a name
 
     def give(self, name: str) -> str:
         base = identifier(name)
-        temporary = self.variables and re.fullmatch(r"(t|c|p|x|a|lam|d|w|r)\d+", base)
-        endless = base in self.taken and is_reserved(f"{base}_")  # whatever number is put behind it
-        if temporary or endless or base.startswith(self.prefixes):
-            base = f"the_{base}"
-        found, number = base, 2
-        while found in self.taken or is_reserved(found):
-            found = f"{base.rstrip('_')}_{number}" if number > 2 or base.endswith("_") else f"{base}_"
-            number += 1
+        if f"{base}_".startswith(self.prefixes) or (self.variables and _TEMPORARY.fullmatch(base)):
+            base = f"{self.lead}{base}"
+        found = base
+        if found in self.taken and not base.endswith("_"):
+            found = f"{base}_"
+        while found in self.taken:
+            self.numbers[base] = self.numbers.get(base, 1) + 1
+            found = identifier(f"{base}_{self.numbers[base]}")
         self.taken.add(found)
         return found
 
