@@ -26,7 +26,7 @@ _MOST_ROOTS = 8  # of which one symbol is drawn for all
 _MOST_DECIMALS = 20  # of which products are looked for
 _ULPS = 4
 _MOST_TURNS, _FINEST_TURN = 1000, 360
-_EXACT_DIGITS = 12  # decimal numbers up to these are meant as they are written
+WRITTEN = 12  # digits: decimal numbers up to these are meant as they are written
 
 Linear: TypeAlias = dict["int | str", Fraction]  # value of a term -> coefficient; "1": a number; "pi"
 Circle: TypeAlias = tuple[int, int]  # cosine, sine
@@ -42,12 +42,12 @@ class Point:
     `exact`: every function met so far had all of its relations, so what is not zero here is not
     identically zero.  `rooted` says that roots were met: their signs are drawn, and the same holds
     of what is zero for no choice of them.  With `roots` False a root is a function without
-    relations.
+    relations.  Decimal numbers of up to `digits` are meant as they are written.
     """
 
-    def __init__(self, seed: int, roots: bool = True) -> None:
+    def __init__(self, seed: int, roots: bool = True, digits: int = WRITTEN) -> None:
         self._state = 2 * seed + 1
-        self._roots = roots
+        self._roots, self._digits = roots, digits
         self.exact, self.rooted = True, False
         self.symbols: dict[Node, int] = {}
         self._drawn: dict[tuple[object, ...], int] = {}
@@ -66,6 +66,10 @@ class Point:
         self.symbols.update(values)
         self._known.clear()
         self._forms.clear()
+
+    def keep(self, values: Mapping[Node, float]) -> None:
+        """Give symbols these numbers."""
+        self.place({symbol: self._number(value) for symbol, value in values.items()})
 
     def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, int]) -> bool:
         """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
@@ -163,7 +167,7 @@ class Point:
         turns = turns_of(value)
         if turns:
             return residue(turns) * self._any("pi") % P
-        meant = fraction(value)
+        meant = fraction(value, self._digits)
         if meant is None:
             self.exact = False
             return self._rounded(value)
@@ -214,13 +218,13 @@ class Point:
                 total[term] = total.get(term, Fraction(0)) + c
             return {term: c for term, c in total.items() if c}
         if node.op == "const":
-            turns, number = turns_of(node.value), fraction(node.value)
+            turns, number = turns_of(node.value), fraction(node.value, self._digits)
             if turns:
                 return {"pi": turns}
             if number is not None:
                 return {"1": number} if number else {}
         elif node.op == "scale":
-            turns, number = turns_of(node.value), fraction(node.value)
+            turns, number = turns_of(node.value), fraction(node.value, self._digits)
             if not turns and number is not None:
                 return {term: number * c for term, c in self._forms[node.args[0]].items()}
             if turns:
@@ -360,12 +364,12 @@ def turns_of(value: float) -> Fraction | None:
     return near if near and abs(float(near) * math.pi - value) <= _ULPS * math.ulp(value) else None
 
 
-def fraction(value: float) -> Fraction | None:
-    """The number that a float is meant to be: a short decimal, or a fraction that it is within
+def fraction(value: float, digits: int = WRITTEN) -> Fraction | None:
+    """The number that a float is meant to be: a decimal of up to `digits`, or a fraction that it is within
     rounding; None where it is neither."""
     if not math.isfinite(value):
         return None
-    if _is_written(value):
+    if _is_written(value, digits):
         return Fraction(repr(value))
     scale = Fraction(10) ** math.floor(math.log10(abs(value)))
     near = Fraction(value) / scale
@@ -373,7 +377,7 @@ def fraction(value: float) -> Fraction | None:
     return near if abs(float(near) - value) <= _ULPS * math.ulp(value) else None
 
 
-def _is_written(value: float) -> bool:
+def _is_written(value: float, most: int = WRITTEN) -> bool:
     """Whether a number has few digits, or is whole: then it is meant as it is."""
     digits = repr(abs(value)).partition("e")[0].replace(".", "").strip("0")
-    return len(digits) <= _EXACT_DIGITS or value == int(value)
+    return len(digits) <= most or value == int(value)

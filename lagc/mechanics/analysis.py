@@ -79,6 +79,7 @@ class Analysis:
     speeds: int
     rows: int
     redundant: tuple[str, ...]  # labels of rows that follow from others where all hold
+    unseen: tuple[str, ...]  # labels of rows that do not, though double precision cannot tell
     degrees_of_freedom: int  # of the velocities: n less the rank of the rows where they hold
     positional_freedom: int  # degrees of freedom of the positions: integrable rows count
     more_at_start: int  # degrees of freedom that the start's posture alone adds
@@ -118,7 +119,8 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
         redundant=spare,
         degrees_of_freedom=len(equations.v) - moving.rank,
         positional_freedom=len(equations.v) - relations,
-        more_at_start=0 if moving.at_start is None else moving.rank - moving.at_start,
+        unseen=tuple([rows[k].label for k in sorted(moving.unseen)]),
+        more_at_start=0 if moving.at_start is None else moving.rank - len(moving.unseen) - moving.at_start,
         kinetic_parts=_kinetic_parts(equations),
         cyclic=tuple(cyclic),
         conserved=tuple(conserved),

@@ -40,6 +40,7 @@ _STATES = 3
 _FAR_AWAY = (3.0, 30.0)  # sizes of the coordinates
 _MOST_ROWS = 40  # of which unknowns are chosen
 _DRAWS = 40
+_ALL_DIGITS = 15  # that a double keeps of a number that is written
 LARGEST = 160  # accelerations and multipliers that are solved for
 
 
@@ -65,6 +66,15 @@ def on_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, f
     """Positions and speeds meet the rows; `tries` are such states."""
     placing = _Placing(states, rows, tries)
     return Ground(states.graph, defaults(states.model), placing.support, placing.place, lambda truths: tries)
+
+
+def at_defaults(states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]) -> Ground:
+    """As `on_rows`, with parameters and inputs as their defaults are written."""
+    model = states.model
+    values = {p.symbol: p.value for p in model.parameters if p.value is not None}
+    values.update((u.symbol, u.default) for u in model.inputs)
+    placing = _Placing(states, rows, tries, values)
+    return Ground(states.graph, values, placing.support, placing.place, lambda truths: tries, _ALL_DIGITS)
 
 
 def along(
@@ -93,16 +103,23 @@ def _turn(states: States, point: Point) -> None:
 
 
 class _Placing:
-    """Points and speeds on rows."""
+    """Points and speeds on rows, with symbols that keep `values`."""
 
-    def __init__(self, states: States, rows: Sequence[Row], tries: Sequence[Mapping[Node, float]]):
-        self.states = states
+    def __init__(
+        self,
+        states: States,
+        rows: Sequence[Row],
+        tries: Sequence[Mapping[Node, float]],
+        values: Mapping[Node, float] | None = None,
+    ):
+        self.states, self._values = states, values or {}
         graph = states.graph
         residuals = [row.residual for row in rows if row.kind == "holonomic"]
-        unknowns = _solvable(states, residuals)
+        scalars = [x for x in _scalars(states) if x not in self._values]
+        unknowns = _solvable(scalars, residuals)
         holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
         left = [x for x in residuals if x not in holonomic]
-        squares = _squares(states, left, holonomic, tries[0]) if tries else []
+        squares = _squares(scalars, left, holonomic, tries[0]) if tries else []
         known = len(holonomic) + len(squares) == len(residuals)
         self.complete = all(row.linear for row in rows) and known
         slopes = [gradient(graph, {x: graph.one}, unknowns) for x in holonomic]
@@ -126,6 +143,7 @@ class _Placing:
 
     def place(self, point: Point, truths: Truths) -> bool:
         _turn(self.states, point)
+        point.keep(self._values)
         met = self._meet(point, truths, self._unknowns, self._residuals, self._slopes)
         for square in self._squares:
             square.place(point, truths)
@@ -177,19 +195,18 @@ class _Square:
 
 
 def _squares(
-    states: States, residuals: Sequence[Node], solved: Sequence[Node], state: State
+    asked: Sequence[Node], residuals: Sequence[Node], solved: Sequence[Node], state: State
 ) -> list[_Square]:
-    """For each residual an unknown that those solved before do not hold, and that it can be solved for
-    at `state`; residuals without one are left out."""
-    graph = states.graph
+    """For each residual one of those `asked` that those solved before do not hold, and that it can be
+    solved for at `state`; residuals without one are left out."""
     fixed = symbols(solved)
     found: list[_Square] = []
-    asked = _scalars(states)
     for residual in residuals[:_MOST_ROWS]:
         held = symbols([residual]) - fixed
         for x in asked if held else ():
             if x not in held:
                 continue
+            graph = x.graph
             slope = tangent(graph, [residual], {x: graph.one})[0]
             curve = tangent(graph, [slope], {x: graph.one})[0]
             ((value, size),) = magnitudes([slope], state)
@@ -208,12 +225,11 @@ def _scalars(states: States) -> list[Node]:
     return [x for x in (*states.q, *(p.symbol for p in states.model.parameters)) if x not in quaternions]
 
 
-def _solvable(states: States, residuals: Sequence[Node]) -> list[Node]:
-    """Coordinates and parameters in which all residuals together are linear."""
+def _solvable(asked: Sequence[Node], residuals: Sequence[Node]) -> list[Node]:
+    """Those `asked` in which all residuals together are linear."""
     if not residuals or len(residuals) > _MOST_ROWS:
         return []
-    asked = _scalars(states)
-    graph = states.graph
+    graph = residuals[0].graph
     slopes = [gradient(graph, {x: graph.one}, asked) for x in residuals]
     found: list[Node] = []
     inside: set[Node] = set()  # symbols of the slopes by those found

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import Point, Undefined
+from lagc.expr.modular import WRITTEN, Point, Undefined
 from lagc.expr.walk import reachable
 from lagc.meaning.model import Model
 from lagc.mechanics.branches import Branches, Signs, spelt_out
@@ -34,7 +34,7 @@ class Ground:
 
     `place` gives a point of the field the values that the ground demands, and says whether it meets
     all of them; Undefined where it cannot.  `states` gives states of numbers, on a branch or (None)
-    as they are.  `support`: what both use, spelt out.
+    as they are.  `support`: what both use, spelt out.  `digits` as of `Point`.
     """
 
     graph: Graph
@@ -42,6 +42,7 @@ class Ground:
     support: Sequence[Node]
     place: Callable[[Point, Truths], bool]
     states: Callable[[Truths | None], Sequence[State]]
+    digits: int = WRITTEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +129,7 @@ class Judge:
         under = [node.args[0] for node in reachable(self._ground.support) if node.op == "sqrt"]
         for roots, tries in ((True, _TRIES), (False, _POINTS)):
             for seed in range(tries):
-                point = Point(seed, roots)
+                point = Point(seed, roots, self._ground.digits)
                 try:
                     if roots and not point.seek_roots(under, truths):
                         break

@@ -3,13 +3,14 @@
 Off the constraints the rank of a closed loop is too large: rows that depend on each other where the
 loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
 (`manifold.walk`), and the largest one counts: postures where it is less are passed.  It is proved
-where it cannot be larger: as many as there are rows, or as at a random point of a finite field.
+where it cannot be larger: as many as there are rows, or as at a random point of a finite field.  A field
+also tells rows apart that agree in more digits than double precision has.
 Where surfaces touch, motions are counted by steps instead (`Consistent.freedom`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.expr.modular import Undefined
@@ -17,8 +18,8 @@ from lagc.expr.walk import depends
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
 from lagc.mechanics.finite import Echelon
-from lagc.mechanics.grounds import on_rows
-from lagc.mechanics.judge import Judge
+from lagc.mechanics.grounds import at_defaults, on_rows
+from lagc.mechanics.judge import Ground, Judge, Placed
 from lagc.mechanics.linear import Span
 from lagc.mechanics.manifold import Consistent, jacobian, scales
 from lagc.mechanics.samples import samples
@@ -32,6 +33,8 @@ class Mobility:
 
     `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is
     False where no consistent state was found: then the rank is that beside the constraints.
+    `unseen`: rows that follow from others as far as double precision tells, and are proved not to;
+    they count in `rank`, and not in `at_start`.
     """
 
     spare: frozenset[int]
@@ -39,6 +42,7 @@ class Mobility:
     at_start: int | None
     proved: bool
     examined: bool
+    unseen: frozenset[int] = frozenset()
 
 
 def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
@@ -56,8 +60,15 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
         holonomic = [row for row in rows if row.kind == "holonomic"]
         places = max(_span(states, holonomic, state).rank for state in tried)
         return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
-    proved = bool(tried) and best.rank in (len(rows), _largest(states, rows, met))
-    return Mobility(spare, best.rank, at_start, proved, bool(tried))
+    moved = [row for row in rows if row.kind == "holonomic"] if _depend_on_places(states, rows) else []
+    if tried and (
+        best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
+    ):
+        return Mobility(spare, best.rank, at_start, True, True)
+    kept = _exactly(states, rows, at_defaults(states, moved, met.all))
+    if kept is None or len(kept) < best.rank:
+        return Mobility(spare, best.rank, at_start, False, bool(tried))
+    return Mobility(frozenset(range(len(rows))) - kept, len(kept), at_start, True, True, spare & kept)
 
 
 def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> Span:
@@ -65,20 +76,33 @@ def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> S
     return Span(jacobian(rows, [sizes[x] for x in states.v], state))
 
 
-def _largest(states: States, rows: Sequence[Row], met: Consistent) -> int | None:
+def _depend_on_places(states: States, rows: Sequence[Row]) -> bool:
+    return bool(depends([node for row in rows for node in row.jacobian.values()], states.q))
+
+
+def _largest(states: States, rows: Sequence[Row], ground: Ground) -> int | None:
     """The rank at random points of the field, the same on all branches: none is larger."""
+    ranks = {len(kept) for _, kept in _in_field(states, rows, ground)}
+    return ranks.pop() if len(ranks) == 1 else None
+
+
+def _exactly(states: States, rows: Sequence[Row], ground: Ground) -> frozenset[int] | None:
+    """The first rows that span all, where no number is rounded and the rows are met; None elsewhere."""
+    found = list(_in_field(states, rows, ground))
+    sure = all(placed.met and placed.point.exact for placed, _ in found)
+    kept = {k for _, k in found}
+    return kept.pop() if sure and len(kept) == 1 else None
+
+
+def _in_field(states: States, rows: Sequence[Row], ground: Ground) -> Iterator[tuple[Placed, frozenset[int]]]:
+    """Points of the field on all branches, and the first rows that span all there."""
     flat = spelt_out(states.graph, [node for row in rows for node in row.jacobian.values()])
-    holonomic = [row for row in rows if row.kind == "holonomic"]
-    judge = Judge(on_rows(states, holonomic if depends(flat, states.q) else [], met.all))
-    ranks: set[int] = set()
-    for placed, truths in judge.points(flat):
+    for placed, truths in Judge(ground).points(flat):
         for x in placed:
             try:
                 values = iter(x.point.values(flat, truths))
             except Undefined:
                 continue
             taken = Echelon()
-            for row in rows:
-                taken.grows({j: next(values) for j in row.jacobian})
-            ranks.add(taken.rank)
-    return ranks.pop() if len(ranks) == 1 else None
+            tables = [{j: next(values) for j in row.jacobian} for row in rows]
+            yield x, frozenset(k for k, table in enumerate(tables) if taken.grows(table))

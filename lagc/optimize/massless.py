@@ -1,26 +1,46 @@
-"""Speeds that nothing gives inertia: their accelerations cannot be found."""
+"""Speeds that nothing gives inertia: rows determine them, or their accelerations cannot be found."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import rate_symbols
-from lagc.optimize.ldlt import Entry, eliminate
+from lagc.optimize.kkt import applied_forces, kkt_entries, order_of
+from lagc.records import replace
 
 
-def refuse_massless(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> None:
-    """Raise Refused, LAG0501 for each speed without inertia of its own that no constraint ties to
-    one that has."""
-    n = len(equations.v)
-    bare = [j for j in range(n) if (j, j) not in entries]
-    if not bare or eliminate(n, len(equations.rows), entries) is not None:
-        return
-    tied = _tied(equations, [j for j in range(n) if j not in bare])
-    culprits = [j for j in bare if j not in tied] or bare
+def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
+    """`equations` as elimination can solve them.
+
+    A massless speed on which no force acts and that has a row of its own, `der(y) = ...`, has no pivot
+    and needs no force: y'' = gamma is asked of a unit of inertia too, so that the multiplier comes out
+    as 0, whatever the units.  Raises Refused, LAG0501 for each speed that neither inertia nor rows
+    determine.
+    """
+    bare = [j for j in range(len(equations.v)) if (j, j) not in equations.mass_matrix]
+    if not bare or order_of(equations, kkt_entries(equations)) is not None:
+        return equations
+    tied = _tied(equations, [j for j in range(len(equations.v)) if j not in bare])
+    loose = [j for j in bare if j not in tied]
+    found = _with_units(equations, loose)
+    if order_of(found, kkt_entries(found)) is not None:
+        return found
+    culprits = [j for j in loose if (j, j) not in found.mass_matrix] or bare
     raise Refused([_fault(equations, j) for j in culprits])
+
+
+def _with_units(equations: EquationsOfMotion, loose: Sequence[int]) -> EquationsOfMotion:
+    matrix, given = dict(equations.mass_matrix), list(equations.given_forces)
+    forces, one = applied_forces(equations), equations.graph.one
+    for j in loose:
+        rows = [row for row in equations.rows if j in row.jacobian]
+        if len(rows) == 1 and forces[j].is_zero:
+            slope = rows[0].jacobian[j]
+            if len(rows[0].jacobian) == 1 and slope in (one, -one):
+                given[j], matrix[j, j] = slope * rows[0].gamma, one
+    return replace(equations, mass_matrix=matrix, given_forces=tuple(given))
 
 
 def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:
@@ -45,6 +65,15 @@ def _fault(equations: EquationsOfMotion, j: int) -> Fault:
     for speed in equations.model.speeds:
         if speed.symbol is equations.v[j]:
             span = speed.span
+    rows = ", ".join(f"`{row.label}`" for row in equations.rows if j in row.jacobian)
+    if rows:
+        return Fault(
+            "LAG0501",
+            f"nothing that has mass moves with `{name}`, and {rows} alone cannot balance what acts on it",
+            span,
+            remedy=f"where no force acts on it, solve the constraint for its rate, `der({name}) = ...`; else"
+            " give it an inertia, which changes no other motion where constraints alone give its rate",
+        )
     return Fault(
         "LAG0501",
         f"nothing that has mass moves with `{name}`, so its acceleration cannot be found",

@@ -10,7 +10,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.ldlt import Elimination, Entry, flops
-from lagc.optimize.massless import refuse_massless
+from lagc.optimize.massless import with_pivots
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places
@@ -25,11 +25,11 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind.
     """
     equations, left_out = prune(equations)
+    equations = with_pivots(equations)
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
     entries = kkt.kkt_entries(equations)
-    refuse_massless(equations, entries)
     plan = _straight(equations, entries)
     found = _functions(at, entries, plan, work)
     return Program(

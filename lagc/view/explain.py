@@ -43,6 +43,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "inputs": [{"name": i.name, "unit": i.unit, "default": i.value} for i in interface.inputs],
         "constraints": [_constraint(equations, kind) for kind in analysis.constraints],
         "redundant": list(analysis.redundant),
+        "unseen": list(analysis.unseen),
         "count": _count(interface),
         "dropped": list(interface.dropped),
         "degrees_of_freedom": analysis.degrees_of_freedom - idle,
@@ -259,6 +260,9 @@ def _count_text(facts: Facts) -> list[str]:
     if facts["redundant"]:
         how = "redundant rows, it seems" if seems["redundant"] else "redundant rows"
         lines.append(f"{how}: {', '.join(facts['redundant'])}; their multipliers are not unique")
+    if facts["unseen"]:
+        rows = ", ".join(facts["unseen"])
+        lines.append(f"rows that a run in double precision cannot tell from others: {rows}")
     return _section("count", lines)
 
 

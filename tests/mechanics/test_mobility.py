@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -365,3 +366,70 @@ def test_freedom_is_never_less_than_none() -> None:
     states = build_states(b.model())
     rows = [c.row for c in classify(states)]
     assert 0 <= mobility(states, rows, walk(states, rows)).rank <= 2
+
+
+@pytest.mark.parametrize("how", ["numbers", "parameters", "sums", "rates"])
+@pytest.mark.parametrize("seed", range(6))
+def test_rows_that_agree_in_all_but_the_last_digits_are_told_apart(seed: int, how: str) -> None:
+    """Random combinations of random rows, some of them with a last digit (of 8 to 15) that differs;
+    the truth by elimination of the decimals as they are written."""
+    rng = random.Random(f"{seed} {how}")
+    b = Builder()
+    g = b.graph
+    x = [b.coordinate(f"x{k}", 0.0) for k in range(4)]
+    b.lagrangian("kinetic", g.sum(0.5 * b.der(y) ** 2 for y in x), is_kinetic=True)
+    table = [[Fraction(rng.randint(11, 99), 10) for _ in x] for _ in range(rng.randint(1, 2))]
+    for _ in range(2):
+        factors = [rng.randint(1, 3) for _ in table]
+        row = [sum(f * y for f, y in zip(factors, column)) for column in zip(*table)]
+        table.append([Fraction(y) for y in row])
+    entries: list[list[Node]] = [[] for _ in table]
+    for k, row in enumerate(table):
+        last = Fraction(1, 10 ** rng.randint(7, 13)) if rng.random() < 0.5 and k else Fraction(0)
+        for j, whole in enumerate(row):
+            end = last if j == 1 else Fraction(0)
+            name = f"c{k}{j}"
+            if how == "sums":
+                entry = b.parameter(name, float(whole)) + b.parameter(f"d{k}{j}", float(end))
+            else:
+                value = float(whole + end)
+                assert Fraction(repr(value)) == whole + end
+                entry = b.parameter(name, value) if how == "parameters" else g.const(value)
+            entries[k].append(entry)
+            row[j] = whole + end
+        moving = [b.der(y) for y in x] if how == "rates" else x
+        b.constraint(f"r{k}", g.sum(c * y for c, y in zip(entries[k], moving)))
+    states = build_states(b.model())
+    rows = [c.row for c in classify(states)]
+    found = mobility(states, rows, walk(states, rows))
+    kept = independent(table)
+    assert found.proved and found.rank == len(kept)
+    assert found.spare == frozenset(range(len(rows))) - kept
+    assert found.unseen <= kept
+
+
+def independent(table: Sequence[Sequence[Fraction]]) -> frozenset[int]:
+    """The first rows that span all."""
+    kept: dict[int, list[Fraction]] = {}
+    found = set()
+    for k, row in enumerate(table):
+        rest = list(row)
+        for pivot, base in kept.items():
+            rest = [a - rest[pivot] / base[pivot] * c for a, c in zip(rest, base)]
+        if any(rest):
+            kept[next(j for j, c in enumerate(rest) if c)] = rest
+            found.add(k)
+    return frozenset(found)
+
+
+def test_rows_that_agree_but_for_rounding_only_seem_to_depend() -> None:
+    for other in (math.sqrt(2.0) * (1.0 + 2e-15), math.sqrt(2.0) + 1e-13):
+        b = Builder()
+        x, y = b.coordinate("x", 0.0), b.coordinate("y", 0.0)
+        b.particle("p", b.graph.one, (x, y, 0.0))
+        b.constraint("one", x + b.parameter("c", math.sqrt(2.0)) * y)
+        b.constraint("two", x + b.parameter("d", other) * y)
+        states = build_states(b.model())
+        rows = [c.row for c in classify(states)]
+        found = mobility(states, rows, walk(states, rows))
+        assert (found.rank, found.spare, found.proved) == (1, frozenset({1}), False)

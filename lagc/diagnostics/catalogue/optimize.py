@@ -17,7 +17,8 @@ ENTRIES: dict[str, Entry] = {
         "a coordinate that moves no mass",
         "The acceleration of a coordinate is found from the inertia that moves with it.  Forces or "
         "outputs speak of this one, but no body moves with it, and no constraint ties it to another "
-        "that has inertia.  A coordinate that nothing at all speaks of is left out, without a fault.",
+        "that has inertia or gives its rate, as `der(y) = x/T` does.  A coordinate that nothing at all "
+        "speaks of is left out, without a fault.",
         f"{_SPRINGS}  potential spring = 1/2*k*(y - x)^2;\nend M;\n",
         f"{_SPRINGS}  body r = Particle(mass = m, at = {{y, 0, 0}});\n"
         "  potential spring = 1/2*k*(y - x)^2;\nend M;\n",
