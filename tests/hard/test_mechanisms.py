@@ -4,6 +4,7 @@ constraints that depend on each other everywhere, stated twice, or contradicting
 from __future__ import annotations
 
 import math
+from statistics import median
 
 import pytest
 
@@ -66,16 +67,19 @@ def test_windows_pass_the_flat_posture_at_any_tolerance(windows: int) -> None:
     system = model.load(BACKEND)
     x = system.start()
     start = system.energies(0.0, x)[2]
-    complete, tolerances = 0, [10.0 ** (-6.0 - k / 8.0) for k in range(40)]
-    for tolerance in tolerances[:: 1 if BACKEND == "c" else 5]:
+    ratios, tolerances = [], [10.0 ** (-6.0 - k / 8.0) for k in range(40)]
+    tolerances = tolerances[:: 1 if BACKEND == "c" else 5]
+    for tolerance in tolerances:
         done = system.integrate(Options("dop853", tolerance, tolerance, max_steps=5000), 0.0, x, [0.0, 10.0])
         if done.status == OK:  # never on another branch, which needs other energy
-            complete += 1
-            assert abs(system.energies(10.0, done.x)[2] - start) <= 1e3 * tolerance * start + 5e-8
+            ratios.append(abs(system.energies(10.0, done.x)[2] - start) / (tolerance * start))
             assert max(abs(done.x[windows + 1 + i]) for i in range(windows)) <= 1e-6
         else:
             assert "hinge[" in verdict(system, done, 10.0)[1]
-    assert complete >= 0.9 * len(tolerances[:: 1 if BACKEND == "c" else 5])
+    assert len(ratios) >= 0.9 * len(tolerances)
+    # some 60 steps of one tolerance each; of one in thousands, that leaps two radians through the
+    # flat posture, the difference of two embedded formulas may tell a thousandth of the error
+    assert median(ratios) <= 10.0 and max(ratios) <= 1e3
 
 
 FOUR_BAR = read_model("classic/four_bar").text

@@ -21,6 +21,7 @@ from tests.run.test_generated import BACKENDS
 pytestmark = pytest.mark.usefixtures("own_cache")
 TEXT = (Path(__file__).parents[2] / "docs" / "embedding.md").read_text(encoding="utf-8")
 CALLS = 3000
+STEPS = CALLS + 2  # at most: the cart's sizes at rest are none, so that the first call takes three
 
 
 def block(language: str) -> str:
@@ -71,7 +72,7 @@ def test_the_program_in_c(tmp_path: Path) -> None:
     x, theta, steps, evaluations = found.split()
     expected = by_scipy()
     assert [float(x), float(theta)] == pytest.approx(expected[:2], rel=1e-7, abs=1e-8)
-    assert CALLS <= int(steps) <= CALLS + 4 and int(evaluations) <= 13 * CALLS + 99
+    assert CALLS <= int(steps) <= STEPS and int(evaluations) <= 13 * int(steps)
 
 
 def test_the_module_in_python(tmp_path: Path) -> None:
@@ -83,7 +84,7 @@ def test_the_module_in_python(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True)
     words = done.stdout.split()
     assert [float(w) for w in words[:4]] == pytest.approx(by_scipy(), rel=1e-7, abs=1e-8), done.stderr
-    assert CALLS <= int(words[4]) <= CALLS + 4 and int(words[5]) <= 13 * CALLS + 99
+    assert CALLS <= int(words[4]) <= STEPS and int(words[5]) <= 13 * int(words[4])
 
 
 @BACKENDS

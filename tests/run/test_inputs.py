@@ -124,14 +124,15 @@ def test_both_languages_agree_bitwise(name: str, method: str) -> None:
 @BACKENDS
 @NAMES
 def test_fixed_steps_are_those_of_restarts(name: str, backend: str) -> None:
-    """But for the sizes of states so far, by which projection judges what it leaves: nothing else is
-    carried over."""
+    """Bit for bit, but for the sizes of states so far, by which projection judges what it leaves (1e-15
+    of them at a step, at most all of one sign): nothing else is carried over."""
     for method in ("dop853", "dopri5"):
         pieces, options = switches(name, 4, 20), Options(method=method, step=0.004)
         run = driven(name, backend, options, pieces)
-        assert run.facts()[1] == pytest.approx(
-            restarted(name, backend, options, pieces), rel=1e-12, abs=1e-13
-        )
+        _, x, _, steps, *_ = run.facts()
+        left = 1e-15 * steps * max(map(abs, x)) if model(name, "numpy").interface.nc else 0.0
+        again = restarted(name, backend, options, pieces)
+        assert all(abs(a - b) <= left for a, b in zip(x, again))
 
 
 @BACKENDS
