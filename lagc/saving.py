@@ -1,0 +1,178 @@
+"""Files that are written whole or not at all.
+
+What is written goes into a file of its own beside the target, is flushed to the disk, and takes the
+target's name when all of it is there: whoever opens the target finds what it was before, or all of what
+it is now, whatever happened in between.  Links are followed to the file that they name.  What is no
+regular file (a pipe, a device, the standard output) is written straight.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from contextlib import suppress
+from types import TracebackType
+from typing import IO
+
+LONGEST = 60  # characters of the target's name in that of the file beside it, which has to stay a name
+_NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # by file systems that cannot
+
+
+class Files:
+    """Files that take their names one after the other, in the order in which they were opened, when each
+    of them is whole; none does where one fails.
+
+        with Files() as files:
+            files.open("a.csv").write(data)
+
+    With an exception in the block, or where one cannot be written, every target stays as it was and
+    nothing is left beside it.  Without `sync` a target is still never half a file while the machine runs.
+    """
+
+    def __init__(self, sync: bool = True):
+        self.sync = sync
+        self._drafts: list[_Draft] = []
+
+    def open(self, path: str, fresh: bool = False) -> IO[bytes]:
+        """What is written to it becomes the file `path`.  An old one keeps its mode and owner; `fresh`
+        demands that there is none.  Raises OSError, FileExistsError among them."""
+        straight = None if fresh else _straight(path)
+        if straight is not None:
+            self._drafts.append(_Draft(straight))
+            return straight
+        target = path if fresh else os.path.realpath(path)
+        old = _status(target)
+        if old is not None and fresh:
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), path)
+        if old is not None and stat.S_ISDIR(old.st_mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+        if old is not None and not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
+        folder, base = os.path.split(target)
+        beside = os.path.join(folder, f".{base[:LONGEST]}.{os.urandom(6).hex()}.lagc-tmp")
+        draft = _Draft(None, beside, target, fresh)
+        self._drafts.append(draft)  # before there is such a file: a signal may come at any time
+        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+        draft.file = os.fdopen(os.open(beside, flags, 0o666 if old is None else 0o600), "wb")
+        if old is not None:
+            _like(beside, old)
+        return draft.file
+
+    def __enter__(self) -> Files:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        try:
+            if kind is None:
+                for draft in self._drafts:
+                    draft.finish(self.sync)
+                for draft in self._drafts:
+                    draft.take_place()
+                if self.sync:
+                    for folder in {os.path.dirname(d.target) for d in self._drafts if d.target}:
+                        _sync_folder(folder)
+        finally:
+            for draft in self._drafts:
+                draft.discard()
+
+
+def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> None:
+    """Make `data` the content of the file `path`.  Raises OSError, and then it is as it was."""
+    with Files(sync) as files:
+        files.open(path, fresh).write(data)
+
+
+class _Draft:
+    """A file that is being written: `beside` its `target`, or straight where it has none."""
+
+    def __init__(self, file: IO[bytes] | None, beside: str = "", target: str = "", fresh: bool = False):
+        self.file, self.beside, self.target, self.fresh = file, beside, target, fresh
+
+    def finish(self, sync: bool) -> None:
+        """All of it is on the disk."""
+        assert self.file is not None
+        self.file.flush()
+        if self.target and sync:
+            _sync(self.file.fileno())
+        self.file.close()
+
+    def take_place(self) -> None:
+        if self.target and self.fresh:
+            _link(self.beside, self.target)
+        elif self.target:
+            os.replace(self.beside, self.target)
+            self.beside = ""
+
+    def discard(self) -> None:
+        """Nothing is left of it but what took its place."""
+        if self.file is not None:
+            with suppress(OSError):
+                self.file.close()
+        if self.beside:
+            with suppress(OSError):
+                os.unlink(self.beside)
+
+
+def _straight(path: str) -> IO[bytes] | None:
+    """`path` opened, where it is no regular file, or one that is our own output already."""
+    old = _status(path)
+    if old is None or stat.S_ISDIR(old.st_mode):
+        return None
+    for own in (1, 2):
+        with suppress(OSError):
+            if os.path.samestat(old, os.fstat(own)):
+                return os.fdopen(os.dup(own), "wb")
+    if stat.S_ISREG(old.st_mode):
+        return None
+    return os.fdopen(os.open(path, os.O_WRONLY | getattr(os, "O_BINARY", 0)), "wb")
+
+
+def _status(path: str) -> os.stat_result | None:
+    """None where there is no such file.  Raises OSError where that cannot be told."""
+    try:
+        return os.stat(path)
+    except FileNotFoundError:
+        return None
+
+
+def _like(path: str, old: os.stat_result) -> None:
+    """Give `path` the mode of `old` and, where that is allowed, its owner."""
+    if hasattr(os, "chown"):
+        own = os.stat(path)
+        if (own.st_uid, own.st_gid) != (old.st_uid, old.st_gid):
+            with suppress(OSError):
+                os.chown(path, old.st_uid, old.st_gid)
+    os.chmod(path, stat.S_IMODE(old.st_mode))
+
+
+def _link(beside: str, target: str) -> None:
+    """Give the file `beside` the name `target`, where nothing has it.  Raises FileExistsError."""
+    try:
+        os.link(beside, target)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without hard links
+        if os.path.lexists(target):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), target) from None
+        os.replace(beside, target)
+
+
+def _sync(number: int) -> None:
+    try:
+        os.fsync(number)
+    except OSError as error:
+        if error.errno not in _NOT_SYNCED:
+            raise
+
+
+def _sync_folder(folder: str) -> None:
+    """So that the name lasts; where a system has no such thing, it is as good as it gets."""
+    with suppress(OSError):
+        number = os.open(folder or ".", os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)

@@ -1,0 +1,197 @@
+"""Files are written whole or not at all: every operation on files fails once, or is the last one."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import stat
+import sys
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+
+from lagc import saving
+
+OPERATIONS = ("open", "stat", "fsync", "replace", "link", "chmod")
+OLD, NEW = b"old " * 1000, b"new " * 50_000
+
+
+class Faulty:
+    """Each call of an operation on files, and each write, is counted; `at` does `end` instead."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, at: int, end: Callable[[], object]):
+        self.calls, self.at, self.end = 0, at, end
+        for name in OPERATIONS:
+            monkeypatch.setattr(os, name, self._counted(getattr(os, name)))
+
+        fdopen = os.fdopen
+        monkeypatch.setattr(os, "fdopen", lambda number, mode: _Counted(fdopen(number, mode), self))
+
+    def _counted(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        def call(*arguments: Any, **named: Any) -> Any:
+            self.count()
+            return function(*arguments, **named)
+
+        return call
+
+    def count(self) -> None:
+        self.calls += 1
+        if self.calls == self.at:
+            self.end()
+
+
+class _Counted:
+    def __init__(self, file: IO[bytes], faulty: Faulty):
+        self.file, self.faulty = file, faulty
+
+    def write(self, data: bytes) -> int:
+        self.faulty.count()
+        return self.file.write(data)
+
+    def flush(self) -> None:
+        self.faulty.count()
+        self.file.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.file, name)
+
+
+def disk_full() -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def interrupt() -> None:
+    raise KeyboardInterrupt
+
+
+def save(folder: Path) -> None:
+    with saving.Files() as files:
+        for name in ("a", "b"):
+            file = files.open(str(folder / name))
+            for k in range(0, len(NEW), 20_000):
+                file.write(NEW[k : k + 20_000])
+    saving.write(str(folder / "c"), NEW, fresh=True)
+
+
+def prepared(folder: Path) -> None:
+    folder.mkdir()
+    for name in ("a", "b"):
+        (folder / name).write_bytes(OLD)
+
+
+@pytest.mark.parametrize("end", [disk_full, interrupt])
+def test_whatever_fails_targets_are_whole_and_nothing_is_left(
+    end: Callable[[], object], tmp_path: Path
+) -> None:
+    at, failed = 0, 0
+    while True:
+        at += 1
+        folder = tmp_path / str(at)
+        prepared(folder)
+        with pytest.MonkeyPatch.context() as patch:
+            faulty = Faulty(patch, at, end)
+            try:
+                save(folder)
+                done = True
+            except (OSError, KeyboardInterrupt):
+                done = False
+                failed += 1
+        found = {path.name: path.read_bytes() for path in folder.iterdir()}
+        assert set(found) <= {"a", "b", "c"}, at
+        assert all(content in (OLD, NEW) for content in found.values()), at
+        assert found["a"] == NEW or found["b"] == OLD, at  # one after the other
+        if done:
+            assert found == dict.fromkeys("abc", NEW), at
+        if faulty.calls < at:
+            break
+    assert failed > 40
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes")
+def test_whenever_it_ends_every_target_is_whole(tmp_path: Path) -> None:
+    at, ended = 0, False
+    while not ended:
+        at += 1
+        folder = tmp_path / str(at)
+        prepared(folder)
+        child = os.fork()
+        if child == 0:
+            with pytest.MonkeyPatch.context() as patch:
+                Faulty(patch, at, lambda: os._exit(1))
+                save(folder)
+                os._exit(0)
+        ended = os.waitpid(child, 0)[1] == 0
+        for path in folder.iterdir():
+            content = path.read_bytes()
+            assert content in (OLD, NEW) or path.name.endswith(".lagc-tmp"), at
+    assert at > 40 and {path.name for path in folder.iterdir()} == {"a", "b", "c"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes")
+def test_an_old_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Path) -> None:
+    chance = random.Random(1)
+    old = os.umask(0o027)
+    try:
+        saving.write(str(tmp_path / "new"), NEW)
+        assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
+        for _ in range(20):
+            mode = chance.randrange(0o1000) | 0o200
+            (tmp_path / "old").write_bytes(OLD)
+            (tmp_path / "old").chmod(mode)
+            saving.write(str(tmp_path / "old"), NEW)
+            assert stat.S_IMODE((tmp_path / "old").stat().st_mode) == mode
+            (tmp_path / "old").unlink()
+    finally:
+        os.umask(old)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links")
+def test_links_are_followed(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    (tmp_path / "first").symlink_to("second")
+    (tmp_path / "second").symlink_to(Path("far") / "file")
+    for data in (OLD, NEW):
+        saving.write(str(tmp_path / "first"), data)
+        assert (tmp_path / "far" / "file").read_bytes() == data
+        assert (tmp_path / "first").is_symlink() and (tmp_path / "second").is_symlink()
+    (tmp_path / "round").symlink_to("round")
+    with pytest.raises(OSError):
+        saving.write(str(tmp_path / "round"), NEW)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+def test_what_is_no_regular_file_is_written_straight(tmp_path: Path) -> None:
+    pipe, found = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    reader = threading.Thread(target=lambda: found.append(pipe.read_bytes()))
+    reader.start()
+    saving.write(str(pipe), NEW)
+    reader.join()
+    assert found == [NEW] and stat.S_ISFIFO(pipe.stat().st_mode)
+    saving.write(os.devnull, NEW)
+    assert stat.S_ISCHR(os.stat(os.devnull).st_mode)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device that is full")
+def test_a_full_device_is_told() -> None:
+    with pytest.raises(OSError) as caught:
+        saving.write("/dev/full", NEW)
+    assert caught.value.errno == errno.ENOSPC
+
+
+def test_a_fresh_file_replaces_none(tmp_path: Path) -> None:
+    path = tmp_path / "x"
+    saving.write(str(path), OLD, fresh=True)
+    with pytest.raises(FileExistsError):
+        saving.write(str(path), NEW, fresh=True)
+    assert path.read_bytes() == OLD and [p.name for p in tmp_path.iterdir()] == ["x"]
+
+
+def test_the_longest_name_that_a_folder_takes_is_written(tmp_path: Path) -> None:
+    for name in ("x" * 255, "\N{SNOWMAN}" * 85):
+        saving.write(str(tmp_path / name), NEW)
+        assert (tmp_path / name).read_bytes() == NEW
