@@ -2,6 +2,6 @@
 
 import sys
 
-from lagc.cli.main import main
+from lagc.cli.program import program
 
-sys.exit(main())
+sys.exit(program())

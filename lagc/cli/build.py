@@ -8,9 +8,11 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc.cli.exits import DONE, Usage
+from lagc.cli.exits import DONE, cannot_write
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_json, say
+from lagc.cli.output import print_json, say, show
+from lagc.cli.signals import SIGNALS
+from lagc.saving import Files
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -49,20 +51,18 @@ def run(options: argparse.Namespace) -> int:
             say(f"warning: {warning}")
         for note in program.interface.notes:
             say(note)
-        print("\n".join(paths))
+        show("".join(f"{path}\n" for path in paths))
     return DONE
 
 
 def write(files: dict[str, str], folder: str) -> list[str]:
-    """Write each text; the paths.  Raises Usage where that cannot be done."""
-    paths = []
+    """Write each text, all or none; the paths.  Raises Usage or Unwritten where that cannot be done."""
+    paths = {name: os.path.join(folder, name) for name in files}
     try:
         os.makedirs(folder, exist_ok=True)
-        for name, text in files.items():
-            path = os.path.join(folder, name)
-            with open(path, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-            paths.append(path)
+        with SIGNALS.patience(), Files() as written:
+            for name, text in files.items():
+                written.open(paths[name]).write(text.encode())
     except OSError as error:
-        raise Usage(f"`{folder}` cannot be written: {error.strerror}") from None
-    return paths
+        raise cannot_write(folder, error) from None
+    return list(paths.values())

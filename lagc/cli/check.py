@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from lagc.cli.exits import DONE, Usage, code_of
 from lagc.cli.options import add_general_options
-from lagc.cli.output import print_faults, print_json, say
+from lagc.cli.output import print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
 
@@ -38,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
 
         print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults)})
     elif faults:
-        print_faults(faults, color=False if options.no_color else None, stream=sys.stdout)
+        print_faults(faults, color=False if options.no_color else None, result=True)
     elif not options.quiet:
         say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
     return code_of(wrong) if wrong else DONE
@@ -62,8 +61,9 @@ def explain(code: str) -> int:
     entry = entries().get(code)
     if entry is None:
         raise Usage(f"there is no fault `{code}`")
-    print(f"{code}: {entry.title}\n\n{entry.explanation}")
+    show(f"{code}: {entry.title}\n\n{entry.explanation}\n")
     for title, text in (("wrong", entry.wrong), ("right", entry.right)):
         if text:
-            print(f"\n{title}:\n\n" + "\n".join("    " + line for line in text.strip("\n").splitlines()))
+            lines = "".join(f"    {line}\n" for line in text.strip("\n").splitlines())
+            show(f"\n{title}:\n\n{lines}")
     return DONE

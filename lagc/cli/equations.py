@@ -11,7 +11,7 @@ import argparse
 
 from lagc.cli.exits import DONE
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_faults, print_json, say
+from lagc.cli.output import print_faults, print_json, say, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -39,5 +39,5 @@ def run(options: argparse.Namespace) -> int:
         print_faults(equations.warnings, color=False if options.no_color else None)
     for note in equations.model.notes:
         say(note, options.quiet)
-    print(text)
+    show(text + "\n")
     return DONE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterable
 
 from lagc.diagnostics.faults import Fault
@@ -11,7 +12,12 @@ REFUSED = 1
 USAGE = 2
 FAILED = 3
 INTERNAL = 70  # an error of lagc itself (EX_SOFTWARE of sysexits.h)
-INTERRUPTED = 130
+UNWRITTEN = 74  # a file or standard output could not be written (EX_IOERR)
+INTERRUPTED = 130  # by Ctrl-C; 128 + its number by another signal
+
+# What the user can see before: there is no such folder, it is a file, it may not be written.
+_WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EACCES, errno.EPERM,
+               errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL}  # fmt: skip
 
 
 def code_of(faults: Iterable[Fault]) -> int:
@@ -23,3 +29,13 @@ def code_of(faults: Iterable[Fault]) -> int:
 
 class Usage(Exception):
     """The command line is wrong; the message says how."""
+
+
+class Unwritten(Exception):
+    """A file could not be written, though it was asked for rightly; the message says which."""
+
+
+def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
+    """What is wrong where `path` cannot be written: the path, or the disk."""
+    message = f"`{path}` cannot be written: {error.strerror or error}"
+    return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)

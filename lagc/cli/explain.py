@@ -11,7 +11,7 @@ import argparse
 
 from lagc.cli.exits import DONE
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_json
+from lagc.cli.output import print_json, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -30,5 +30,5 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json({"status": "ok", **facts})
     else:
-        print(text(facts, verbose=options.verbose))
+        show(text(facts, verbose=options.verbose) + "\n")
     return DONE

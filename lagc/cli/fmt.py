@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
-import tempfile
 
-from lagc import library
-from lagc.cli.exits import DONE, REFUSED, Usage
+from lagc import library, saving
+from lagc.cli.exits import DONE, REFUSED, Usage, cannot_write
 from lagc.cli.options import add_general_options
-from lagc.cli.output import say
+from lagc.cli.output import say, show
+from lagc.cli.signals import SIGNALS
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
         source = library.read(name)
         text = format_source(source)
         if name == "-" and not options.check:
-            sys.stdout.write(text)
+            show(text, exact=True)
         elif text != source.text:
             differs = True
             if options.check:
@@ -46,14 +45,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def replace(path: str, text: str) -> None:
-    """Write `text` over `path`, whole or not at all, keeping its mode."""
-    folder, base = os.path.split(os.path.realpath(path))
+    """Write `text` over `path`, whole or not at all."""
     try:
-        mode = os.stat(path).st_mode
-        handle, temporary = tempfile.mkstemp(prefix=f".{base}.", dir=folder)
-        with open(handle, "w", encoding="utf-8", newline="") as file:
-            file.write(text)
-        os.chmod(temporary, mode & 0o7777)
-        os.replace(temporary, os.path.join(folder, base))
+        with SIGNALS.patience():
+            saving.write(path, text.encode())
     except OSError as error:
-        raise Usage(f"`{path}` cannot be written: {error.strerror}") from None
+        raise cannot_write(path, error) from None

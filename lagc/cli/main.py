@@ -6,9 +6,11 @@ import argparse
 import importlib
 import os
 import sys
+from contextlib import suppress
 from typing import NoReturn
 
-from lagc.cli.exits import INTERNAL, INTERRUPTED, USAGE, Usage, code_of
+from lagc.cli.exits import DONE, INTERNAL, INTERRUPTED, UNWRITTEN, USAGE, Unwritten, Usage, code_of
+from lagc.cli.output import begin, code, print_faults, print_json, say, show
 from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
 
@@ -24,37 +26,37 @@ COMMANDS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command; the exit code (0 done, 1 refused, 2 usage, 3 failed, 130 interrupted)."""
+    """Run one command; the exit code (`lagc.cli.exits`)."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     verbose = "-v" in words or "--verbose" in words
+    begin()
     try:
-        return _dispatch(words)
+        return code(_dispatch(words))
     except Usage as error:
-        print(f"lagc: {error}", file=sys.stderr)
+        say(f"lagc: {error}")
         return USAGE
+    except Unwritten as error:
+        say(f"lagc: {error}")
+        return UNWRITTEN
     except Refused as refused:
         _report(refused, words)
-        return code_of(refused.faults)
+        return code(code_of(refused.faults))
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
+        say("interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of our output went away, as `lagc ... | head` does: nothing is left to say.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except SystemExit as stop:  # argparse has said what it had to say
-        return stop.code if isinstance(stop.code, int) else USAGE
+        return code(stop.code if isinstance(stop.code, int) else USAGE)
     except Exception as error:  # the last resort: nobody gets a traceback
         return _internal_error(error, verbose)
 
 
 def _dispatch(words: list[str]) -> int:
     if not words or words[0] in ("-h", "--help", "help"):
-        print(_overview())
-        return 0 if words else USAGE
+        show(_overview() + "\n")
+        return DONE if words else USAGE
     if words[0] in ("--version", "-V"):
-        print(f"lagc {__version__}")
-        return 0
+        show(f"lagc {__version__}\n")
+        return DONE
     name = words[0]
     if name not in COMMANDS:
         raise Usage(f"there is no command `{name}`{_similar(name)}; `lagc --help` lists them")
@@ -64,9 +66,8 @@ def _dispatch(words: list[str]) -> int:
         formatter_class=Help,
     )  # fmt: skip
     command.add_options(parser)
-    code: int = command.run(parser.parse_args(words[1:]))
-    sys.stdout.flush()
-    return code
+    done: int = command.run(parser.parse_args(words[1:]))
+    return done
 
 
 class Help(argparse.RawDescriptionHelpFormatter):
@@ -82,6 +83,9 @@ class Help(argparse.RawDescriptionHelpFormatter):
 
 class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line."""
+
+    def print_help(self, file: object = None) -> None:
+        show(self.format_help())
 
     def error(self, message: str) -> NoReturn:
         raise Usage(f"{message}; `{self.prog} --help` says more")
@@ -102,8 +106,6 @@ def _similar(name: str) -> str:
 
 
 def _report(refused: Refused, words: list[str]) -> None:
-    from lagc.cli.output import print_faults, print_json
-
     if "--json" in words:
         from lagc.diagnostics.report import as_json
 
@@ -118,16 +120,11 @@ def _internal_error(error: BaseException, verbose: bool) -> int:
         import tempfile
         import traceback
 
-        handle, path = tempfile.mkstemp(prefix="lagc-", suffix=".log", text=True)
-        with open(handle, "w", encoding="utf-8") as file:
-            traceback.print_exception(error, file=file)
-        place = f"; details are in {path}"
+        with suppress(OSError):
+            handle, path = tempfile.mkstemp(prefix="lagc-", suffix=".log", text=True)
+            with open(handle, "w", encoding="utf-8", errors="backslashreplace") as file:
+                traceback.print_exception(error, file=file)
+            place = f"; details are in {path}"
     kind = type(error).__name__
-    print(
-        f"error[LAG0799]: internal error of lagc ({kind}: {error}), please report it{place}", file=sys.stderr
-    )
+    say(f"error[LAG0799]: internal error of lagc ({kind}: {error}), please report it{place}")
     return INTERNAL
-
-
-if __name__ == "__main__":
-    sys.exit(main())

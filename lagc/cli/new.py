@@ -6,9 +6,11 @@ import argparse
 import os
 import re
 
-from lagc.cli.exits import DONE, Usage
+from lagc import saving
+from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options
 from lagc.cli.output import say
+from lagc.cli.signals import SIGNALS
 
 TEMPLATE = """\
 model {name} "A mass on a massless string"
@@ -61,11 +63,11 @@ def run(options: argparse.Namespace) -> int:
     path = os.path.join(folder, f"{base}.lag")
     name = "".join(part[:1].upper() + part[1:] for part in base.split("_")) or base
     try:
-        with open(path, "w" if options.force else "x", encoding="utf-8") as file:
-            file.write(TEMPLATE.format(name=name))
+        with SIGNALS.patience():
+            saving.write(path, TEMPLATE.format(name=name).encode(), fresh=not options.force)
     except FileExistsError:
         raise Usage(f"`{path}` is there already; --force replaces it") from None
     except OSError as error:
-        raise Usage(f"`{path}` cannot be written: {error.strerror}") from None
+        raise cannot_write(path, error) from None
     say(f"{path} written; `lagc sim {path}` simulates it", options.quiet)
     return DONE

@@ -7,6 +7,7 @@ import re
 from typing import TYPE_CHECKING
 
 from lagc.cli.exits import Usage
+from lagc.numerals import number
 
 if TYPE_CHECKING:
     from lagc.compiler import Choice
@@ -85,7 +86,7 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
     found: dict[str, tuple[float, str | None]] = {}
     for word in words:
         match = _ASSIGNMENT.fullmatch(word)
-        value = _number(match[2]) if match else None
+        value = number(match[2]) if match else None
         if match is None or value is None:
             raise Usage(f"`{option} {word}` is not of the form name=value or name=value[unit]")
         found[match[1]] = (value, match[3])
@@ -104,7 +105,7 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     if word is None:
         return None
     match = _ASSIGNMENT.fullmatch(f"value={word}")
-    value = _number(match[2]) if match else None
+    value = number(match[2]) if match else None
     if match is None or value is None:
         raise Usage(f"`{option} {word}` is not a number" + (", or a number with a [unit]" if unit else ""))
     given = match[3]
@@ -116,10 +117,3 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
         return to_si(value, given, unit)
     except UnknownUnit as error:
         raise Usage(f"`{option} {word}`: {error.reason}") from None
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None

@@ -1,15 +1,12 @@
-"""A progress bar on a terminal, where a run takes more than a second, and the key that ends a run."""
+"""A progress bar on a terminal, where a run takes more than a second."""
 
 from __future__ import annotations
 
-import signal
 import sys
-from collections.abc import Callable
 from time import perf_counter
-from types import FrameType
-from typing import Any, TypeAlias
 
-Handler: TypeAlias = Callable[[int, FrameType | None], Any] | int | signal.Handlers | None
+from lagc.cli.output import draw
+from lagc.cli.signals import SIGNALS
 
 PATIENCE = 1.0  # s before the bar appears
 REDRAW = 0.1  # s between two drawings
@@ -19,35 +16,28 @@ WIDTH = 30
 class Bar:
     """Called with the time reached.  A run may begin again from 0: the bar follows.
 
-    Ctrl-C waits for the next call, so that the run ends with all that it computed; the second one
-    does not wait.
+    A signal waits for the next call, so that the run ends with all that it computed; the second one
+    does not wait, nor one that comes where nothing was computed yet.
     """
 
     def __init__(self, stop: float, quiet: bool = False):
         self.stop = stop
         self.shown = False
-        self.wanted = not quiet and sys.stderr.isatty()
+        self.wanted = not quiet and sys.stderr is not None and sys.stderr.isatty()
         self.next = perf_counter() + PATIENCE
-        self.interrupted = False
-        self.before: Handler = signal.SIG_DFL
 
     def __enter__(self) -> Bar:
-        self.before = signal.signal(signal.SIGINT, self._interrupt)
         return self
 
     def __exit__(self, *_: object) -> None:
-        signal.signal(signal.SIGINT, self.before)
+        SIGNALS.patient = False
         if self.shown:
-            print("\r\033[K", end="", file=sys.stderr, flush=True)
-
-    def _interrupt(self, number: int, frame: FrameType | None) -> None:
-        if self.interrupted:
-            raise KeyboardInterrupt
-        self.interrupted = True
+            draw("\r\033[K")
 
     def __call__(self, t: float) -> None:
-        if self.interrupted:
+        if SIGNALS.noted:
             raise KeyboardInterrupt
+        SIGNALS.patient = t > 0.0
         if not self.wanted or perf_counter() < self.next:
             return
         self.next = perf_counter() + REDRAW
@@ -55,5 +45,4 @@ class Bar:
         part = min(max(t / self.stop, 0.0), 1.0) if self.stop > 0.0 else 1.0
         done = int(WIDTH * part)
         bar = "#" * done + "." * (WIDTH - done)
-        print(f"\r[{bar}] {100 * part:3.0f} %  t = {t:.4g} s of {self.stop:.4g} s\033[K", end="",
-              file=sys.stderr, flush=True)  # fmt: skip
+        draw(f"\r[{bar}] {100 * part:3.0f} %  t = {t:.4g} s of {self.stop:.4g} s\033[K")

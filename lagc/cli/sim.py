@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import argparse
 import os
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lagc.cli.exits import DONE, FAILED, INTERRUPTED, Usage
+from lagc.cli.deliver import deliver
+from lagc.cli.exits import Usage
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
@@ -19,11 +21,10 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import print_json, say
+from lagc.numerals import whole
 from lagc.records import replace
 
 if TYPE_CHECKING:
-    from lagc.api import Run
     from lagc.run.request import Request
 
 METHODS = ("dop853", "dopri5")
@@ -86,8 +87,6 @@ def run(options: argparse.Namespace) -> int:
         try:
             found = model.run(request, parameters, bar)
         except CannotCompile as error:
-            if bar.interrupted:  # the key reached the compiler too
-                raise KeyboardInterrupt from None
             raise Usage(f"{error}; --backend numpy needs no compiler") from None
     return deliver(found, options)
 
@@ -101,6 +100,8 @@ def check_files(options: argparse.Namespace) -> None:
             check_path(options.output)
         except CannotSave as error:
             raise Usage(str(error)) from None
+    if options.plot is not None and find_spec("matplotlib") is None:
+        raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'")
     if options.plot:
         ending = os.path.splitext(options.plot)[1].lower()
         if ending not in PICTURES:
@@ -108,51 +109,6 @@ def check_files(options: argparse.Namespace) -> None:
             raise Usage(f"`{options.plot}` cannot be drawn: the ending says the format; there are {known}")
         if not os.path.isdir(os.path.dirname(options.plot) or "."):
             raise Usage(f"`{options.plot}` cannot be drawn: there is no such folder")
-
-
-def deliver(found: Run, options: argparse.Namespace) -> int:
-    """Print, write and draw what was computed, also where the run failed; the exit code."""
-    if options.json:
-        print_json(found.to_dict())
-    else:
-        from lagc.cli.summary import summary
-
-        print(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose))
-    if options.output:
-        from lagc.run.files import CannotSave
-
-        try:
-            found.save(options.output, units=options.units)
-        except CannotSave as error:
-            raise Usage(str(error)) from None
-        say(f"{len(found)} points written to {options.output}", options.quiet or options.json)
-    if options.plot is not None:
-        draw(found, options)
-    if found.interrupted:
-        say(found.message, options.quiet)
-        return INTERRUPTED
-    if found.status == "failed":
-        say(f"error[LAG0620]: {found.message}", options.json)
-        return FAILED
-    return DONE
-
-
-def draw(found: Run, options: argparse.Namespace) -> None:
-    """Into the file that was named, else on the screen, else (no display) into a file beside."""
-    from lagc.view.plot import plot, show
-
-    path = options.plot or None
-    try:
-        if path:
-            plot(found, path=path)
-        else:
-            path = show(found)
-    except ImportError as error:
-        raise Usage(str(error)) from None
-    except (OSError, ValueError) as error:
-        raise Usage(f"`{path}` cannot be drawn: {error}") from None
-    if path:
-        say(f"picture written to {path}", options.quiet or options.json)
 
 
 def request_of(options: argparse.Namespace) -> Request:
@@ -174,7 +130,7 @@ def request_of(options: argparse.Namespace) -> Request:
 def _whole(word: str | None, option: str) -> int | None:
     if word is None:
         return None
-    try:
-        return int(word)
-    except ValueError:
-        raise Usage(f"`{option} {word}` is not a whole number") from None
+    found = whole(word)
+    if found is None:
+        raise Usage(f"`{option} {word}` is not a whole number")
+    return found

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from lagc.diagnostics.faults import Fault, Span
+from lagc.printable import one_line, printable
 
 TAB = 4
 WIDEST = 100  # columns of a source line that are shown; longer lines are windowed
@@ -118,9 +119,9 @@ def _snippet(span: Span, arrow: str, mark: str, label: str, width: int, tint: st
     run = mark * max(1, positions[min(end, len(text))] - positions[start])
     bar = _paint("|", "frame", color)
     margin = " " * (width + 1)
-    under = f"{' ' * positions[start]}{_paint(run + (' ' + printable(label) if label else ''), tint, color)}"
+    under = f"{' ' * positions[start]}{_paint(run + (' ' + one_line(label) if label else ''), tint, color)}"
     return [
-        f"{' ' * width}{_paint(arrow, 'frame', color)} {printable(span.source.name)}:{line}:{column}",
+        f"{' ' * width}{_paint(arrow, 'frame', color)} {one_line(span.source.name)}:{line}:{column}",
         f"{margin}{bar}",
         f"{_paint(f'{line:>{width}}', 'frame', color)} {bar} {shown}",
         f"{margin}{bar} {under}",
@@ -167,13 +168,6 @@ def _cells(char: str) -> int:
     if unicodedata.category(char) in ("Mn", "Me"):
         return 0
     return 2 if unicodedata.east_asian_width(char) in ("W", "F") else 1
-
-
-def printable(text: str) -> str:
-    """`text` without characters that would steer a terminal; line ends are kept."""
-    if text.isprintable():
-        return text
-    return "".join(c if c.isprintable() or c == "\n" else f"\\x{ord(c):02x}" for c in text)
 
 
 def _paint(text: str, tint: str, color: bool) -> str:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING
 
+from lagc.printable import one_line
+
 if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
@@ -32,7 +34,7 @@ def picture(solution: Solution) -> str:
 
 def table(solution: Solution) -> str:
     interface, units = solution.system.interface, solution.units
-    caption = html.escape(f"{interface.model}, scene {interface.scene}: {solution.message}")
+    caption = html.escape(one_line(f"{interface.model}, scene {interface.scene}: {solution.message}"))
     rows = [(name, f"{value:.9g}", units.get(name, "")) for name, value in solution.final().items()]
     cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
     body = "".join(f"<tr>{row}</tr>" for row in cells)

@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from lagc.once import RLock
+from lagc.printable import printable
+from lagc.saving import Files
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,8 +60,7 @@ def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None)
 def show(solution: Solution) -> str | None:
     """Draw into a window; where there is no display, into a file beside, whose path is returned."""
     if not has_display():
-        interface = solution.system.interface
-        path = f"{interface.model}_{interface.scene}.png"
+        path = path_beside(solution)
         plot(solution, path=path)
         return path
     _matplotlib()
@@ -68,6 +69,12 @@ def show(solution: Solution) -> str | None:
     draw(solution, pyplot.figure(layout="constrained"))
     pyplot.show()
     return None
+
+
+def path_beside(solution: Solution) -> str:
+    """The file of a picture that is given none."""
+    interface = solution.system.interface
+    return f"{interface.model}_{interface.scene}.png"
 
 
 def has_display() -> bool:
@@ -87,8 +94,10 @@ def save(figure: Figure, path: str) -> None:
     """The same picture gives the same file: without a date."""
     dateless: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     ending = os.path.splitext(path)[1].lstrip(".").lower()
-    with styled():
-        figure.savefig(path, dpi=160, metadata=dateless.get(ending))
+    if not ending:
+        raise ValueError(f"`{path}` cannot be drawn: the ending says the format")
+    with styled(), Files() as files:
+        figure.savefig(files.open(path), format=ending, dpi=160, metadata=dateless.get(ending))
 
 
 def draw(solution: Solution, figure: Figure, names: Sequence[str] = ()) -> None:
@@ -116,7 +125,7 @@ def title(solution: Solution) -> str:
     else:
         quality = f"accuracy asked {solution.asked:.0e}, estimated {solution.estimated:.0e}"
     status = "" if solution.status == "ok" else f"\n{solution.status}: {solution.message}"
-    return f"{interface.model}, scene {interface.scene}\n{solution.method}, {quality}{status}"
+    return printable(f"{interface.model}, scene {interface.scene}\n{solution.method}, {quality}{status}")
 
 
 def shown_names(solution: Solution) -> list[str]:

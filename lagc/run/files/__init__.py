@@ -27,14 +27,24 @@ def check_path(path: str) -> str:
         raise CannotSave(f"`{path}` cannot be written: {reason}; there are {known}")
     if ending == ".parquet" and find_spec("pyarrow") is None:
         raise CannotSave(f"`{path}` needs the package pyarrow: pip install 'lagc[parquet]'")
-    folder = os.path.dirname(path) or "."
-    if not os.path.isdir(folder):
-        raise CannotSave(f"`{path}` cannot be written: there is no folder `{folder}`")
-    if os.path.isdir(path):
-        raise CannotSave(f"`{path}` cannot be written: it is a folder")
-    if not os.access(path if os.path.exists(path) else folder, os.W_OK):
-        raise CannotSave(f"`{path}` cannot be written: permission denied")
+    for each in (path, f"{path}.json") if ending == ".csv" else (path,):
+        reason = _obstacle(each)
+        if reason:
+            raise CannotSave(f"`{each}` cannot be written: {reason}")
     return FORMATS[ending]
+
+
+def _obstacle(path: str) -> str:
+    """Why `path` cannot be written, as far as can be seen; empty where nothing is in the way."""
+    folder = os.path.dirname(path if not os.path.islink(path) else os.path.realpath(path)) or "."
+    if not os.path.isdir(folder):
+        return f"there is no folder `{folder}`"
+    if os.path.isdir(path):
+        return "it is a folder"
+    beside = [] if os.path.exists(path) and not os.path.isfile(path) else [folder]
+    if not all(os.access(each, os.W_OK) for each in (path, *beside) if os.path.exists(each)):
+        return "permission denied"
+    return ""
 
 
 def save(solution: Solution, path: str, units: bool = False) -> None:

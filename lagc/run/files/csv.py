@@ -6,26 +6,28 @@ A reader takes the first line for the header; what else is known of the run goes
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING
+
+from lagc.printable import json_text
+from lagc.saving import Files
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 
 def write(solution: Solution, path: str, units: bool) -> None:
-    """`units`: in the header, after each name."""
+    """`units`: in the header, after each name.  The numbers take their place last: where there are new
+    ones, there is also what is known of them."""
     names = solution.columns
     known = {"time": "s", **solution.units}
     header = [f"{n} [{known[n]}]" if units and known[n] else n for n in ("time", *names)]
     columns = [solution.times, *(solution.column(name) for name in names)]
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        file.write(",".join(quoted(name) for name in header) + "\r\n")
+    with Files() as files:
+        files.open(f"{path}.json").write(f"{json_text(solution.metadata(), indent=1)}\n".encode())
+        numbers = files.open(path)
+        numbers.write(f"{','.join(quoted(name) for name in header)}\r\n".encode())
         for row in zip(*columns):
-            file.write(",".join(map(repr, row)) + "\r\n")
-    with open(path + ".json", "w", encoding="utf-8") as file:
-        json.dump(solution.metadata(), file, indent=1, ensure_ascii=False)
-        file.write("\n")
+            numbers.write(f"{','.join(map(repr, row))}\r\n".encode())
 
 
 def quoted(text: str) -> str:

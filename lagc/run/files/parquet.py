@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
-import json
 from typing import TYPE_CHECKING
+
+from lagc.printable import json_text
+from lagc.saving import Files
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution
@@ -18,5 +20,6 @@ def write(solution: Solution, path: str, units: bool) -> None:
     known = {"time": "s", **solution.units}
     columns = {"time": solution.times, **{name: solution.column(name) for name in solution.columns}}
     fields = [pyarrow.field(n, pyarrow.float64(), metadata={"unit": known[n]}) for n in columns]
-    schema = pyarrow.schema(fields, metadata={"lagc": json.dumps(solution.metadata())})
-    parquet.write_table(pyarrow.table(columns, schema=schema), path)
+    schema = pyarrow.schema(fields, metadata={"lagc": json_text(solution.metadata())})
+    with Files() as files:
+        parquet.write_table(pyarrow.table(columns, schema=schema), files.open(path))

@@ -1,0 +1,99 @@
+"""What was computed goes where it was asked for: into files first, then it is printed."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from lagc.cli.exits import DONE, FAILED, INTERRUPTED, UNWRITTEN
+from lagc.cli.output import print_json, say, show
+from lagc.cli.signals import SIGNALS
+
+if TYPE_CHECKING:
+    from lagc.api import Run
+
+
+def deliver(found: Run, options: argparse.Namespace) -> int:
+    """Write, draw and print `found`, also where the run failed; the exit code."""
+    picture = _picture(found, options)
+    with SIGNALS.patience():
+        written = not options.output or _save(found, options)
+        drawn = not picture or _draw(found, picture, options)
+    if options.json:
+        print_json(found.to_dict())
+    else:
+        from lagc.cli.summary import summary
+
+        show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
+    if options.plot == "" and not picture:
+        from lagc.view.plot import show as show_picture
+
+        show_picture(found)
+    if found.interrupted:
+        say(found.message, options.quiet)
+        return INTERRUPTED
+    if found.status == "failed":
+        say(f"error[LAG0620]: {found.message}", options.json)
+    if not (written and drawn):
+        return UNWRITTEN
+    return FAILED if found.status == "failed" else DONE
+
+
+def _save(found: Run, options: argparse.Namespace) -> bool:
+    from lagc.run.files import CannotSave
+
+    wanted: str = options.output
+    path = kept(wanted, lambda name: found.save(name, units=options.units), (CannotSave, OSError))
+    if path is not None:
+        say(f"{len(found)} points written to {path}", options.quiet or options.json)
+    return path == wanted
+
+
+def _picture(found: Run, options: argparse.Namespace) -> str:
+    """The file that is drawn into: the one named or, where there is no screen, one beside; else none."""
+    named: str | None = options.plot
+    if named != "":
+        return named or ""
+    from lagc.view.plot import has_display, path_beside
+
+    return "" if has_display() else path_beside(found)
+
+
+def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
+    from lagc.view.plot import plot
+
+    path = kept(wanted, lambda name: plot(found, path=name), (OSError, ValueError, ArithmeticError))
+    if path is not None:
+        say(f"picture written to {path}", options.quiet or options.json)
+    return path == wanted
+
+
+def kept(path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...]) -> str | None:
+    """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
+    folder or in that of temporary files, and say so; the name of what was written."""
+    import tempfile
+
+    try:
+        write(path)
+        return path
+    except failures as error:
+        say(f"lagc: {_reason(path, error)}")
+    stem, ending = os.path.splitext(os.path.basename(path))
+    name = f"{stem}-{os.urandom(4).hex()}{ending}"
+    for folder in (os.getcwd, tempfile.gettempdir):
+        try:
+            other = os.path.join(folder(), name)
+            write(other)
+        except failures:
+            continue
+        say(f"lagc: it is kept in {other}")
+        return other
+    return None
+
+
+def _reason(path: str, error: Exception) -> str:
+    if isinstance(error, OSError):
+        return f"`{path}` cannot be written: {error.strerror or error}"
+    return str(error)

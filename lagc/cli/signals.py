@@ -1,0 +1,61 @@
+"""What ends the program from outside: Ctrl-C, SIGTERM and SIGHUP, which all mean the same.
+
+A signal raises KeyboardInterrupt, wherever the program is.  While there is something to be kept, the
+first one is only noted, and the second one does not wait.  One that was ignored when the program began,
+as `nohup` has it, stays ignored.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType, TracebackType
+
+ENDING = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+class Signals:
+    """`number` is that of the first signal that came, else 0; `noted` whether one waits for an answer."""
+
+    def __init__(self) -> None:
+        self.number = 0
+        self.patient = self.noted = False
+
+    @property
+    def code(self) -> int:
+        """The exit code, by the convention of shells; 0 where nothing came."""
+        return 128 + self.number if self.number else 0
+
+    def __enter__(self) -> Signals:
+        for each in ENDING:
+            if signal.getsignal(each) is not signal.SIG_IGN:
+                signal.signal(each, self._came)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> bool:
+        """From here on the process ends, and nothing disturbs it."""
+        for each in ENDING:
+            signal.signal(each, signal.SIG_IGN)
+        return kind is KeyboardInterrupt
+
+    def _came(self, number: int, frame: FrameType | None) -> None:
+        self.number = self.number or number
+        if not self.patient or self.noted:
+            raise KeyboardInterrupt
+        self.noted = True
+
+    @contextmanager
+    def patience(self) -> Iterator[None]:
+        """What is done inside is finished, though a signal comes."""
+        before = self.patient
+        self.patient, self.noted = True, False
+        try:
+            yield
+        finally:
+            self.patient = before
+
+
+SIGNALS = Signals()
