@@ -246,6 +246,8 @@ class CompiledModel:
         try:
             return self._run("numpy", request, parameters, patience, "done sooner than C compiles")
         except TakesLong:
+            if progress is not None:
+                progress(0.0)  # it begins again: nothing is kept of what was computed
             try:
                 self._loaded.system("c")
             except CannotCompile as error:

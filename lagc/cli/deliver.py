@@ -73,13 +73,13 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
 def kept(path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...]) -> str | None:
     """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
     folder or in that of temporary files, and say so; the name of what was written."""
-    import tempfile
-
     try:
         write(path)
         return path
     except failures as error:
         say(f"lagc: {_reason(path, error)}")
+    import tempfile
+
     stem, ending = os.path.splitext(os.path.basename(path))
     name = f"{stem}-{os.urandom(4).hex()}{ending}"
     for folder in (os.getcwd, tempfile.gettempdir):

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import os
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from lagc.cli.deliver import deliver
@@ -100,8 +99,11 @@ def check_files(options: argparse.Namespace) -> None:
             check_path(options.output)
         except CannotSave as error:
             raise Usage(str(error)) from None
-    if options.plot is not None and find_spec("matplotlib") is None:
-        raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'")
+    if options.plot is not None:
+        from importlib.util import find_spec
+
+        if find_spec("matplotlib") is None:
+            raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'")
     if options.plot:
         ending = os.path.splitext(options.plot)[1].lower()
         if ending not in PICTURES:

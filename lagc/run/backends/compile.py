@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 from lagc import cache
+
+if TYPE_CHECKING:
+    from subprocess import CompletedProcess
 
 FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-std=c99")
 COMPILERS = ("cc", "gcc", "clang")
@@ -96,8 +100,7 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
     target = os.path.join(folder, "model" + SUFFIX)
     command = [*words, *FLAGS, "-o", target, *units, "-lm"]
     try:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, errors="replace",
-                              stdin=subprocess.DEVNULL, timeout=LONGEST)  # fmt: skip
+        done = _finished(command, folder)
     except subprocess.TimeoutExpired:
         raise CannotCompile(f"`{words[0]}` took longer than {LONGEST:g} s") from None
     if done.returncode != 0:
@@ -105,6 +108,29 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
         first = next((line for line in lines if "error" in line), lines[0] if lines else "it said nothing")
         raise CannotCompile(f"`{os.path.basename(words[0])}` failed (exit code {done.returncode}): {first}")
     return target
+
+
+def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
+    """`command` run in `folder`, where it keeps its temporary files too.  It has a group of processes of
+    its own, which ends with us: a compiler is several.  Raises TimeoutExpired, OSError."""
+    import signal
+    import subprocess
+
+    group: dict[str, Any] = {"process_group": 0} if hasattr(os, "killpg") else {}
+    process = subprocess.Popen(
+        command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True, errors="replace", env={**os.environ, "TMPDIR": folder}, **group,
+    )  # fmt: skip
+    try:
+        out, err = process.communicate(timeout=LONGEST)
+    except BaseException:
+        if group:
+            os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+        process.communicate()
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, out, err)
 
 
 def _path(name: str) -> str | None:
