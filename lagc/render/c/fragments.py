@@ -14,7 +14,10 @@ from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
 from lagc.render.tableaus import DOP853, TABLEAUS
 
-START = ("leastnorm.c", "startrows.c", "starttable.c", "startsteps.c", "startchoice.c", "start.c")
+START = (
+    "leastnorm.c", "startrows.c", "starttable.c", "startalone.c", "startsteps.c", "startchoice.c",
+    "startsearch.c", "start.c",
+)  # fmt: skip
 _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
 
 
@@ -34,7 +37,8 @@ def start_declarations(interface: Interface) -> str:
 
 
 def start_definitions(interface: Interface) -> list[str]:
-    return [resolve(_read(name), interface) for name in START]
+    names = [name for name in START if name != "startalone.c" or sizes(interface)["NPOSITION"]]
+    return [resolve(_read(name), interface) for name in names]
 
 
 def definitions(program: Program) -> list[str]:
@@ -43,6 +47,7 @@ def definitions(program: Program) -> list[str]:
     names = ["sizes.c", "dense.c"]
     names += ["fallback.c"] if interface.nc else []
     names += ["rhs.c"]
+    names += ["quaternions.c"] if interface.quaternions else []
     names += ["projection.c"] if interface.nc or interface.quaternions else []
     parts = [_power(program), *(resolve(_read(name), interface) for name in names)]
     parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
@@ -53,11 +58,14 @@ def definitions(program: Program) -> list[str]:
 
 def sizes(interface: Interface) -> dict[str, int]:
     """What `#if` may ask for."""
+    columns, begins = interface.condition_columns, (0, *interface.condition_ends)
+    rows = [columns[begin:end] for begin, end in zip(begins, interface.condition_ends)]
     return {
         "NC": interface.nc, "NH": interface.nh, "NZ": interface.nz, "NQUAT": len(interface.quaternions),
         "NWORK": interface.work_size, "STRAIGHT": int(interface.solve == "straight"),
         "HAS_DISPLACE": int("displace" in interface.functions),
         "NCOND": len(interface.condition_ends), "NRATE": len(interface.rate_names),
+        "NPOSITION": sum(max(row, default=0) < interface.nq for row in rows),
     }  # fmt: skip
 
 

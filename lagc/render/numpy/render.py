@@ -18,9 +18,10 @@ from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
 MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "projection.py", "integrate.py",
-           "record.py")  # fmt: skip
-START = ("leastnorm.py", "startrows.py", "starttable.py", "startsteps.py", "startchoice.py", "start.py")
+SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quaternions.py", "projection.py",
+           "integrate.py", "record.py")  # fmt: skip
+START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
+         "start.py")  # fmt: skip
 _IMPORTS = """\
 from __future__ import annotations
 

@@ -151,25 +151,6 @@ static int lagc_nudge(const lagc_params *p, double t, const double *x, const dou
 }
 #endif
 
-#if LAGC_NQUAT
-/* Unit length for each quaternion. */
-static void lagc_normalise(double *x)
-{
-    static const int first[] = {LAGC_QUATERNIONS};
-    int i;
-    for (i = 0; i < LAGC_NQUAT; i++) {
-        double *e = x + first[i];
-        const double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3]);
-        if (length > 0.0) {
-            e[0] = e[0] / length;
-            e[1] = e[1] / length;
-            e[2] = e[2] / length;
-            e[3] = e[3] / length;
-        }
-    }
-}
-#endif
-
 /* Move x onto the constraints by the shortest way in the metric of the mass matrix: positions by
  * simplified Newton iterations, M d = G^T mu, G d = -phi, dq = N d; then speeds, M dv = G^T mu,
  * G dv = -psi.  Gives the scaled residuals that remain. */

@@ -106,7 +106,9 @@ lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int
     lagc_arrange(levels, w);
     for (i = 0; i < LAGC_NU; i++)
         w->home[i] = i < LAGC_NQ + LAGC_NV ? x[i] : rates[i - LAGC_NQ - LAGC_NV];
-    lagc_lengths(w->home);
+#if LAGC_NQUAT
+    lagc_normalise(w->home);
+#endif
     for (i = 0; i < LAGC_NU; i++)
         if (!(fabs(w->home[i]) < HUGE_VAL)) {
             w->culprit = i;

@@ -43,6 +43,10 @@ typedef struct {
     double held[LAGC_NU];
     double reached[LAGC_NU];
     double answer[LAGC_NU];
+#if LAGC_NPOSITION
+    double settled[LAGC_NU]; /* the guess, where what is alone in a condition meets it */
+    int is_settled;
+#endif
     double set_ways[LAGC_PREDICTED * LAGC_NU];
     double set_count[LAGC_PREDICTED];
     double set_total[LAGC_PREDICTED];

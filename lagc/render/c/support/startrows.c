@@ -1,15 +1,13 @@
 /* -- a consistent start -- */
 
 #define LAGC_SLIGHT (1.0 / 1024.0) /* of the weights: the least rows are judged against; of stated values */
+#define LAGC_ACCEPTED 1e-9 /* scaled residual at which a start is taken, if nothing improves it */
 
 static const int lagc_levels[LAGC_NU] = {LAGC_START_LEVELS};
 static const int lagc_units[LAGC_NU] = {LAGC_START_UNITS};
 static const int lagc_angle[LAGC_NU] = {LAGC_START_ANGLES};
 static const int lagc_ends[LAGC_NE] = {LAGC_START_ENDS}; /* in J, of each condition */
 static const int lagc_column[LAGC_NJ] = {LAGC_START_COLUMNS}; /* of each derivative */
-#if LAGC_NQUAT
-static const int lagc_first[LAGC_NQUAT] = {LAGC_QUATERNIONS};
-#endif
 
 static int lagc_row_begin(int i)
 {
@@ -21,35 +19,6 @@ static void lagc_copy(double *to, const double *from)
     int i;
     for (i = 0; i < LAGC_NU; i++)
         to[i] = from[i];
-}
-
-/* Unit length for the quaternions; one that is zero or not finite is left. */
-static void lagc_lengths(double *y)
-{
-#if LAGC_NQUAT
-    int k, i;
-    for (k = 0; k < LAGC_NQUAT; k++) {
-        double *e = y + lagc_first[k], f[4], largest = 0.0, square, length;
-        for (i = 0; i < 4; i++) {
-            f[i] = e[i];
-            if (fabs(f[i]) > largest)
-                largest = fabs(f[i]);
-        }
-        square = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3];
-        if (!(1e-200 < square && square < 1e200)) {
-            if (!(0.0 < largest && largest < HUGE_VAL && square == square))
-                continue;
-            for (i = 0; i < 4; i++)
-                f[i] = f[i] / largest;
-            square = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + f[3] * f[3];
-        }
-        length = sqrt(square);
-        for (i = 0; i < 4; i++)
-            e[i] = f[i] / length;
-    }
-#else
-    (void)y;
-#endif
 }
 
 /* Residuals, derivatives and sizes of the terms of all conditions. */
@@ -152,7 +121,7 @@ static void lagc_judge(const double *J, const double *sizes, lagc_start_work *w)
 
 static double lagc_ratio(double value, double scale)
 {
-    return value == 0.0 ? 0.0 : (scale > 0.0 ? fabs(value) / scale : HUGE_VAL);
+    return value == 0.0 ? 0.0 : (0.0 < scale && scale < HUGE_VAL ? fabs(value) / scale : HUGE_VAL);
 }
 
 /* The norm of the scaled residuals of w->rows[first..end-1]; infinity where one is not a number. */
@@ -195,6 +164,9 @@ static void lagc_confine(int n, lagc_start_work *w)
     for (i = 0; i < LAGC_NU; i++)
         w->used[i] = 0;
     w->ended = 0;
+#if LAGC_NPOSITION
+    w->is_settled = 0;
+#endif
     for (pass = 0; pass < 2; pass++) {
         for (i = 0; i < n; i++) {
             int motion = 0;

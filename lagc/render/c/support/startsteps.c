@@ -1,9 +1,10 @@
 /* -- the way to a start -- */
 
-#define LAGC_ACCEPTED 1e-9  /* scaled residual at which a start is taken, if nothing improves it */
 #define LAGC_CLOSE 1e-13    /* at which one is left as it is */
 #define LAGC_EXACT 1e-15    /* at which the iteration ends */
 #define LAGC_SHORTEST (1.0 / 16384.0) /* part of a step that is tried at last */
+#define LAGC_OVERSHOT 2.0   /* of what was missed: a step that misses more is too long, whatever part it is */
+#define LAGC_TINIEST 1e-30  /* part of a step, of such a one */
 #define LAGC_NEAR 8.0       /* weights from the guess: one farther off is taken if none is nearer */
 #define LAGC_ALIKE 1.01     /* what attempts from near the guess miss: they ended at the same place */
 #define LAGC_SPREADS 8
@@ -62,7 +63,7 @@ static double lagc_longest(const lagc_start_work *w)
 static void lagc_improve(const lagc_params *p, double t, double *y, int first, int end,
                          lagc_start_work *w)
 {
-    double norm, past, longest = 1.0;
+    double norm, left = 1.0, longest = 1.0;
     int n, k;
     if (first == end || w->count == 0)
         return;
@@ -71,13 +72,13 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
     norm = lagc_norm(w->c, first, end, w);
     if (norm <= LAGC_CLOSE)
         return;
-    past = norm;
     for (n = 0; n < 60 && LAGC_EXACT < norm && norm < HUGE_VAL; n++) {
+        double size = norm;
         int pass, found = 0;
         if (n > 0 && n % 8 == 0) { /* what is missed halves, or it is no use */
-            if (longest == 1.0 && !(norm < 0.5 * past))
+            if (longest == 1.0 && !(left < 0.5))
                 break;
-            past = norm;
+            left = 1.0;
         }
         for (pass = 0; pass < 2 && !found; pass++) {
             double factor, least;
@@ -90,13 +91,14 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
             longest = lagc_longest(w);
             least = norm <= LAGC_CLOSE ? 0.6 * longest : LAGC_SHORTEST * longest;
             factor = 1.0; /* whole turns are gone where all is linear */
-            while (factor >= least && least > 0.0) {
+            size = HUGE_VAL;
+            while (least > 0.0 && factor >= (size < LAGC_OVERSHOT * norm ? least : LAGC_TINIEST)) {
                 lagc_copy(w->trial, y);
                 for (k = 0; k < w->count; k++)
                     w->trial[w->columns[k]] += factor * w->step[k] * lagc_weight(w, w->columns[k]);
                 lagc_meet(p, t, w->trial, w->trial_c, w->trial_J, w->trial_sizes);
-                found = lagc_norm(w->trial_c, first, end, w) <
-                        norm * (1.0 - (factor <= longest ? 0.1 * factor : 0.999));
+                size = lagc_norm(w->trial_c, first, end, w);
+                found = size < norm * (1.0 - (factor <= longest ? 0.1 * factor : 0.999));
                 if (found)
                     break;
                 factor = factor <= longest ? 0.5 * factor : longest;
@@ -104,6 +106,7 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
         }
         if (!found)
             break;
+        left *= size / norm;
         lagc_copy(y, w->trial);
         for (k = 0; k < LAGC_NE; k++) {
             w->c[k] = w->trial_c[k];
@@ -131,20 +134,48 @@ static void lagc_attempt(const lagc_params *p, double t, double *y, lagc_start_w
     lagc_improve(p, t, y, 0, w->ended, w);
 }
 
-/* The guess, with what is free moved by up to a share of its width: a guess may be singular. */
-static void lagc_spread(double *y, int k, lagc_start_work *w)
+#if LAGC_NPOSITION
+/* Whether what is alone in a condition has moved to meet it. */
+static int lagc_met_alone(const lagc_params *p, double t, lagc_start_work *w)
+{
+    int i;
+    if (!w->is_settled)
+        lagc_settle(p, t, w);
+    w->is_settled = 1;
+    for (i = 0; i < LAGC_NU; i++)
+        if (w->settled[i] != w->home[i])
+            return 1;
+    return 0;
+}
+#endif
+
+/* Beginning k: the guess, with what is free moved by up to a share of its width, for a guess may be
+ * singular.  In the second, and in every other where nothing stated moves, what is alone in a condition
+ * meets it instead. */
+static void lagc_spread(const lagc_params *p, double t, double *y, int k, int stated,
+                        lagc_start_work *w)
 {
     unsigned long state = 12345UL + (unsigned long)k;
     int i;
     lagc_copy(y, w->home);
+#if LAGC_NPOSITION
+    if ((k == 1 || (k % 2 == 1 && !stated)) && lagc_met_alone(p, t, w))
+        lagc_copy(y, w->settled);
+#else
+    (void)stated;
+    (void)p;
+    (void)t;
+#endif
     if (k == 0)
         return;
     for (i = 0; i < LAGC_NU; i++) {
         state = (1103515245UL * state + 12345UL) % 2147483648UL;
-        if (w->loose[i] && w->used[i])
+        if (w->loose[i] && w->used[i] && y[i] == w->home[i])
             y[i] += lagc_spread_of(k) * w->widths[i] * ((double)state / 1073741824.0 - 1.0);
     }
-    lagc_lengths(y);
+#if LAGC_NQUAT
+    lagc_normalise(y);
+#endif
 }
 
 /* From the guess, in weights. */
@@ -282,7 +313,7 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
     for (k = begin; k < end; k++) {
         for (pass = 0; pass <= stated; pass++) {
             double size;
-            lagc_spread(w->now, k, w);
+            lagc_spread(p, t, w->now, k, stated, w);
             w->ease = pass ? 1.0 : LAGC_SLIGHT;
             lagc_attempt(p, t, w->now, w);
             w->ease = LAGC_SLIGHT;
@@ -310,10 +341,15 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
         }
         if (nearest <= LAGC_NEAR || !any)
             break;
-        if (k == 2 && k + 1 < end && nearest == HUGE_VAL)
-            if ((most <= LAGC_ALIKE * least && LAGC_ALIKE * least < HUGE_VAL) ||
-                lagc_lacking(p, t, w->best, w))
-                break;
+        if (k != 2 || k + 1 == end || nearest < HUGE_VAL)
+            continue;
+#if LAGC_NPOSITION
+        if (lagc_met_alone(p, t, w))
+            continue;
+#endif
+        if ((most <= LAGC_ALIKE * least && LAGC_ALIKE * least < HUGE_VAL) ||
+            lagc_lacking(p, t, w->best, w))
+            break;
     }
     lagc_copy(w->y, w->best);
     return nearest < HUGE_VAL;

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import inf
 
 from lagc.render.numpy.support.base import FAILED, INCONSISTENT, OK
 from lagc.render.numpy.support.problem import Problem
+from lagc.render.numpy.support.quaternions import normalise
 from lagc.render.numpy.support.sizes import RESTING
 
 # -- what follows is part of generated modules --
@@ -13,15 +14,6 @@ from lagc.render.numpy.support.sizes import RESTING
 TARGET = 1e-15  # scaled residual that is taken for rounding
 HOPELESS = 1e-6  # scaled residual above which a projection has failed
 SOLVES = 8  # at most, for positions and for speeds
-
-
-def normalise(x: list[float], quaternions: tuple[int, ...]) -> None:
-    """Unit length for the quaternion at each index."""
-    for i in quaternions:
-        a, b, c, d = x[i : i + 4]
-        length = sqrt(a * a + b * b + c * c + d * d)
-        if length > 0.0:
-            x[i : i + 4] = [a / length, b / length, c / length, d / length]
 
 
 def residual(values: list[float], scales: list[float]) -> float:

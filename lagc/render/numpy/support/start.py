@@ -6,8 +6,8 @@ from math import inf
 
 from lagc.render.numpy.support.base import INCONSISTENT, NOT_FINITE, OK
 from lagc.render.numpy.support.startchoice import Choice
-from lagc.render.numpy.support.startrows import DECLARED, FIXED, UNSTATED
-from lagc.render.numpy.support.startsteps import ACCEPTED, NEAR, SPREADS
+from lagc.render.numpy.support.startrows import ACCEPTED, DECLARED, FIXED, UNSTATED
+from lagc.render.numpy.support.startsteps import NEAR, SPREADS
 
 # -- what follows is part of generated modules --
 

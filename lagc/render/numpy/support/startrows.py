@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, sqrt
 
+from lagc.render.numpy.support.quaternions import normalise
+
 # -- what follows is part of generated modules --
 
 UNSTATED = 0
@@ -17,6 +19,7 @@ DECLARED = 1
 SCENE = 2
 RUN = 3
 FIXED = 4
+ACCEPTED = 1e-9  # scaled residual at which a start is taken, when it can be improved no more
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
 
 
@@ -76,7 +79,7 @@ class Meeting:
             self.levels[k] = max(self.levels[k : k + 4])
             for i in range(k + 1, k + 4):
                 self.levels[i], self.part[i] = self.levels[k], True
-        self.lengths(self.y)
+        normalise(self.y, conditions.quaternions)
         self.home = self.y[:]
         self.free = [level == UNSTATED for level in self.levels]
         self.confine(list(range(len(conditions.ends))) if rows is None else rows)
@@ -86,6 +89,7 @@ class Meeting:
     def confine(self, rows: Sequence[int]) -> None:
         """Look at `rows`, conditions of positions first, and at the unknowns that they hold."""
         nq = self.conditions.nq
+        self.settled: list[float] = []  # see `Alone`
         self.positions = [i for i in rows if max(self.columns(i), default=0) < nq]
         self.motions = [i for i in rows if i not in self.positions]
         self.rows = [*self.positions, *self.motions]
@@ -97,20 +101,6 @@ class Meeting:
     def columns(self, i: int) -> list[int]:
         ends = self.conditions.ends
         return self.conditions.columns[ends[i - 1] if i > 0 else 0 : ends[i]]
-
-    def lengths(self, y: list[float]) -> None:
-        """Unit length for the quaternions; one that is zero or not finite is left."""
-        for k in self.conditions.quaternions:
-            a, b, c, d = y[k : k + 4]
-            square = a * a + b * b + c * c + d * d
-            if not 1e-200 < square < 1e200:
-                largest = max(abs(a), abs(b), abs(c), abs(d))
-                if not (0.0 < largest < inf and square == square):
-                    continue
-                a, b, c, d = a / largest, b / largest, c / largest, d / largest
-                square = a * a + b * b + c * c + d * d
-            length = sqrt(square)
-            y[k : k + 4] = [a / length, b / length, c / length, d / length]
 
     def evaluate(self, y: list[float]) -> tuple[list[float], list[float], list[float]]:
         c, jacobian, sizes = self.conditions.evaluate(self.t, y[: self.state])
@@ -191,7 +181,7 @@ class Meeting:
 
 
 def ratio_of(value: float, scale: float) -> float:
-    return 0.0 if value == 0.0 else abs(value) / scale if scale > 0.0 else inf
+    return 0.0 if value == 0.0 else abs(value) / scale if 0.0 < scale < inf else inf
 
 
 def norm_of(c: list[float], scales: list[float], rows: list[int]) -> float:

@@ -5,17 +5,19 @@ from __future__ import annotations
 from math import floor, inf, sqrt
 
 from lagc.render.numpy.support.leastnorm import least_norm
-from lagc.render.numpy.support.startrows import FIXED, SLIGHT, UNSTATED, norm_of
-from lagc.render.numpy.support.starttable import Linear
+from lagc.render.numpy.support.quaternions import normalise
+from lagc.render.numpy.support.startalone import Alone
+from lagc.render.numpy.support.startrows import ACCEPTED, FIXED, SLIGHT, UNSTATED, norm_of
 
 # -- what follows is part of generated modules --
 
-ACCEPTED = 1e-9  # scaled residual at which a start is taken, when it can be improved no more
 CLOSE = 1e-13  # at which one is left as it is
 EXACT = 1e-15  # at which the iteration ends
 NEWTON_STEPS = 60
 LATE = 8  # steps in which what is missed halves, or the iteration ends
 SHORTEST = 2.0**-14  # part of a step that is tried at last
+OVERSHOT = 2.0  # of what was missed: a step that misses more is too long, whatever part it is
+TINIEST = 1e-30  # part of a step, of such a one
 SPREADS = (0.0, 0.01, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # of the widths: how far from the guess attempts begin
 BESIDE = 2  # the spread that leaves a singular guess well behind
 NEAR = 8.0  # weights from the guess: a start farther off is not taken before others are sought
@@ -25,7 +27,7 @@ TURN = 6.283185307179586
 FOLLOWING = (1e-11, 1e-5)  # of its length: the rest of a row that follows from others
 
 
-class Approach(Linear):
+class Approach(Alone):
     """Attempts to reach a start; `y` is the best that was found."""
 
     begin = 0  # the spread that led to a start
@@ -43,7 +45,7 @@ class Approach(Linear):
         for k in range(first, end):
             for ease in (SLIGHT, 1.0) if stated else (SLIGHT,):
                 self.ease = ease
-                y = self.attempt(self.spread(k))
+                y = self.attempt(self.spread(k, stated))
                 self.ease = SLIGHT
                 size = self.worst(y, self.rows)[0]
                 if size <= ACCEPTED:
@@ -58,7 +60,7 @@ class Approach(Linear):
                 most = max(most, size)
             if nearest <= NEAR or True not in self.free:
                 break
-            unmet = k == BESIDE and k + 1 < end and nearest == inf
+            unmet = k == BESIDE and k + 1 < end and nearest == inf and self.met_alone() == self.home
             if unmet and (most <= ALIKE * least < inf or self.lacking(best)):
                 break
         self.y = best
@@ -75,16 +77,18 @@ class Approach(Linear):
         stated = [j for j in range(self.n) if self.used[j] and not self.free[j] and self.levels[j] < FIXED]
         return len(self.table(y, y, stated)[1]) > 0
 
-    def spread(self, k: int) -> list[float]:
-        """The guess, with what is free moved by up to SPREADS[k] of its width: a guess may be singular."""
-        y = self.home[:]
+    def spread(self, k: int, stated: bool) -> list[float]:
+        """Beginning k: the guess, with what is free moved by up to SPREADS[k] of its width, for a guess may
+        be singular.  In the second, and in every other where nothing `stated` moves, what is alone in a
+        condition meets it instead."""
+        y = self.met_alone() if k == 1 or (k % 2 == 1 and not stated) else self.home[:]
         if SPREADS[k] > 0.0:
             state = 12345 + k
             for i in range(self.n):
                 state = (1103515245 * state + 12345) % 2147483648
-                if self.free[i] and self.used[i]:
+                if self.free[i] and self.used[i] and y[i] == self.home[i]:
                     y[i] += SPREADS[k] * self.widths[i] * (state / 1073741824.0 - 1.0)
-            self.lengths(y)
+            normalise(y, self.conditions.quaternions)
         return y
 
     def attempt(self, y: list[float]) -> list[float]:
@@ -107,14 +111,14 @@ class Approach(Linear):
         norm = norm_of(c, scales, rows)
         if norm <= CLOSE:
             return y
-        past, longest = norm, 1.0
+        left, longest = 1.0, 1.0
         for n in range(NEWTON_STEPS):
             if not EXACT < norm < inf:
                 break
             if n > 0 and n % LATE == 0:
-                if longest == 1.0 and not norm < 0.5 * past:
+                if longest == 1.0 and not left < 0.5:
                     break
-                past = norm
+                left = 1.0
             matrix, found = self.matrix(jacobian, rows, columns), False
             for dependent in FOLLOWING:
                 self.work += 1
@@ -124,13 +128,15 @@ class Approach(Linear):
                 longest = self.longest(columns, step)
                 least = 0.6 * longest if norm <= CLOSE else SHORTEST * longest
                 factor = 1.0  # whole turns are gone where all is linear
-                while factor >= least > 0.0:
+                size = inf
+                while least > 0.0 and factor >= (least if size < OVERSHOT * norm else TINIEST):
                     trial = y[:]
                     for j, d in zip(columns, step):
                         trial[j] += factor * d * self.weight(j)
                     tc, tj, tz = self.evaluate(trial)
                     part = 0.1 * factor if factor <= longest else 0.999
-                    found = norm_of(tc, scales, rows) < norm * (1.0 - part)
+                    size = norm_of(tc, scales, rows)
+                    found = size < norm * (1.0 - part)
                     if found:
                         break
                     factor = 0.5 * factor if factor <= longest else longest
@@ -138,6 +144,7 @@ class Approach(Linear):
                     break
             if not found:
                 break
+            left *= size / norm
             y, c, jacobian, sizes = trial, tc, tj, tz
             scales = self.scales(jacobian, sizes)
             norm = norm_of(c, scales, rows)
