@@ -54,7 +54,7 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
             return Verdict(told.status, message, told.trajectory, told.estimated)
         return told
     if found.balance is not None and not found.balance.holds:
-        return Verdict("failed", _unbalanced(found.balance, asked), run, estimated)
+        return Verdict("failed", _unbalanced(system, run, found.balance, asked), run, estimated)
     return Verdict(status, message, run, estimated)
 
 
@@ -132,10 +132,15 @@ def _why_rounding(found: Verified) -> str:
     return "the equations are ill-conditioned, or the motion is long"
 
 
-def _unbalanced(out: Balance, asked: float) -> str:
+def _unbalanced(system: System, run: Trajectory, out: Balance, asked: float) -> str:
+    from lagc.run.balance import leap
+
+    found, why = leap(system, run), UNKNOWN
+    if found is not None:
+        why = f"the energy of the states changes by {found[1]:.3g} J at once at t = {found[0]:.6g} s"
     return (f"at t = {out.t:.6g} s the energy is out of balance by {out.imbalance:.2g} J, where errors of "
             f"{asked:g} in the states explain {out.explained:.2g} J at most: the motion is wrong, though "
-            f"runs of different tolerance agree; {UNKNOWN}")  # fmt: skip
+            f"runs of different tolerance agree; {why}")  # fmt: skip
 
 
 def _kept(system: System, run: Trajectory) -> tuple[int, float] | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from math import cos, pi, sin
+from random import Random
 
 import pytest
 
@@ -127,6 +129,31 @@ def test_energy_out_of_balance_is_never_ok(accuracy: float, share: float) -> Non
     else:
         assert run.status == "failed" and "out of balance" in run.message
         assert reasons(run.message) == set()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_energy_that_changes_at_once_is_told_with_its_time(seed: int) -> None:
+    """By a turn of an angle on its cut, or by a step that is narrower than any of the run; the truth is
+    how high it is, and when the recorded motion is there."""
+    chance = Random(seed)
+    height, x, w = chance.uniform(0.02, 0.05), chance.uniform(0.7, 1.0), chance.uniform(0.7, 1.0)
+    more, change, crossed = f"{height!r} [J]*atan2(y, x)", -2.0 * pi * height, 1
+    if seed % 2:
+        more, change, crossed = f"{height!r} [J]*tanh(x/(1e-9 [m]))", -2.0 * height, 0
+    model = f"""model M
+      coordinate Length x(start = {x!r} [m]), y(rate = {w!r} [m/s]);
+      body p = Particle(mass = 1 [kg], at = {{x, y, 0}});
+      potential V = 1/2*1 [N/m]*(x^2 + y^2) + {more};
+    end M;"""
+    run = lagc.loads(model).compile(backend="numpy").simulate(4.0, points=400)
+    assert run.status == "failed" and "out of balance" in run.message
+    told = re.search(r"changes by (\S+) J at once at t = (\S+) s", run.message)
+    assert told, run.message
+    assert float(told[1]) == pytest.approx(change, rel=2e-2)
+    ends = zip(run.times, run.times[1:], run.states, run.states[1:])
+    (when,) = [a - (b - a) * p[crossed] / (q[crossed] - p[crossed])
+               for a, b, p, q in ends if p[crossed] > 0.0 >= q[crossed]]  # fmt: skip
+    assert float(told[2]) == pytest.approx(when, abs=1e-4)
 
 
 def test_the_library_is_in_balance_by_far() -> None:
