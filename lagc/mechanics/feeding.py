@@ -20,7 +20,7 @@ from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.equations import Contribution, Row
 from lagc.mechanics.linear import Span as Spanned
 from lagc.mechanics.magnitude import VANISHES, magnitudes
-from lagc.mechanics.manifold import dense, jacobian, scales
+from lagc.mechanics.manifold import jacobian, scales
 from lagc.mechanics.motions import KEPT, Motion, random_motions
 from lagc.mechanics.states import States
 
@@ -53,14 +53,12 @@ def feeding_dissipations(
             )
 
 
-def takes(states: States, c: Contribution, places: Sequence[Motion]) -> bool:
-    """Whether a load is linear in the speeds and what they bring of it takes energy from every motion,
-    with constraints or without, at the `places`."""
-    if len(states.v) > _LARGEST:
-        return False
-    forms = _forms(states, c)
+def takes(states: States, c: Contribution, places: Sequence[Motion]) -> bool | None:
+    """Whether what the speeds bring of a load takes energy from every motion, with constraints or
+    without, at the `places`; None where it is not linear in the speeds."""
+    forms = _forms(states, c) if len(states.v) <= _LARGEST else None
     if forms is None:
-        return False
+        return None
     matrices = [_matrix(states, c, forms, motion) for motion in places]
     return bool(matrices) and all(_has_minimum(matrix, [0.0] * len(matrix)) for matrix in matrices)
 
@@ -92,9 +90,10 @@ def _matrix(states: States, c: Contribution, forms: Sequence[Mapping[Node, Node]
     values = iter(magnitudes([x for form in forms for x in form.values()], motion.rest))
     matrix = [[0.0] * len(place) for _ in place]
     for j, form in zip(c.forces, forms):
-        for k, x in enumerate(dense({place[v]: next(values) for v in form}, [1.0] * len(place))):
-            matrix[j][k] += x / 2
-            matrix[k][j] += x / 2
+        for v, (x, size) in zip(form, values):
+            if abs(x) > VANISHES * size:
+                matrix[j][place[v]] += x / 2
+                matrix[place[v]][j] += x / 2
     return matrix
 
 

@@ -126,6 +126,10 @@ def less(a: Numbers, b: Numbers) -> Numbers:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
+def scaled(c: float, a: Numbers) -> Numbers:
+    return c * a[0], c * a[1], c * a[2]
+
+
 def _halfway(a: Numbers, b: Numbers) -> Numbers:
     return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import chain, combinations, islice
+from itertools import chain, combinations, groupby, islice
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
@@ -27,7 +27,9 @@ from lagc.mechanics.motions import (
     dot,
     equal_speeds,
     length,
+    less,
     random_motions,
+    scaled,
     turned,
     values,
 )
@@ -38,6 +40,7 @@ Load = Force | Torque
 _PLACES = 2  # at which a load is asked whether it takes energy from every motion
 _NEXT = 5  # motions that each is taken together with, less 1
 _MOST = 40  # loads that are looked at
+_APART = 1e-3  # of a velocity: what it keeps beside others
 _NEAR = 12  # bodies or frames whose velocities a load is compared with
 
 
@@ -87,12 +90,15 @@ class _Pair:
 def feeding_loads(
     states: States, rows: Sequence[Row], contributions: Sequence[Contribution]
 ) -> Iterator[Fault]:
-    """LAG0412 of loads that oppose another velocity than that which they act on, or that a negative
-    parameter turns from a friction into a drive."""
-    moved = [load for load in _moved(states) if not _is_plain(load) or _negative(states, load)]
+    """LAG0412 of loads that oppose another velocity than that which they act on, or that which they act
+    on in some directions and not in others, or that a negative parameter turns from a friction into a
+    drive."""
+    moved = _moved(states)
     brought = {c.name: c for c in contributions}
     places = list(islice(random_motions(states, each=1, vary=False), _PLACES)) if moved else []
-    loads = [load for load in moved if not takes(states, brought[load.name], places)][:_MOST]
+    taking = {load.name: takes(states, brought[load.name], places) for load in moved}
+    fair = [load for load in moved if _is_plain(load) and not _negative(states, load)]
+    loads = [x for x in moved if not taking[x.name] and (x not in fair or taking[x.name] is False)][:_MOST]
     pairs = _paired(loads, list(random_motions(states))) if loads else []
     for pair in pairs:
         moving = _speeds_of(states, pair)
@@ -105,12 +111,17 @@ def feeding_loads(
             pair, pair.acted, [m.given(upright) for m in random_motions(states, (), sizes)]
         ):
             yield _turned(pair.load, negative)
-        elif not _is_plain(pair.load):
-            candidates = list(_candidates(states, pair))
-            sizes = equal_speeds(states, moving, [pair.acted.value, *(c.value for c in candidates)])
-            opposed = _opposed(pair, pairs, candidates, list(random_motions(states, rows, sizes)))
-            if opposed:
-                yield _opposes_another(pair, opposed)
+            continue
+        candidates = [] if _is_plain(pair.load) else list(_candidates(states, pair))
+        sizes = equal_speeds(states, moving, [pair.acted.value, *(c.value for c in candidates)])
+        motions = list(random_motions(states, rows, sizes))
+        if not _brings(pair, motions) or _take_together(pairs, motions):
+            continue
+        opposed = next((c for c in candidates if _takes(pair, c, motions)), None)
+        if opposed:
+            yield _opposes_another(pair, opposed)
+        elif _is_split(pair, motions) and not _take_together([_Pair(x, _acted(x)) for x in moved], motions):
+            yield _opposes_in_part(pair)
 
 
 def _speeds_of(states: States, pair: _Pair) -> list[Node]:
@@ -143,21 +154,45 @@ def _is_plain(load: Load) -> bool:
     return load.reaction is None and written == [matvec(load.frame.axes, load.frame.angular_velocity)]
 
 
-def _opposed(
-    pair: _Pair, pairs: Sequence[_Pair], candidates: Sequence[_Velocity], motions: Sequence[Motion]
-) -> _Velocity | None:
-    """A velocity on which the power is never positive, where on that which is acted on it may be;
-    None where all loads together bring none."""
-    if not _brings(pair, motions) or _take_together(pairs, motions):
-        return None
-    return next((c for c in candidates if _takes(pair, c, motions)), None)
+def _is_split(pair: _Pair, motions: Sequence[Motion]) -> bool:
+    """Whether from one place the vector is a linear function of the velocity that is acted on, and of
+    nothing else that moves, with power of both signs on it."""
+    for _, group in groupby(motions, lambda motion: motion.place):
+        here = list(group)
+        powers = _powers(pair, [*here, *_strongest(pair, here)])
+        taken = any(p < -KEPT * size for p, size in powers)
+        if taken and any(p > KEPT * size for p, size in powers) and _is_law(pair, here):
+            return True
+    return False
+
+
+def _is_law(pair: _Pair, motions: Sequence[Motion]) -> bool:
+    """Whether motions from one place with velocities that are combinations of others' have the vectors
+    that are the same combinations."""
+    known: list[tuple[Numbers, Numbers]] = []  # velocities of length 1, orthogonal to each other
+    for motion in motions:
+        velocity, force = motion.change(pair.acted.value), motion.change(pair.vector)
+        reach, size = length(velocity), length(force)
+        for v, f in known:
+            part = dot(v, velocity)
+            velocity, force = less(velocity, scaled(part, v)), less(force, scaled(part, f))
+            size += abs(part) * length(f)
+        left = length(velocity)
+        if left > _APART * reach:
+            known.append((scaled(1.0 / left, velocity), scaled(1.0 / left, force)))
+        elif not length(force) <= KEPT / _APART * size:
+            return False
+    return True
+
+
+def _powers(pair: _Pair, motions: Sequence[Motion]) -> list[tuple[float, float]]:
+    return [pair.power(m, pair.acted) for m in motions]
 
 
 def _brings(pair: _Pair, motions: Iterable[Motion]) -> bool:
     """Whether the power on the velocity that is acted on is ever positive."""
     found = list(motions)
-    powers = [pair.power(m, pair.acted) for m in (*found, *_strongest(pair, found))]
-    return any(p > KEPT * size for p, size in powers)
+    return any(p > KEPT * size for p, size in _powers(pair, [*found, *_strongest(pair, found)]))
 
 
 def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
@@ -273,6 +308,19 @@ def _turned(load: Load, negative: Sequence[Parameter]) -> Fault:
         "that it acts on",
         load.span,
         remedy=f"give {names} the other sign; a drive may stay as it is",
+        severity="warning",
+    )
+
+
+def _opposes_in_part(pair: _Pair) -> Fault:
+    load = pair.load
+    return Fault(
+        "LAG0412",
+        f"`{load.name}` opposes the velocity of `{pair.acted.words}` in some directions and drives it in "
+        "others: it can bring energy into the system",
+        load.span,
+        remedy="a friction that is linear in the velocity has coefficients of one sign, and those between "
+        "directions are smaller: c12 + c21 <= 2*sqrt(c11*c22); what drives may stay as it is",
         severity="warning",
     )
 

@@ -444,3 +444,36 @@ def test_dissipations_take_energy_where_their_form_is_nowhere_negative(seed: int
     form = " + ".join(f"1/2*c*({value!r})*{part}^2" for value, part in zip(values, parts) if value)
     drive = " + ".join(f"f*({c:.17g})*{v}" for c, v in zip(along, rates)) if driven else "0*f*der(x)"
     assert codes(f"dissipation D = {form} + {drive};") == (["LAG0412"] if feeds else [])
+
+
+@pytest.mark.parametrize("angular", [False, True])
+@pytest.mark.parametrize("seed", range(12))
+def test_linear_frictions_are_warned_of_where_their_form_has_both_signs(seed: int, angular: bool) -> None:
+    """Random laws -B v of the velocity that is acted on, B a form with known eigenvalues and a part that
+    turns; and what is no law of that velocity alone, as a control is not."""
+    chance = random.Random(seed)
+    numbers = numpy.random.default_rng(seed)
+    basis, _ = numpy.linalg.qr(numbers.normal(size=(3, 3)))
+    signs = [chance.choice([1.0, 0.0]) for _ in range(3)]
+    if seed % 3 == 1:
+        signs = [-sign for sign in signs]
+    both = seed % 3 == 2
+    if both:
+        signs[:2] = [1.0, -1.0]
+    turning = numbers.normal(size=(3, 3))
+    values = [sign * 10 ** chance.uniform(-1, 1) for sign in signs]
+    b = basis @ numpy.diag(values) @ basis.T + turning - turning.T
+    moved = "angular_velocity(free)" if angular else "velocity(free)"
+    unit = "N.m.s" if angular else "N.s/m"
+    law = [" + ".join(f"({c:.17g})*{moved}.{axis}" for c, axis in zip(row, "xyz")) for row in b]
+    kind, on = ("torque", "on free") if angular else ("force", "at free")
+    scene = (
+        "coordinate Length u, v, w; coordinate Orientation o; frame O = rotate(world, o);"
+        "body free = Solid(mass = m, inertia = {1, 2, 2.5}, frame = O, com = {u, v, w});"
+    )
+    load = f"{scene} {kind} T = -1 [{unit}]*({{{', '.join(law)}}}"
+    assert codes(f"{load}) {on};") == (["LAG0412"] if both else [])
+    assert codes(f"{load}) {on}; {kind} E = -100 [{unit}]*{moved} {on};") == []  # all of them take
+    if both:  # a control may do anything
+        other = "angular_velocity(arm)" if angular else "velocity(bob)"
+        assert codes(f"{load} + 3*{other}) {on};") == []
