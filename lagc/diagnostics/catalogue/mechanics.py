@@ -114,8 +114,8 @@ ENTRIES: dict[str, Entry] = {
         "a friction that can bring energy",
         "A warning.  What a force does depends on the velocity that it acts on.  A force that opposes one "
         "velocity and acts on a point of another, a torque between two bodies that acts on one of them "
-        "only, or a dissipation that falls with the rates in some direction may drive the system where it "
-        "was meant to brake it.",
+        "only, one that opposes its velocity in some directions and drives it in others, or a dissipation "
+        "that falls with the rates in some direction may drive the system where it was meant to brake it.",
         _on_disc("  force F = -2 [kg/s]*velocity(disc) on disc at G - R*world.z;\n"),
         _on_disc("  force F = -2 [kg/s]*velocity(disc, at = G - R*world.z) on disc at G - R*world.z;\n"),
     ),
