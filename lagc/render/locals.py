@@ -30,5 +30,7 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
         for operation in function.operations:
             key = operation.payload
             if operation.op == "load" and isinstance(key, tuple) and key[0] != "t" and key not in found:
-                found[key] = f"{key[0]}{key[1]}"
+                array, index = key
+                # c0 is a condition
+                found[key] = names.give(f"size{index}") if array == "c" else f"{array}{index}"
     return found

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import keyword
+import re
 from pathlib import Path
 
 import pytest
 
+import lagc
 from lagc.render.locals import local_names
 from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
 from tests.interfaces import field
@@ -61,6 +63,25 @@ def test_locals_never_hide_arrays_functions_or_temporaries() -> None:
     given = [local_names(program, ("cos",))["p", k] for k in range(len(fields))]
     assert not {"x", "p", "t", "q0", "cos", "x0", "t1"} & (set(given) - {"q"})
     assert not any(name.startswith(("lagc_", "pendulum_", "PENDULUM_")) for name in given)
+
+
+@pytest.mark.parametrize("name", ["size0", "c0", "t0"])
+def test_entries_of_arrays_are_no_conditions(name: str) -> None:
+    """A row with conditions, and sizes of states that its `reaches` use more than once."""
+    text = f"""model M
+      parameter Length {name} = 1 [m];
+      coordinate Length x(start = 1 [m]), y, z(start = 2 [m]);
+      body b = Particle(mass = 1 [kg], at = {{x, y, z}});
+      constraint c: z = {name} + (if x^2 + y^2 > 0 then sqrt(x^2 + y^2) else 0);
+      constraint d: x = {name} + (if y > 0 then y^2/(1 [m]) else 0);
+    end M;"""
+    program = lagc.loads(text).compile(backend="numpy").program
+    names = local_names(program, ())
+    assert any(array == "c" for array, _ in names)
+    assert not [n for n in names.values() if re.fullmatch(r"[ct]\d+", n)]
+    for function in program.functions.values():
+        loaded = [names[o.payload] for o in function.operations if o.payload in names]  # type: ignore[index]
+        assert len(set(loaded)) == len(loaded)
 
 
 @pytest.mark.parametrize(
