@@ -5,8 +5,8 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Span
 from lagc.frontend import tree
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import evaluate_as
-from lagc.meaning.namespace import Declared, Namespace
+from lagc.meaning.evaluate import evaluate_as, outside
+from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.typenames import type_of
 from lagc.meaning.values import Value, Wrong, expect, flat
@@ -54,13 +54,7 @@ def packaged(context: Context, e: tree.Member, environment: Environment) -> Valu
     if declared is None or not isinstance(declared[0], tree.Package):
         return None
     found, space = environment.space.find(path, e.span, "constant")
-    return _value(context, found, space, path[-1], e.span)
-
-
-def _value(context: Context, found: Declared, space: Namespace, name: str, span: Span) -> Value:
-    from lagc.meaning.evaluate import outside
-
-    return outside(context, found, space, name, span)
+    return outside(context, found, space, path[-1], e.span)
 
 
 def _is_here(name: str, environment: Environment) -> bool:

@@ -23,6 +23,7 @@ from lagc.meaning.written import (
     attributes_of,
     declared,
     elements,
+    firm,
     fixed,
     from_outside,
     given_elements,
@@ -260,7 +261,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
-    firm = fixed(context, quantity.attributes, "fixed", len(values)) or [False] * len(values)
+    holds = fixed(context, quantity.attributes, "fixed")
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
@@ -280,7 +281,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             entry.span,
             quantity.description,
             None if stated[k].level == nouns.UNSTATED else at_start[k],
-            nouns.Statement(nouns.FIXED, stated[k].span) if firm[k] else stated[k],
+            firm(stated[k], holds),
         )
         entry.nouns.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))

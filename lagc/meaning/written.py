@@ -182,24 +182,20 @@ def held(
 ) -> tuple[list[Statement], list[Statement]]:
     """The statements about starts and rates, with those held that `fixed`, `startFixed` and `rateFixed`
     say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
-    both = fixed(context, attributes, "fixed", len(start))
-    starts = fixed(context, attributes, "startFixed", len(start)) or both
-    rates = fixed(context, attributes, "rateFixed", len(start))
-    if rates is None and both is not None:
-        rates = [firm and s.level != UNSTATED for firm, s in zip(both * len(rate), rate)]
-    return _firm(start, starts), _firm(rate, rates)
+    both, starts, rates = (fixed(context, attributes, name) for name in ("fixed", "startFixed", "rateFixed"))
+    held_at = both if starts is None else starts
+    return (
+        [firm(s, held_at) for s in start],
+        [firm(s, both and s.level != UNSTATED if rates is None else rates) for s in rate],
+    )
 
 
-def _firm(stated: Sequence[Statement], flags: list[bool] | None) -> list[Statement]:
-    if flags is None:
-        return list(stated)
-    if len(flags) == 1:
-        flags = flags * len(stated)
-    return [Statement(FIXED, s.span) if firm else s for s, firm in zip(stated, flags)]
+def firm(stated: Statement, holds: bool | None) -> Statement:
+    return Statement(FIXED, stated.span) if holds else stated
 
 
-def fixed(context: Context, attributes: dict[str, Modifier], name: str, count: int) -> list[bool] | None:
-    """What the attribute `name` says of each of `count` elements; None where it is not there."""
+def fixed(context: Context, attributes: dict[str, Modifier], name: str) -> bool | None:
+    """What the attribute `name` says of all elements; None where it is not there."""
     modifier = attributes.get(name)
     if modifier is None or modifier.argument.value is None:
         return None
@@ -207,7 +203,7 @@ def fixed(context: Context, attributes: dict[str, Modifier], name: str, count: i
     value = evaluate(context, expression, modifier.environment)
     if not isinstance(value, Truth) or not value.node.is_const:
         raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", expression.span)
-    return [bool(value.node.value)] * count
+    return bool(value.node.value)
 
 
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
