@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 
 from lagc.expr.graph import BINARY, UNARY, Node
-from lagc.expr.walk import depends, reachable
+from lagc.expr.walk import depends, missing, reachable
 
 
 def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]:
@@ -24,14 +24,7 @@ def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]
 
 def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
     """Add to `known` the values of `nodes` and of all below them that it lacks; as `evaluate`."""
-    missing = {node for node in nodes if node not in known}
-    stack = list(missing)
-    while stack:
-        for argument in stack.pop().args:
-            if argument not in known and argument not in missing:
-                missing.add(argument)
-                stack.append(argument)
-    for node in sorted(missing, key=attrgetter("index")):
+    for node in missing(nodes, known):
         known[node] = _value(node, known)
 
 

@@ -18,7 +18,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from lagc.expr.graph import Node
-from lagc.expr.walk import reachable, symbols
+from lagc.expr.walk import missing, symbols
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
@@ -98,10 +98,9 @@ class Point:
 
         Raises Undefined.
         """
-        known, pending = self._known, set(nodes) - self._known.keys()
-        if pending:
-            for node in _below(pending, known):
-                known[node] = self._value(node, truths or {})
+        known = self._known
+        for node in missing(nodes, known):
+            known[node] = self._value(node, truths or {})
         return [known[node] for node in nodes]
 
     def _value(self, node: Node, truths: Mapping[Node, int]) -> int:
@@ -304,20 +303,6 @@ class Point:
         self.exact = False
         rest = sorted((str(term), c) for term, c in form.items())
         return power(x, whole) * self._any("pow", x, number - whole, *rest) % P
-
-
-def _below(nodes: Iterable[Node], known: Mapping[Node, int]) -> list[Node]:
-    """What is below `nodes` and not known yet, arguments before users."""
-    if not known:
-        return reachable(nodes)
-    seen = set(nodes)
-    stack = list(seen)
-    while stack:
-        for node in stack.pop().args:
-            if node not in seen and node not in known:
-                seen.add(node)
-                stack.append(node)
-    return sorted(seen, key=lambda node: node.index)
 
 
 def _around(a: Circle, b: Circle) -> Circle:

@@ -5,7 +5,7 @@ All are loops: `index` order is a topological order, so depth never matters.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from operator import attrgetter
 
 from lagc.expr.graph import Graph, Node
@@ -20,6 +20,19 @@ def reachable(nodes: Iterable[Node]) -> list[Node]:
     while stack:
         for node in stack.pop().args:
             if node not in seen:
+                seen.add(node)
+                stack.append(node)
+    return sorted(seen, key=_index)
+
+
+def missing(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
+    """Those nodes below `nodes`, they included, that are not `known`, arguments before users; what is
+    below a known one is not looked at."""
+    seen = {node for node in nodes if node not in known}
+    stack = list(seen)
+    while stack:
+        for node in stack.pop().args:
+            if node not in seen and node not in known:
                 seen.add(node)
                 stack.append(node)
     return sorted(seen, key=_index)
