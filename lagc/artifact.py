@@ -7,7 +7,6 @@ parameters are built in; with these known, the *artifact* itself is found.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import marshal
 import sys
@@ -16,6 +15,8 @@ from types import CodeType
 from typing import Any
 
 from lagc import cache
+from lagc.cache.sources import tool_fingerprint
+from lagc.library import Unreadable, content, fingerprint
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, names
 from lagc.version import __version__
@@ -25,12 +26,12 @@ from lagc.version import __version__
 class Head:
     """What must be known of a model before its artifact can be found."""
 
-    imports: tuple[tuple[str, str], ...]  # path, SHA-256 of each imported file
+    imports: tuple[tuple[str, str | None], ...]  # path, fingerprint of each file; None where there was none
     structural: tuple[str, ...]  # parameters that are built into the generated code
 
     @property
     def is_current(self) -> bool:
-        return all(fingerprint(path) == digest for path, digest in self.imports)
+        return all(_fingerprint(path) == found for path, found in self.imports)
 
 
 @dataclass(frozen=True)
@@ -53,40 +54,21 @@ class Artifact:
         return {**vars(self), "code": None}
 
 
-def fingerprint(path: str) -> str | None:
-    """The SHA-256 of a file; None where it cannot be read."""
-    try:
-        with open(path, "rb") as file:
-            return hashlib.sha256(file.read()).hexdigest()
-    except OSError:
-        return None
+def load_head(key: str) -> Head | None:
+    head = cache.load("head", key, _head)
+    return head if head is not None and head.is_current else None
 
 
-def load_head(name: str) -> Head | None:
-    body = cache.load(name)
-    if body is None:
-        return None
-    plain = json.loads(body)
-    head = Head(tuple((p, d) for p, d in plain["imports"]), tuple(plain["structural"]))
-    return head if head.is_current else None
+def store_head(key: str, head: Head) -> None:
+    plain = {"imports": head.imports, "structural": head.structural}
+    cache.store("head", key, json.dumps(plain).encode())
 
 
-def store_head(name: str, head: Head) -> None:
-    cache.store(name, json.dumps({"imports": head.imports, "structural": head.structural}).encode())
+def load_artifact(key: str) -> Artifact | None:
+    return cache.load("artifact", key, _artifact)
 
 
-def load_artifact(name: str) -> Artifact | None:
-    body = cache.load(name)
-    if body is None:
-        return None
-    length = int.from_bytes(body[:8], "little")
-    plain = json.loads(body[8 : 8 + length])
-    code = marshal.loads(body[8 + length :]) if len(body) > 8 + length else None
-    unused = tuple(Field(*row) for row in plain["unused"])
-    return Artifact(interface_from_plain(plain["interface"]), plain["sources"], unused, code)
-
-
-def store_artifact(name: str, artifact: Artifact) -> None:
+def store_artifact(key: str, artifact: Artifact) -> None:
     plain = {
         "interface": interface_to_plain(artifact.interface),
         "sources": dict(artifact.sources),
@@ -94,12 +76,32 @@ def store_artifact(name: str, artifact: Artifact) -> None:
     }
     text = json.dumps(plain).encode()
     code = b"" if artifact.code is None else marshal.dumps(artifact.code)
-    cache.store(name, len(text).to_bytes(8, "little") + text + code)
+    cache.store("artifact", key, len(text).to_bytes(8, "little") + text + code)
+
+
+def _fingerprint(path: str) -> str | None:
+    try:
+        return fingerprint(path, content(path))
+    except Unreadable:
+        return None
+
+
+def _head(body: bytes) -> Head:
+    plain = json.loads(body)
+    return Head(tuple((p, d) for p, d in plain["imports"]), tuple(plain["structural"]))
+
+
+def _artifact(body: bytes) -> Artifact:
+    length = int.from_bytes(body[:8], "little")
+    plain = json.loads(body[8 : 8 + length])
+    code = marshal.loads(body[8 + length :]) if len(body) > 8 + length else None
+    unused = tuple(Field(*row) for row in plain["unused"])
+    return Artifact(interface_from_plain(plain["interface"]), plain["sources"], unused, code)
 
 
 def version_key() -> str:
     """What an artifact depends on besides the model: the tool and the Python that compiled it."""
-    return f"lagc {__version__} {sys.implementation.cache_tag} {sys.hexversion:x} {cache.tool_fingerprint()}"
+    return f"lagc {__version__} {sys.implementation.cache_tag} {sys.hexversion:x} {tool_fingerprint()}"
 
 
 def interface_to_plain(interface: Interface) -> dict[str, Any]:

@@ -234,14 +234,12 @@ class Compilation:
         chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
         folder = os.path.realpath(os.path.dirname(self.source.name)) if "import" in self.source.text else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
-        return cache.key("head", version_key(), *named)
+        return cache.key(version_key(), *named)
 
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
                   if name in head.structural]  # fmt: skip
-        return cache.key(
-            "artifact", self._head_name, target, *values, *(digest for _, digest in head.imports)
-        )
+        return cache.key(self._head_name, target, *values, *(found or "" for _, found in head.imports))
 
     def _compiled(self, target: str) -> Artifact:
         program = self.program

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
+from stat import S_ISDIR, S_ISFIFO, S_ISREG
 
+from lagc import cache
 from lagc.diagnostics.faults import Fault, Refused, Source
 
 SUFFIX = ".lag"
 LARGEST = 4_000_000  # bytes of one model file
+_READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
 
 
 def models_folder() -> str:
@@ -63,25 +66,74 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
 def read(name: str) -> Source:
     """The text of the file or library model `name`; `-` reads standard input.  Raises Refused
     where it cannot be read as UTF-8 text."""
-    if name == "-":
-        return Source("<stdin>", _decode("standard input", sys.stdin.buffer.read(LARGEST + 1)))
-    path = locate(name)
     try:
-        with open(path, "rb") as file:
+        if name == "-":
+            return Source("<stdin>", decoded(_standard_input()))
+        path = locate(name)
+        return Source(path, decoded(content(path, pipes=True)))
+    except Unreadable as error:
+        shown = "standard input" if name == "-" else f"`{name}`"
+        raise Refused([Fault(error.code, f"{shown} {error}", remedy=error.remedy)]) from None
+
+
+class Unreadable(Exception):
+    """A model file that is not taken; the message goes on after its name."""
+
+    def __init__(self, code: str, message: str, remedy: str | None = None):
+        super().__init__(message)
+        self.code, self.remedy = code, remedy
+
+
+def content(path: str, pipes: bool = False) -> bytes:
+    """The bytes of a model file, all of them.  It is a regular file; with `pipes`, it may be a pipe, as
+    a shell makes of `<(...)`.  Raises Unreadable."""
+    try:
+        found = os.open(path, _READ)  # which does not wait for what is no file
+        with open(found, "rb") as file:
+            mode = os.fstat(found).st_mode
+            if not S_ISREG(mode):
+                if not (pipes and S_ISFIFO(mode)):
+                    kind = "a folder" if S_ISDIR(mode) else "no regular file"
+                    raise Unreadable("LAG0702", f"cannot be read: it is {kind}")
+                os.set_blocking(found, True)
             data = file.read(LARGEST + 1)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise Refused([Fault("LAG0702", f"`{name}` cannot be read: {reason}")]) from None
-    return Source(path, _decode(name, data))
+    except (OSError, ValueError) as error:
+        raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
+    if S_ISFIFO(mode) and not data:
+        raise Unreadable("LAG0702", "cannot be read: it is a pipe into which nothing is written")
+    return _bounded(data)
 
 
-def _decode(name: str, data: bytes) -> str:
-    if len(data) > LARGEST:
-        message = f"`{name}` is larger than {LARGEST // 1_000_000} MB, the largest model file that is read"
-        raise Refused([Fault("LAG0704", message)])
+def decoded(data: bytes) -> str:
+    """The text of a model file.  Raises Unreadable."""
     try:
-        text = data.decode("utf-8-sig")
+        return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        message = f"`{name}` is not UTF-8 text: byte {error.start} is 0x{data[error.start]:02x}"
-        raise Refused([Fault("LAG0703", message, remedy="save the file as UTF-8")]) from None
-    return text
+        line = data.count(b"\n", 0, error.start) + 1
+        message = f"is not UTF-8 text: byte {error.start}, in line {line}, is 0x{data[error.start]:02x}"
+        raise Unreadable("LAG0703", message, "save the file as UTF-8") from None
+
+
+def fingerprint(path: str, data: bytes) -> str:
+    """Stands for what `path` leads to: which file, through all links, and its content."""
+    return cache.key(os.path.realpath(path), cache.digest(data))
+
+
+def _standard_input() -> bytes:
+    if sys.stdin is None:
+        raise Unreadable("LAG0702", "cannot be read: it is closed")
+    try:
+        return _bounded(sys.stdin.buffer.read(LARGEST + 1))
+    except (OSError, ValueError) as error:
+        raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
+
+
+def _bounded(data: bytes) -> bytes:
+    if len(data) > LARGEST:
+        size = LARGEST // 1_000_000
+        raise Unreadable("LAG0704", f"is larger than {size} MB, the largest model file that is read")
+    return data
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)

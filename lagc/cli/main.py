@@ -22,6 +22,8 @@ COMMANDS = {
     "sim": "compile and simulate",
     "build": "generated code for other projects",
     "new": "a model to start from",
+    "cache": "what is kept of compiled models: show, verify, clear",
+    "cache": "what is kept of compiled models: show, verify, clear",
 }
 
 
@@ -66,7 +68,10 @@ def _dispatch(words: list[str]) -> int:
         formatter_class=Help,
     )  # fmt: skip
     command.add_options(parser)
-    done: int = command.run(parser.parse_args(words[1:]))
+    options = parser.parse_args(words[1:])
+    done: int = command.run(options)
+    if options.verbose:
+        _tell_of_the_cache()
     return done
 
 
@@ -96,6 +101,14 @@ def _overview() -> str:
     lines += [f"  {name:10} {summary}" for name, summary in COMMANDS.items()]
     lines += ["", "`lagc COMMAND --help` says more; `lagc --version` prints the version."]
     return "\n".join(lines)
+
+
+def _tell_of_the_cache() -> None:
+    """What was wrong with it; nobody needs to know, all is made again."""
+    from lagc import cache
+
+    for note in cache.notes:
+        say(f"cache: {note}")
 
 
 def _similar(name: str) -> str:

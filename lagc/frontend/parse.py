@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.diagnostics.faults import Fault, Refused, Source, Span
 from lagc.frontend.lexer import Lexed, tokenise
 from lagc.frontend.machine import MOST_FAULTS, Machine
 from lagc.frontend.tables import tables
@@ -19,6 +19,11 @@ def parse(source: Source) -> Tree:
 
 def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
     """What could be read of a text, and the faults of its syntax in the order of the text."""
+    nul = source.text.find("\0")
+    if nul >= 0:  # in a comment too
+        message = "the character U+0000 is not a sign of the language"
+        remedy = "save the file as text, in UTF-8"
+        return Tree(source, ()), [Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)]
     lexed = tokenise(source)
     machine = Machine(source, tables(), lexed)
     tree = machine.run()

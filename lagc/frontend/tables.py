@@ -16,6 +16,7 @@ from functools import cache
 from typing import Any
 
 from lagc import cache as store
+from lagc.cache.sources import grammar_path
 from lagc.records import dataclass
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
@@ -48,23 +49,13 @@ def tables() -> Tables:
     shipped = _shipped(grammar)
     if shipped is not None:
         return shipped
-    name = "grammar-" + store.key(_LAYOUT, grammar, sys.version)
-    kept = store.load(name)
+    name = store.key(_LAYOUT, grammar, sys.version)
+    kept = store.load("grammar", name, lambda body: Tables(*marshal.loads(body)))
     if kept is not None:
-        try:
-            return Tables(*marshal.loads(kept))
-        except (ValueError, EOFError, TypeError):
-            pass  # a damaged entry: it is made anew
+        return kept
     fields = _build(grammar)
-    store.store(name, marshal.dumps(fields))
+    store.store("grammar", name, marshal.dumps(fields))
     return Tables(*fields)
-
-
-def grammar_path() -> str:
-    """`grammar/lag.lark`: inside the package where it was installed, beside it in a checkout."""
-    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-    inside = os.path.join(package, "grammar", "lag.lark")
-    return inside if os.path.exists(inside) else os.path.join(os.path.dirname(package), "grammar", "lag.lark")
 
 
 def grammar_text() -> str:

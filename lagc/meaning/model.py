@@ -312,7 +312,7 @@ class Model:
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
-    imports: tuple[tuple[str, str], ...] = ()  # path and SHA-256 of every imported file
+    imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
 
     def verify(self) -> None:

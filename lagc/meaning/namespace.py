@@ -5,14 +5,13 @@ An import never leaves its roots: the folder of the importing file, and the fold
 
 from __future__ import annotations
 
-import hashlib
 import os
 from collections.abc import Iterable, Iterator
 
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
-from lagc.library import LARGEST
+from lagc.library import Unreadable, content, decoded, fingerprint
 from lagc.meaning.values import Wrong
 
 Declared = (
@@ -110,7 +109,8 @@ class Importer:
         self.refused: list[Refused] = []
         self.files: dict[str, Namespace] = {}
         self.broken: set[str] = set()
-        self.digests: list[tuple[str, str]] = []
+        self.asked: dict[str, str | None] = {}  # path -> fingerprint; None where there is no such file
+        self._fingerprints: dict[str, str] = {}
         self._packages: dict[int, Namespace] = {}
         self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
 
@@ -168,8 +168,8 @@ class Importer:
     def _file(self, declaration: tree.Import) -> Namespace:
         written = declaration.file or ""
         folder = os.path.dirname(os.path.abspath(declaration.span.source.name))
-        path = os.path.realpath(os.path.join(folder, written))
-        if not self._allowed(path):
+        path = os.path.join(folder, written)
+        if not self._allowed(os.path.realpath(path)):
             raise Wrong(
                 "LAG0217",
                 f"`{written}` is outside the folders that may be imported from",
@@ -184,8 +184,11 @@ class Importer:
     def _path(self, declaration: tree.Import, names: tuple[str, ...]) -> tuple[Declared, Namespace]:
         for root in self.roots:
             for length in range(len(names), 0, -1):
-                path = os.path.realpath(os.path.join(root, *names[:length]) + ".lag")
-                if not (self._allowed(path) and os.path.isfile(path)):
+                path = os.path.join(root, *names[:length]) + ".lag"
+                if not os.path.exists(path):
+                    self.asked[path] = None
+                    continue
+                if not self._allowed(os.path.realpath(path)):
                     continue
                 space = self._read(path, declaration.span)
                 if names[length - 1] in space.names:
@@ -197,29 +200,33 @@ class Importer:
             remedy=f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}",
         )
 
-    def _read(self, path: str, span: Span) -> Namespace:
-        from lagc.frontend.parse import parse
-
+    def _read(self, asked: str, span: Span) -> Namespace:
+        path = os.path.realpath(asked)
+        if path not in self.files and path not in self.broken:
+            self._parse(path, span)
         if path in self.broken:
             raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span)
-        if path in self.files:
-            return self.files[path]
+        self.asked[asked] = self._fingerprints[path]
+        return self.files[path]
+
+    def _parse(self, path: str, span: Span) -> None:
+        """Into `files`, or `broken`."""
+        from lagc.frontend.parse import parse
+
         try:
-            with open(path, "rb") as file:
-                data = file.read(LARGEST + 1)
-            text = data.decode("utf-8-sig")
-        except (OSError, ValueError) as error:
-            reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
-            raise Wrong("LAG0216", f"`{os.path.basename(path)}` cannot be imported: {reason}", span) from None
-        self.digests.append((path, hashlib.sha256(data).hexdigest()))
+            data = content(path)
+            text = decoded(data)
+        except Unreadable as error:
+            message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
+            raise Wrong("LAG0216", message, span, error.remedy) from None
+        self._fingerprints[path] = fingerprint(path, data)
         try:
             parsed = parse(Source(shown(path), text))
         except Refused as refused:
             self.refused.append(refused)
             self.broken.add(path)
-            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span) from None
-        space = self.files[path] = Namespace(parsed.declarations, None, self)
-        return space
+            return
+        self.files[path] = Namespace(parsed.declarations, None, self)
 
 
 def _candidates(names: tuple[str, ...]) -> str:

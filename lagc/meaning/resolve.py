@@ -192,6 +192,6 @@ def _model(
         scenes=setting.names,
         simulate=simulate,
         built_in=tuple(context.built_in),
-        imports=tuple(context.importer.digests),
+        imports=tuple(context.importer.asked.items()),
         notes=notes,
     )

@@ -17,6 +17,7 @@ from operator import sub
 from typing import TYPE_CHECKING
 
 from lagc import cache
+from lagc.cache.sources import tool_fingerprint
 from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
@@ -94,7 +95,7 @@ def verified_run(
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
         answer = _Remembered(found.options.rtol, found.estimated, found.trajectory.states[-1])
-        cache.store(name, json.dumps(vars(answer)).encode())
+        cache.store("accuracy", name, json.dumps(vars(answer)).encode())
     return found
 
 
@@ -378,7 +379,7 @@ def _memory_name(
     """The same question has the same answer, whether it is remembered or not; so all of it counts."""
     interface = system.interface
     values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
-    tool = cache.tool_fingerprint()
+    tool = tool_fingerprint()
     return cache.key("accuracy 6", tool, interface.model_hash, method, system.backend, *values)
 
 
@@ -392,8 +393,7 @@ class _Remembered:
 
 
 def _recall(name: str) -> _Remembered | None:
-    body = cache.load(name)
-    return None if body is None else _Remembered(**json.loads(body))
+    return cache.load("accuracy", name, lambda body: _Remembered(**json.loads(body)))
 
 
 def _strays(trajectory: Trajectory, end: Sequence[float], interface: Interface) -> float:

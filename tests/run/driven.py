@@ -10,7 +10,7 @@ from typing import Any
 import lagc
 from lagc.render.names import prefix
 from lagc.run.backends.c import METHODS, _Options
-from lagc.run.backends.compile import build_library
+from lagc.run.backends.library import library
 from lagc.run.integrate import Integrator
 from lagc.run.problem import Options, System
 
@@ -108,7 +108,7 @@ class InC:
     """The functions of the header."""
 
     def __init__(self, system: Any, options: Options, t: float, x: list[float], work: Any = None):
-        self.library = ctypes.CDLL(build_library(system.model.sources))
+        self.library = library(system.model.sources)
         self.prefix, self.nx, self.nc = prefix(system.interface.model), system.nx, system.nc
         self.work = system.model.work() if work is None else work
         self.p = (c_double * max(len(system.parameters), 1))(*system.parameters)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any
@@ -12,7 +11,7 @@ from typing import Any
 from lagc.once import once
 from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
-from lagc.run.backends.compile import CannotCompile, build_library
+from lagc.run.backends.library import library
 from lagc.run.problem import INTERRUPTED, OK, Options, Trajectory, Vector
 
 METHODS = {"dop853": 0, "dopri5": 1}  # lagc_method of the header
@@ -44,10 +43,10 @@ class CModel(Compiled):
     @once
     def functions(self) -> dict[str, Any]:
         """By their names in the header, without the prefix.  Raises CannotCompile."""
-        library, own = _open(self.sources), prefix(self.interface.model)
+        compiled, own = library(self.sources), prefix(self.interface.model)
         found = {}
         for name, result in _RESULTS.items():
-            function = getattr(library, f"{own}_{name}", None)
+            function = getattr(compiled, f"{own}_{name}", None)
             if function is not None:
                 function.restype = result
                 found[name] = function
@@ -219,20 +218,6 @@ class CSystem(CompiledSystem):
             state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
             self.model.functions[name](self._p, *state, *arrays)
         return [array[:length] for array, length in zip(arrays, lengths)]
-
-
-def _open(sources: Mapping[str, str]) -> ctypes.CDLL:
-    """The library, compiled where it is not in the cache, and once more where the cached one is damaged."""
-    path = build_library(sources)
-    try:
-        return ctypes.CDLL(path)
-    except OSError:
-        pass
-    try:
-        os.unlink(path)
-        return ctypes.CDLL(build_library(sources))
-    except OSError as error:
-        raise CannotCompile(f"the compiled library cannot be loaded: {error}") from None
 
 
 def _state_type(nx: int) -> type[Any]:

@@ -1,4 +1,4 @@
-"""Compilers of C, and the cache of shared libraries."""
+"""Compilers of C, and what they make of generated code."""
 
 from __future__ import annotations
 
@@ -44,50 +44,34 @@ def compiler() -> tuple[str, ...] | None:
     return None
 
 
-def library_name(sources: Mapping[str, str]) -> str:
-    """The cache entry of the library made of `sources`, by their content, flags and machine."""
+def library_key(sources: Mapping[str, str]) -> str:
+    """Of the cache entry of the library made of `sources`: their content, flags and machine."""
     words = [item for name in sorted(sources) for item in (name, sources[name])]
-    return cache.key("library 1", sys.platform, _machine(), *FLAGS, os.environ.get("LAGC_CC", ""), *words)
+    return cache.key("1", sys.platform, _machine(), *FLAGS, os.environ.get("LAGC_CC", ""), *words)
 
 
-def cached_library(sources: Mapping[str, str]) -> str | None:
-    """The path of the library where it was compiled before."""
-    return _found(library_name(sources))
+def cached_library(sources: Mapping[str, str]) -> bool:
+    """Whether the library was compiled before."""
+    return cache.holds("library", library_key(sources))
 
 
-def build_library(sources: Mapping[str, str]) -> str:
-    """The path of the shared library of `sources` (file name -> text), compiled where it is not in
-    the cache.  Raises CannotCompile.
-
-    The library is compiled under a name of its own and then renamed, so that concurrent runs never
-    see half of one.  Where the cache cannot be written, it lives in a temporary folder that goes
-    with the process.
-    """
-    name = library_name(sources)
-    found = _found(name)
-    if found is not None:
-        return found
+def build_library(sources: Mapping[str, str]) -> bytes:
+    """The shared library of `sources` (file name -> text), compiled now.  Raises CannotCompile."""
     words = compiler()
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
     import shutil
     import tempfile
 
-    work = tempfile.mkdtemp(prefix="lagc-")
     try:
-        built = _compile(words, sources, work)
-        kept = _keep(built, name)
-        if kept is not None:
-            return kept
-        import atexit
-
-        private = tempfile.mkdtemp(prefix="lagc-")
-        atexit.register(shutil.rmtree, private, ignore_errors=True)
-        return shutil.move(built, os.path.join(private, "model" + SUFFIX))
+        work = tempfile.mkdtemp(prefix="lagc-")
+        try:
+            with open(_compile(words, sources, work), "rb") as file:
+                return file.read()
+        finally:
+            shutil.rmtree(work, ignore_errors=True)
     except OSError as error:
         raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
 
 
 def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) -> str:
@@ -131,45 +115,6 @@ def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
         process.communicate()
         raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
-
-
-def _path(name: str) -> str | None:
-    root = cache.folder()
-    return None if root is None else os.path.join(root, name[:2], name[2:] + SUFFIX)
-
-
-def _found(name: str) -> str | None:
-    """Only what this user wrote is loaded: a library runs with the user's rights."""
-    path = _path(name)
-    if path is None:
-        return None
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    own = not hasattr(os, "geteuid") or status.st_uid == os.geteuid()
-    return path if own and status.st_size > 0 else None
-
-
-def _keep(built: str, name: str) -> str | None:
-    path = _path(name)
-    if path is None:
-        return None
-    import shutil
-
-    temporary = cache.temporary_name(path)
-    try:
-        os.makedirs(os.path.dirname(path), mode=0o700, exist_ok=True)
-        shutil.copyfile(built, temporary)
-        os.chmod(temporary, 0o700)
-        os.replace(temporary, path)
-    except OSError:
-        try:
-            os.unlink(temporary)
-        except OSError:
-            return None
-        return None
-    return path
 
 
 def _machine() -> str:

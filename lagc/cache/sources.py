@@ -1,0 +1,57 @@
+"""What stands for the sources of lagc itself, which change under the same version in a checkout."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from time import time
+
+from lagc import cache
+
+PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ENDINGS = (".py", ".c", ".h", ".lark", ".json")
+FRESH = 2.0  # s in which a file may change without a change of its times
+
+
+def grammar_path() -> str:
+    """`grammar/lag.lark`: inside the package where it was installed, beside it in a checkout."""
+    inside = os.path.join(PACKAGE, "grammar", "lag.lark")
+    return inside if os.path.exists(inside) else os.path.join(os.path.dirname(PACKAGE), "grammar", "lag.lark")
+
+
+@lru_cache(maxsize=1)
+def tool_fingerprint() -> str:
+    """The hash of all sources.  It is kept for their sizes and times, so that they are read again only
+    where one of them may have changed."""
+    found = dict(sorted(_files()))
+    stamp = cache.key(*(f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()))
+    if cache.folder() is None:
+        return stamp
+    kept = cache.load("sources", stamp, bytes.decode)
+    if kept is None:
+        kept = cache.key(
+            *(word for path in found for word in (os.path.relpath(path, PACKAGE), _digest(path)))
+        )
+        newest = max(max(s.st_mtime, s.st_ctime) for s in found.values())
+        if time() - newest > FRESH:
+            cache.store("sources", stamp, kept.encode())
+    return kept
+
+
+def _files() -> Iterator[tuple[str, os.stat_result]]:
+    folders = [PACKAGE]
+    for folder in folders:  # which grows
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                if entry.name.endswith(ENDINGS):
+                    yield entry.path, entry.stat()
+                elif not entry.name.startswith(("__", ".")) and entry.is_dir():
+                    folders.append(entry.path)
+    grammar = grammar_path()
+    yield grammar, os.stat(grammar)
+
+
+def _digest(path: str) -> str:
+    with open(path, "rb") as file:
+        return cache.digest(file.read())

@@ -1,0 +1,130 @@
+"""What is in the cache, whether it is whole, and what goes where there is too much of it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from time import time
+
+from lagc.cache import Folder, Unfit, note, reason
+from lagc.records import dataclass
+
+LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
+LEFT = 0.75  # of the limit, after the entries used least recently have gone
+SOON = 3600.0  # s in which whatever is being written is done
+_ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
+_TEMPORARY = re.compile(r"tmp-([0-9]+)-[0-9a-f]{16}")
+_SIZE = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*([KMG]?)B?", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A file of the cache; `used` is when it was used last, to a day (s since 1970)."""
+
+    name: str
+    kind: str
+    size: int
+    used: float
+
+
+def limit() -> int:
+    """The bytes that the cache may hold: `LAGC_CACHE_SIZE`, as in `500M` or `2G`."""
+    given = os.environ.get("LAGC_CACHE_SIZE", "")
+    found = _SIZE.fullmatch(given.strip().upper())
+    if found is None:
+        if given.strip():
+            note(f"LAGC_CACHE_SIZE={given} is no size such as 500M or 2G; {LIMIT // 1_000_000_000}G is taken")
+        return LIMIT
+    return int(float(found[1]) * 1000.0 ** " KMG".index(found[2] or " "))
+
+
+def entries(place: Folder) -> list[Entry]:
+    """All that have the name of an entry, whole or not."""
+    return [
+        Entry(name, match[1], status.st_size, status.st_mtime)
+        for name, match, status in _files(place, _ENTRY)
+    ]
+
+
+def unfinished(place: Folder) -> list[str]:
+    """What is being written, or was by processes that are gone."""
+    return [name for name, _, _ in _files(place, _TEMPORARY)]
+
+
+def damaged(place: Folder) -> list[tuple[str, str]]:
+    """The entries that are not whole, which are removed, with reasons."""
+    found = []
+    for entry in entries(place):
+        try:
+            place.read(entry.name)
+        except FileNotFoundError:
+            continue
+        except (OSError, Unfit) as error:
+            found.append((entry.name, reason(error)))
+            _remove(place, entry.name)
+    _sweep(place)
+    return found
+
+
+def clear(place: Folder) -> int:
+    """Remove all; how many entries there were."""
+    found = entries(place)
+    for name in [*(e.name for e in found), *unfinished(place)]:
+        _remove(place, name)
+    return len(found)
+
+
+def shrink(place: Folder) -> None:
+    """Remove what was used least recently where there is more than the limit, and what was left
+    unfinished."""
+    _sweep(place)
+    found, most = entries(place), limit()
+    total = sum(e.size for e in found)
+    if total > most:
+        for entry in sorted(found, key=lambda e: e.used):
+            if total <= LEFT * most:
+                return
+            total -= entry.size
+            _remove(place, entry.name)
+
+
+def _files(place: Folder, pattern: re.Pattern[str]) -> Iterator[tuple[str, re.Match[str], os.stat_result]]:
+    for name in sorted(place.names()):
+        match = pattern.fullmatch(name)
+        if match:
+            try:
+                status = place.status(name)
+            except OSError:
+                continue  # just removed
+            yield name, match, status
+
+
+def _sweep(place: Folder) -> None:
+    """Remove what was left by processes that are gone.  Where one of another machine is not, its entry
+    is not kept, no more."""
+    for name, match, status in _files(place, _TEMPORARY):
+        if time() - status.st_mtime > SOON or _gone(int(match[1])):
+            place.remove(name)
+
+
+def _gone(process: int) -> bool:
+    if os.name != "posix":  # elsewhere, to ask is to end it
+        return False
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return True
+    except (OSError, OverflowError):
+        return False
+    return False
+
+
+def _remove(place: Folder, name: str) -> None:
+    """A folder too, that somebody has put there."""
+    place.remove(name)
+    if place.descriptor is None:
+        shutil.rmtree(os.path.join(place.path, name), ignore_errors=True)
+    else:
+        shutil.rmtree(name, ignore_errors=True, dir_fd=place.descriptor)

@@ -1,0 +1,89 @@
+"""What is kept of models that were compiled before.
+
+Everything in it is made again when it is missing: it may be cleared at any time.
+"""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from lagc import cache
+from lagc.cache import upkeep
+from lagc.cli.exits import DONE, REFUSED
+from lagc.cli.options import add_general_options
+from lagc.cli.output import print_json, show
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--verify",
+        action="store_true",
+        help="read every entry, and remove what is damaged (exit code 1)",
+    )
+    what.add_argument("--clear", action="store_true", help="remove every entry")
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    facts = facts_of(options)
+    if options.json:
+        print_json(facts)
+    else:
+        show(text(facts, options.quiet) + "\n")
+    return DONE if facts["status"] == "ok" else REFUSED
+
+
+def facts_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Do what is asked, and say what there is then."""
+    place = cache.opened()
+    facts: dict[str, Any] = {"status": "ok", "folder": cache.folder()}
+    if place is None:
+        if cache.notes:
+            facts.update(status="refused", reason=cache.notes[-1])
+        return facts
+    with place:
+        if options.clear:
+            facts["removed"] = upkeep.clear(place)
+        if options.verify:
+            found = upkeep.damaged(place)
+            facts["damaged"] = [{"entry": name, "reason": reason} for name, reason in found]
+            facts["status"] = "damaged" if found else "ok"
+        kinds: dict[str, list[int]] = {}
+        for entry in upkeep.entries(place):
+            kinds.setdefault(entry.kind, []).append(entry.size)
+        facts["kinds"] = {kind: {"entries": len(s), "bytes": sum(s)} for kind, s in sorted(kinds.items())}
+        facts["unfinished"] = len(upkeep.unfinished(place))
+        facts["limit"] = upkeep.limit()
+    return facts
+
+
+def text(facts: dict[str, Any], quiet: bool) -> str:
+    if facts["status"] == "refused":
+        return str(facts["reason"])
+    if facts["folder"] is None:
+        return "there is no cache: LAGC_CACHE is empty, or there is no home"
+    kinds = facts.get("kinds", {})
+    lines = [f"{row['entry']} removed: {row['reason']}" for row in facts.get("damaged", ())]
+    if not quiet:
+        number, total = (sum(row[what] for row in kinds.values()) for what in ("entries", "bytes"))
+        most = f", at most {size(facts['limit'])}" if "limit" in facts else ""
+        lines.append(f"{facts['folder']}: {number} entries, {size(total)}{most}")
+        lines += [f"  {kind:9} {row['entries']:6} {size(row['bytes']):>9}" for kind, row in kinds.items()]
+        if facts.get("unfinished"):
+            lines.append(f"  {'unfinished':9} {facts['unfinished']:5}")
+        if "removed" in facts:
+            lines.append(f"{facts['removed']} removed")
+        if facts.get("damaged") == []:
+            lines.append("all of them whole")
+    return "\n".join(lines)
+
+
+def size(count: float) -> str:
+    """In bytes, kB, MB or GB."""
+    for unit in ("B", "kB", "MB"):
+        if count < 1000:
+            return f"{count:.3g} {unit}"
+        count /= 1000
+    return f"{count:.3g} GB"
