@@ -23,7 +23,6 @@ COMMANDS = {
     "build": "generated code for other projects",
     "new": "a model to start from",
     "cache": "what is kept of compiled models: show, verify, clear",
-    "cache": "what is kept of compiled models: show, verify, clear",
 }
 
 
