@@ -105,9 +105,10 @@ end Chain;
 """
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(8))
 def test_mechanisms_follow_what_is_stated_of_them(seed: int) -> None:
-    """Cam and gears by closed form; the slider is where its steep nut says, the loop closed behind it."""
+    """Cam and gears by closed form; the slider is where its steep nut says, the loop closed behind it: to
+    1e-15 of a thousandth of the largest length, see `is_root`."""
     dice = random.Random(seed)
     system = system_of(CHAIN)
     h, x = 10.0 ** dice.uniform(-6.0, 9.0), dice.uniform(0.22, 0.38)
@@ -116,12 +117,12 @@ def test_mechanisms_follow_what_is_stated_of_them(seed: int) -> None:
     assert not start.missed and not [c for c in start.changes if c.stated]
     found = dict(zip(system.interface.q_names, start.x))
     assert {name: found[name] for name in given} == given
-    angle = math.log(h / 0.01) / 2.0
+    angle, off = math.log(h / 0.01) / 2.0, 1e-12 + 4e-15 * max(given.values()) / 1024
     assert math.isclose(found["a"], angle, rel_tol=1e-12, abs_tol=1e-12)
     assert math.isclose(found["b"], -angle / 7.0, rel_tol=1e-12, abs_tol=1e-12)
-    assert math.isclose(found["x"], x, rel_tol=1e-12)
-    assert math.isclose(0.1 * math.cos(found["c"]) + 0.3 * math.cos(found["d"]), x, rel_tol=1e-12)
-    assert abs(0.1 * math.sin(found["c"]) + 0.3 * math.sin(found["d"])) < 1e-12
+    assert abs(found["x"] - x) < off
+    assert abs(0.1 * math.cos(found["c"]) + 0.3 * math.cos(found["d"]) - found["x"]) < off
+    assert abs(0.1 * math.sin(found["c"]) + 0.3 * math.sin(found["d"])) < off
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -77,7 +77,7 @@ static int lagc_by_parts(const lagc_params *p, double t, lagc_start_work *w)
         for (i = 0; i < LAGC_NU; i++)
             w->loose[i] = w->let[i] && w->used[i];
         lagc_copy(w->y, w->reached);
-        met = lagc_farthest(p, t, w->reached, w->ended, w) <= LAGC_ACCEPTED &&
+        met = lagc_farthest(p, t, w->reached, w->ended, w) <= LAGC_CLOSE &&
               lagc_strayed(w->reached, w) <= LAGC_NEAR;
         if (!met && !lagc_ladder(p, t, w))
             return 0;

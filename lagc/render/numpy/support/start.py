@@ -6,8 +6,8 @@ from math import inf
 
 from lagc.render.numpy.support.base import INCONSISTENT, NOT_FINITE, OK
 from lagc.render.numpy.support.startchoice import Choice
-from lagc.render.numpy.support.startrows import ACCEPTED, DECLARED, FIXED, UNSTATED
-from lagc.render.numpy.support.startsteps import NEAR, SPREADS
+from lagc.render.numpy.support.startrows import DECLARED, FIXED, UNSTATED
+from lagc.render.numpy.support.startsteps import CLOSE, NEAR, SPREADS
 
 # -- what follows is part of generated modules --
 
@@ -53,7 +53,7 @@ class Consistency(Choice):
                 self.confine(own)
                 self.free = [a and b for a, b in zip(free, self.used)]
                 self.y = reached
-                met = self.worst(reached, own)[0] <= ACCEPTED and self.strayed(reached) <= NEAR
+                met = self.worst(reached, own)[0] <= CLOSE and self.strayed(reached) <= NEAR
                 if not met and not self.ladder():
                     self.culprit = self.worst(self.y, self.rows)[1]
                     return INCONSISTENT
