@@ -1,6 +1,11 @@
 /* -- states put back onto their constraints -- */
 
 #if LAGC_NC
+/* Scaled residuals: what is taken for rounding, and what is left as it is (more than that, left at each
+ * step, adds up, as it has one sign for long). */
+#define LAGC_LEFT_OVER 1e-15
+#define LAGC_UNTOUCHED 1e-16
+
 /* Factors of [M G^T; G 0] at (t, x). */
 static int lagc_assemble_(const lagc_params *p, double t, const double *x, lagc_work *w)
 {
@@ -129,7 +134,7 @@ static int lagc_nudge(const lagc_params *p, double t, const double *x, const dou
     for (i = 0; i < LAGC_NV; i++)
         r[i] = 0.0;
     for (i = 0; i < LAGC_NC; i++)
-        r[LAGC_NV + i] = (i % 2 ? -1e-15 : 1e-15) * w->scales[i];
+        r[LAGC_NV + i] = (i % 2 ? -LAGC_LEFT_OVER : LAGC_LEFT_OVER) * w->scales[i];
     lagc_solve_(r, s, w);
     for (i = 0; i < LAGC_NX; i++)
         w->nudged[i] = x[i];
@@ -174,7 +179,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, const double 
 #if LAGC_NH
     lagc_fn_position(p, t, x, rows);
     *position = lagc_residual(rows, LAGC_NH, w->scales);
-    for (n = 0; n < 8 && !(*position <= 1e-15); n++) {
+    for (n = 0; n < 8 && !(*position <= (n ? LAGC_LEFT_OVER : LAGC_UNTOUCHED)); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
             if (LAGC_FAILED(status))
@@ -212,7 +217,7 @@ static int lagc_project(const lagc_params *p, double t, double *x, const double 
 #endif
     lagc_fn_velocity(p, t, x, rows);
     *velocity = lagc_residual(rows, LAGC_NC, w->rates);
-    for (n = 0; n < 8 && !(*velocity <= 1e-15); n++) {
+    for (n = 0; n < 8 && !(*velocity <= (n ? LAGC_LEFT_OVER : LAGC_UNTOUCHED)); n++) {
         if (!assembled) {
             status = lagc_assemble_(p, t, x, w);
             if (LAGC_FAILED(status))

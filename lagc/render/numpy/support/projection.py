@@ -12,6 +12,9 @@ from lagc.render.numpy.support.sizes import RESTING
 # -- what follows is part of generated modules --
 
 TARGET = 1e-15  # scaled residual that is taken for rounding
+UNTOUCHED = (
+    1e-16  # that is left as it is: what more is left at each step adds up, as it has one sign for long
+)
 HOPELESS = 1e-6  # scaled residual above which a projection has failed
 SOLVES = 8  # at most, for positions and for speeds
 
@@ -54,8 +57,8 @@ def project(problem: Problem, t: float, x: list[float], sizes: list[float]) -> t
     if nh:
         phi = problem.position(t, x)
         position = residual(phi, scales)
-        for _ in range(SOLVES):
-            if position <= TARGET:
+        for n in range(SOLVES):
+            if position <= (TARGET if n else UNTOUCHED):
                 break
             if not assembled:
                 status = problem.assemble(t, x)
@@ -79,8 +82,8 @@ def project(problem: Problem, t: float, x: list[float], sizes: list[float]) -> t
             return INCONSISTENT, position, 0.0
     psi = problem.velocity(t, x)
     velocity = residual(psi, rates)
-    for _ in range(SOLVES):
-        if velocity <= TARGET:
+    for n in range(SOLVES):
+        if velocity <= (TARGET if n else UNTOUCHED):
             break
         if not assembled:
             status = problem.assemble(t, x)
