@@ -12,25 +12,25 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from math import floor, inf, isfinite, log10
-from operator import sub
+from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
 from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
+from lagc.run.distance import Sizes, difference, sizes, spread
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
+    from lagc.run.growth import Rounding
 
 SAFETY = 2.0  # on every estimate
 BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
-ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
-HARMLESS = 0.1  # of the accuracy asked: less rounding than that is not looked at closely
+HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is enough
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
-PILOTS = (1e-5, 1e-6)
+COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
 FINEST = 1e-15  # no tolerance is below this
 MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
@@ -41,7 +41,6 @@ SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
 
 Progress = Callable[[float], None]
-Sizes = Sequence[tuple[Sequence[int], float]]
 
 
 @dataclass
@@ -109,9 +108,10 @@ class _Search:
     tried: list[Trajectory] = field(default_factory=list)
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
     compared: dict[tuple[float, float], float] = field(default_factory=dict)
-    drifts: dict[float, float] = field(default_factory=dict)  # by tolerance
+    rounded: dict[float, tuple[float, float]] = field(default_factory=dict)  # by tolerance: drift, grown
     scales: dict[float, Sizes] = field(default_factory=dict)  # by tolerance
     balance: Balance | None = None
+    along: Rounding | None = None  # the motion
 
     @property
     def method(self) -> str:
@@ -126,19 +126,26 @@ class _Search:
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest)
 
     def run(self, tol: float) -> Trajectory:
+        self.runs[tol] = done = self._integrate(tol, self.x0)
+        return done
+
+    def _integrate(self, tol: float, start: Sequence[float], first_step: float = 0.0) -> Trajectory:
         options = self.options(tol)
-        done = self.system.integrate(options, self.times[0], self.x0, self.times, self.progress)
+        options.first_step = first_step
+        done = self.system.integrate(options, self.times[0], start, self.times, self.progress)
         self.tried.append(done)
-        self.runs[tol] = done
         return done
 
     def verify(self) -> Verified:
         stopped = self._pilots()
-        tol = PILOTS[-1]
+        tol = FINE
         for _ in range(ATTEMPTS + 1):
             if stopped is not None:
                 return stopped
-            if self._settled() or tol <= FINEST:
+            settled = self._settled()
+            if self._interrupted:
+                return self._kept()
+            if settled or tol <= FINEST:
                 break
             coarse = max(10.0 * FINEST, min(self._predicted(), tol))
             for tol in (_plain(coarse), _plain(coarse / 10.0)):
@@ -147,12 +154,23 @@ class _Search:
         return stopped or self._result()
 
     def _pilots(self) -> Verified | None:
-        """The first runs."""
-        for tol in PILOTS:
-            stopped = self._stopped(tol)
-            if stopped is not None:
-                return stopped
-        return None
+        """The first runs.  The coarse one begins displaced; at the start itself, where that would not do."""
+        from lagc.run.growth import Rounding  # where there is no answer yet
+
+        stopped = self._stopped(FINE)
+        if stopped is not None:
+            return stopped
+        tol = min(self.runs)
+        self.along = Rounding(self.system, self.runs[tol], self._sizes(tol), COARSE, self._integrate)
+        if self._interrupted:
+            return self._kept()
+        if not self.along.hides(self.accuracy / SAFETY):
+            self.runs[COARSE] = self.along.beside
+            return None
+        stopped = self._stopped(COARSE)
+        if stopped is None:
+            self.along.bound = self.along.bounded(self.runs[max(self.runs)])
+        return stopped
 
     def _stopped(self, tol: float) -> Verified | None:
         """Integrate; a result where that ended before its time, at this and at a finer tolerance.
@@ -169,15 +187,23 @@ class _Search:
             return None
         del self.runs[tol]
         if done.status == INTERRUPTED and self.runs:
-            kept = self._result()  # a coarser run is complete: more than the beginning of this one
-            kept.trajectory = kept.trajectory.changed(status=INTERRUPTED)
-            return kept
+            return self._kept()
         if self.runs:
             kept = self._result()
             kept.failed = done
             return kept
         estimated, _ = self._compare(done)
         return Verified(done, self.options(tol), estimated, None, self.tried)
+
+    @property
+    def _interrupted(self) -> bool:
+        return self.tried[-1].status == INTERRUPTED
+
+    def _kept(self) -> Verified:
+        """A complete run, where a later one was interrupted: more than the beginning of that one."""
+        kept = self._result()
+        kept.trajectory = kept.trajectory.changed(status=INTERRUPTED)
+        return kept
 
     def _settled(self) -> bool:
         """Whether no finer run is needed, or none would help."""
@@ -193,29 +219,24 @@ class _Search:
         return self.truncation() + (self.rounding() if len(self.runs) > 1 else 0.0)
 
     def rounding(self) -> float:
-        """What rounding may bring to the finest run: it grows as the errors of the method do, which are
-        the tolerance at each step at first."""
-        return self.drift() * self._growth()
-
-    def _growth(self) -> float:
-        tol = min(self.runs)
-        injected = SAFETY * max(self.runs[tol].steps, 1) * tol
-        return max(1.0, self.truncation() / injected)
+        """What rounding may bring to the finest run."""
+        return self._rounded()[1]
 
     def drift(self) -> float:
         """What rounding brings to the finest run, where it does not grow."""
-        from lagc.run.rounding import rounding_drift  # where there is no answer yet
+        return self._rounded()[0]
 
+    def _rounded(self) -> tuple[float, float]:
         tol = min(self.runs)
-        found = self.drifts.get(tol)
-        if found is None:
-            run = self.runs[tol]
+        if tol not in self.rounded:
             left, harmless = self.accuracy - self.truncation(), HARMLESS * self.accuracy
             room = min(left, harmless) if left > 0.0 else harmless
-            enough = room / (ROUGHLY * self._growth())
-            found = ROUGHLY * rounding_drift(self.system, run, self._sizes(tol), enough)
-            self.drifts[tol] = found
-        return found
+            room = inf if self._interrupted else room
+            assert self.along is not None
+            drift, grown = self.along.of(self.runs, self._sizes(tol), room)
+            injected = SAFETY * max(self.runs[tol].steps, 1) * tol  # by the method: it grows alike
+            self.rounded[tol] = drift, max(grown, drift * self.truncation() / injected)
+        return self.rounded[tol]
 
     def _balance(self) -> Balance:
         from lagc.run.balance import balance
@@ -315,62 +336,14 @@ class _Search:
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY)
+                if found.horizon is not None and self.along is not None:
+                    found.horizon = min(found.horizon, self.along.until(found.drift, self.accuracy))
         return found
-
-
-def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
-    """The indices of the states of each kind, and the largest magnitude of these."""
-    largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
-    return [(group, max((largest[i] for i in group), default=0.0) if largest else 0.0)
-            for group in kinds(interface)]  # fmt: skip
-
-
-def kinds(interface: Interface) -> list[list[int]]:
-    """The indices of the coordinates and speeds that share a scale."""
-    groups: dict[int, list[int]] = {}
-    for i, kind in enumerate(interface.kinds):
-        groups.setdefault(kind, []).append(i)
-    return list(groups.values())
 
 
 def _plain(tol: float) -> float:
     """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
     return float(f"{tol:.2e}")
-
-
-def difference(
-    a: Trajectory, b: Trajectory, interface: Interface, target: float
-) -> tuple[float, float | None]:
-    """The largest scaled difference over the common times, and the last time up to which it stays below
-    `target` by the sizes of the motion until there (None where that is the end): a motion that runs
-    away later makes nothing before it more exact."""
-    alike = [True] * min(len(a.states), len(b.states))
-    largest = 0.0
-    for group in kinds(interface):
-        size = apart = 0.0
-        for k, (x, y) in enumerate(zip(a.states, b.states)):
-            for i in group:
-                size = max(size, abs(x[i]), abs(y[i]))
-                if not abs(x[i] - y[i]) <= apart:
-                    apart = abs(x[i] - y[i])
-            if not apart <= target * size:
-                alike[k] = False
-        if not apart <= largest * size:
-            largest = apart / size if apart < inf else inf
-    if not alike or alike[-1]:
-        return largest, None
-    return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
-
-
-def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
-    """The largest scaled difference of two runs over the same times, from their sizes."""
-    columns, worst = [*zip(zip(*a.states), zip(*b.states))], 0.0
-    for (group, one), (_, other) in zip(of_a, of_b):
-        size = max(one, other)
-        for i in group if size > 0.0 else ():
-            gaps = [*map(abs, map(sub, *columns[i]))]
-            worst = max(worst, max(gaps) / size if isfinite(sum(gaps)) else inf)
-    return worst
 
 
 def _memory_name(
@@ -380,7 +353,7 @@ def _memory_name(
     interface = system.interface
     values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
-    return cache.key("accuracy 6", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 7", tool, interface.model_hash, method, system.backend, *values)
 
 
 @dataclass

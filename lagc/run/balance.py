@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from lagc.records import dataclass
+from lagc.run.distance import Sizes
 from lagc.run.problem import System, Trajectory
-from lagc.run.rounding import Groups
 
 RECORDED = 48  # states at which the balance is drawn
 FEW = 12  # at first, or more where a run took so many times SELDOM evaluations
@@ -38,7 +38,7 @@ class Balance:
         return not self.imbalance > self.explained
 
 
-def balance(system: System, trajectory: Trajectory, groups: Groups, accuracy: float) -> Balance:
+def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: float) -> Balance:
     """`groups`: the indices of the states of each kind, and their size.
 
     As much as twice the kinetic energy is the sum over the speeds alone, where nothing depends on time: an
@@ -118,7 +118,7 @@ def _explained(
     system: System,
     times: Sequence[float],
     states: Sequence[Sequence[float]],
-    groups: Groups,
+    groups: Sizes,
     accuracy: float,
     work: float,
 ) -> float:
@@ -135,7 +135,7 @@ def _picked(n: int, count: int) -> list[int]:
     return sorted({k * (n - 1) // count for k in range(count + 1)}) if n else []
 
 
-def _slopes(system: System, t: float, x: Sequence[float], groups: Groups) -> float:
+def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> float:
     """The sum of |dE/dx_i| s_i."""
     here, total = system.energies(t, x)[2], 0.0
     for group, size in groups:

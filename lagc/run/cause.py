@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import exp, inf, isfinite, log, sqrt
 
-from lagc.run.accuracy import kinds, sizes
+from lagc.run.distance import kinds, sizes
 from lagc.run.names import row_name, state_name
 from lagc.run.problem import FAILED, REDUNDANT, System, Trajectory
 

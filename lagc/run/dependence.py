@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import sqrt
 
-from lagc.run.accuracy import sizes
+from lagc.run.distance import sizes
 from lagc.run.problem import System, Trajectory
 
 LOOKED_AT = 40  # of the recorded states

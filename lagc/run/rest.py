@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.run.problem import FAILED, OK, System, Trajectory
+from lagc.run.rounding import rounded_rates
 
 ULP = 2.0**-52
 WAYS = 8  # in which time, state and parameters are changed in their last place
@@ -14,7 +15,7 @@ SEVERAL = 2.0  # such changes of a rate are rounding
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     """Whether nothing but rounding moves the state x, where no time moves it either: no coordinate changes
     in the last place of the largest of its kind over the whole time, and changes of state and parameters
-    in their last place change each acceleration by as much as it is."""
+    in their last place, or other rounding, change each acceleration by as much as it is."""
     if system.interface.timed:
         return False
     nq, span = system.nq, times[-1] - times[0]
@@ -32,20 +33,19 @@ def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:
 
 
 def _limits(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """What rounding may bring to each acceleration; 0 for the work, whose rate has to vanish.  What comes
-    to one through constraints may come to all of its kind."""
-    p, found = system.parameters, [0.0] * system.nv
+    """What rounding may bring to each acceleration; 0 for the work, whose rate has to vanish."""
+    p, others = system.parameters, []
     for way in range(WAYS):
         last = [1.0 - ULP if (i + 1) * (2 * way + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))]
         other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
-        rates = _rates(other, t, [a * b for a, b in zip(x, last)]) or plain
-        found = [max(c, abs(a - b)) for c, a, b in zip(found, rates[system.nq :], plain[system.nq :])]
-    limits = [SEVERAL * c for c in found]
-    if system.nc:
-        kinds = system.interface.kinds[system.nq :]
-        largest = {kind: max(c for c, k in zip(found, kinds) if k == kind) for kind in kinds}
-        limits = [max(limit, largest[kind]) for limit, kind in zip(limits, kinds)]
-    return limits + [0.0] * system.nz
+        others.append(_rates(other, t, [a * b for a, b in zip(x, last)]))
+    for way in (1, -1):
+        others += rounded_rates(system, [t], [x], way)
+    found = [0.0] * system.nv
+    for rates in others:
+        moved = zip(found, (rates or plain)[system.nq :], plain[system.nq :])
+        found = [max(c, abs(a - b)) for c, a, b in moved]
+    return [SEVERAL * c for c in found] + [0.0] * system.nz
 
 
 def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:

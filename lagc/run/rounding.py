@@ -13,27 +13,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
+from lagc.run.distance import Sizes
 from lagc.run.problem import FAILED, System, Trajectory
 
 ULP = 2.0**-52
 SAMPLES = 12  # of the recorded states
 UNSEEN = 10.0  # what a quick look may miss
 
-Groups = Sequence[tuple[Sequence[int], float]]
-Look = tuple[int, list[float], list[float]]  # where, what rates of each kind change by, the rates
-
-
-def rounding_drift(system: System, trajectory: Trajectory, groups: Groups, harmless: float) -> float:
-    """How far rounding moves the states, relative to their sizes, where differences do not grow.
-
-    `groups`: the indices of the states of each kind, and their size.  Up to `harmless` it is a bound, from
-    a quick look.
-    """
-    picked = _picked(trajectory)
-    if not picked:
-        return 0.0
-    bound = _quick(system, trajectory, groups, picked)
-    return bound if bound <= harmless else _close(system, trajectory, groups, picked)
+Look = tuple[int, list[float], list[float]]  # where, what each rate changes by, the rates
 
 
 def _picked(trajectory: Trajectory) -> list[int]:
@@ -41,30 +28,45 @@ def _picked(trajectory: Trajectory) -> list[int]:
     return sorted({k * (n - 1) // SAMPLES for k in range(SAMPLES + 1)}) if n else []
 
 
-def _quick(system: System, trajectory: Trajectory, groups: Groups, picked: list[int]) -> float:
-    """A bound, from the first state, the last and the fastest between; infinite where it is not told."""
+def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> tuple[float, list[float]]:
+    """How far rounding moves the states at most, relative to their sizes, where differences do not grow
+    (infinite where that is not told), and the way in which it moves them, at the start.
+
+    `groups`: the indices of the states of each kind, and their size.  From the first state, the last and
+    the fastest between.
+    """
     states, times = trajectory.states, trajectory.times
+    picked = _picked(trajectory)
     moving = [(group, size) for group, size in groups if size > 0.0]
     speeds = [(group, size) for group, size in moving if group[-1] >= system.nq]
 
     def pace(k: int) -> float:
         return sum(abs(states[k][i]) / size for group, size in speeds for i in group)
 
-    if trajectory.fallbacks:
-        return float("inf")
     where = sorted({0, max(picked, key=pace), picked[len(picked) // 2], picked[-1]})
     plain = [_rates(system, times[k], states[k]) for k in where]
     at = [times[k] for k in where], [_shifted(states[k], k) for k in where]
-    worst = 0.0
-    for one, up, down in zip(plain, _rounded(system, *at, 1), _rounded(system, *at, -1)):
+    worst, span = float("inf") if trajectory.fallbacks else 0.0, abs(times[-1] - times[0])
+    way = [ULP * _generic(i) * a for i, a in enumerate(states[0])]
+    for k, one, up, down in zip(where, plain, rounded_rates(system, *at, 1), rounded_rates(system, *at, -1)):
         if one is None or up is None or down is None:
-            return float("inf")
-        changes = _changes(one, [up, down], moving)
-        worst = max([worst, *(c / size for c, (_, size) in zip(changes, moving))])
-    return UNSEEN * worst * abs(times[-1] - times[0])
+            worst = float("inf")
+            continue
+        changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(one, up, down)]
+        worst = max([worst, *(changes[i] / size for group, size in moving for i in group)])
+        a, b = span * _generic(k), span * _generic(-k - 1)
+        way = [w + a * (u - r) + b * (d - r) for w, r, u, d in zip(way, one, up, down)]
+    soon = span / max(trajectory.steps, 1)  # what moves the speeds moves the coordinates then
+    moved = system.displace(times[0], states[0], way[system.nq : system.nq + system.nv])
+    return UNSEEN * worst * span, [w + soon * m for w, m in zip(way, moved)] + way[system.nq :]
 
 
-def _rounded(
+def _generic(k: int) -> float:
+    """A number of magnitude 1/2 to 3/2, by a rule without pattern."""
+    return (0.5 + 0.6180339887498949 * k % 1.0) * (1.0 if (k * 0x9E3779B1) & 0x4000 else -1.0)
+
+
+def rounded_rates(
     system: System, times: Sequence[float], states: Sequence[Sequence[float]], way: int
 ) -> list[list[float] | None]:
     """The rates with arithmetic rounded up or down: in calls of compiled code, else in another thread."""
@@ -92,44 +94,44 @@ def _shifted(x: Sequence[float], k: int) -> list[float]:
             for i, a in enumerate(x)]  # fmt: skip
 
 
-def _changes(plain: Sequence[float], others: Sequence[Sequence[float]], groups: Groups) -> list[float]:
-    return [max(abs(f[i] - plain[i]) for f in others for i in group) for group, _ in groups]
-
-
 def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:
     xdot, lam = [0.0] * system.nx, [0.0] * system.nc
     return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
 
 
-def _close(system: System, trajectory: Trajectory, groups: Groups, picked: list[int]) -> float:
-    """From all of the picked states.  A kind whose rates are nothing but rounding is at rest, and left out.
-    Around each state, a kind moves by the change of its rate over the time, and by no more than that share
-    of the way that it goes: a close encounter is short."""
+def close_look(system: System, trajectory: Trajectory, groups: Sizes) -> list[tuple[int, float]]:
+    """How far rounding moves the states, around each of a dozen of the recorded.
+
+    A kind of which every rate is nothing but rounding is at rest, and left out.  Around each state, a kind
+    moves by the change of its rates over the time, and by no more than that share of the way that it goes: a
+    close encounter is short.
+    """
     from lagc.run.directed import apart
 
-    looks = apart(lambda: _looks(system, trajectory, groups, picked))
+    looks = apart(lambda: _looks(system, trajectory))
     n = len(trajectory.states)
     bounds = [0, *((a + b) // 2 for (a, _, _), (b, _, _) in pairwise(looks)), n - 1]
-    total = 0.0
-    for (_, changes, rates), first, last in zip(looks, bounds, bounds[1:]):
+    changed, ran = ([max(values) for values in zip(*(look[j] for look in looks))] for j in (1, 2))
+    moving = [(group, size) for group, size in groups
+              if size > 0.0 and any(ran[i] > 100.0 * changed[i] for i in group if looks)]  # fmt: skip
+    found = []
+    for (k, changes, rates), first, last in zip(looks, bounds, bounds[1:]):
         time = abs(trajectory.times[last] - trajectory.times[first])
         worst = 0.0
-        for j, (group, size) in enumerate(groups):
-            alive = max(r[j] for _, _, r in looks) > 100.0 * max(c[j] for _, c, _ in looks)
-            if size > 0.0 and alive:
-                way = _way(trajectory, group, first, last)
-                moved = changes[j] * (min(time, way / rates[j]) if rates[j] > 0.0 else time)
-                worst = max(worst, moved / size)
-        total += worst
-    return total
+        for group, size in moving:
+            change, rate = max(changes[i] for i in group), max(rates[i] for i in group)
+            way = _way(trajectory, group, first, last)
+            worst = max(worst, change * (min(time, way / rate) if rate > 0.0 else time) / size)
+        found.append((k, worst))
+    return found
 
 
-def _looks(system: System, trajectory: Trajectory, groups: Groups, picked: list[int]) -> list[Look]:
+def _looks(system: System, trajectory: Trajectory) -> list[Look]:
     """Where the rates can be told: as they are, and twice with other rounding."""
     from lagc.run.directed import directed
 
     looks = []
-    for k in picked:
+    for k in _picked(trajectory):
         found = []
         for way in (0, 1, -1):
             x = trajectory.states[k]
@@ -138,8 +140,8 @@ def _looks(system: System, trajectory: Trajectory, groups: Groups, picked: list[
                 found.append(_rates(system, trajectory.times[k], moved))
         told = [f for f in found if f is not None]
         if len(told) == 3:
-            rates = [max(abs(told[0][i]) for i in group) for group, _ in groups]
-            looks.append((k, _changes(told[0], told[1:], groups), rates))
+            changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(*told)]
+            looks.append((k, changes, [*map(abs, told[0])]))
     return looks
 
 

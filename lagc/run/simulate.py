@@ -20,9 +20,9 @@ from lagc.run.verdict import Verdict, judge, redundancy, verdict
 Progress = Callable[[float], None]
 MOST_NAMED = 12  # conditions of a conflict
 RTOL = 1e-9  # by hand, where nothing is said
-ROUNDING = 2.0**-52
-RESTS = ("it starts in an equilibrium, as well as can be told in double precision, and stays there; "
-         "whether a small push would end that is not examined")  # fmt: skip
+ROUNDING = 2.0**-49  # of a coordinate: to both sides, what several last places are
+RESTS = ("it starts in an equilibrium, or so near one that last places of its numbers decide, and is left "
+         "there; whether a small push would end that is not examined")  # fmt: skip
 
 
 def simulate(

@@ -11,7 +11,7 @@ import os
 import time
 
 from lagc.api import CompiledModel
-from lagc.run.accuracy import kinds
+from lagc.run.distance import kinds
 from lagc.run.solution import Solution
 from tests.benchmarks.tables import Cell, machine, table
 from tests.physics.references import Reference, Sample, compiled, names, read

@@ -10,7 +10,7 @@ from statistics import median
 import pytest
 
 import lagc
-from lagc.run.accuracy import difference
+from lagc.run.distance import difference
 from lagc.run.problem import Trajectory
 
 pytestmark = pytest.mark.usefixtures("no_cache")

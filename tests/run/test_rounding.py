@@ -14,12 +14,13 @@ from mpmath import mpf
 
 import lagc
 from lagc.api import Run
-from lagc.run.accuracy import difference, sizes, verified_run
+from lagc.run.accuracy import verified_run
 from lagc.run.counted import Counted
 from lagc.run.directed import apart, control, directed
+from lagc.run.distance import difference, sizes
 from lagc.run.problem import Trajectory, Vector
 from lagc.run.request import Request
-from lagc.run.rounding import rounding_drift
+from lagc.run.rounding import close_look, quick_look
 from lagc.run.simulate import simulate
 from tests.run.integrated import Oscillator
 
@@ -83,14 +84,17 @@ def near(n: int, apart: float, chance: Random) -> list[list[float]]:
 
 
 def honest(text: str, exact: Exact, stop: float) -> list[Run]:
-    """Runs at several accuracies: none has an error beyond its estimate, or the accuracy where it is `ok`."""
+    """Runs at several accuracies: none has an error beyond twice its estimate (errors of a few steps in all
+    follow no law), or beyond the accuracy where it is `ok`."""
     model = lagc.loads(text).compile(backend="numpy")
     runs: list[Run] = []
     for accuracy in ACCURACIES:
         run = model.simulate(stop, accuracy=accuracy, points=11)
         assert run.estimated is not None
         if len(run.times) == 11:
-            assert true_error(run, exact) <= run.estimated, (accuracy, run.message)
+            true = true_error(run, exact)
+            assert true <= 2.0 * run.estimated, (accuracy, run.message)
+            assert run.status == "failed" or true <= accuracy
         assert run.status == "failed" or run.estimated <= accuracy
         runs.append(run)
         if run.status == "failed":
@@ -194,8 +198,8 @@ def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str)
     assert counted.evaluations <= 40
     # the quick look is a bound of the close one
     groups = sizes(found.trajectory, system.interface)
-    quick, close = (rounding_drift(system, found.trajectory, groups, room) for room in (1e-3, -1.0))
-    assert close <= quick <= 1e-10
+    quick, _ = quick_look(system, found.trajectory, groups)
+    assert sum(moved for _, moved in close_look(system, found.trajectory, groups)) <= quick <= 1e-10
 
 
 def test_every_evaluation_is_counted() -> None:

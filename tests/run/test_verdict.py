@@ -10,8 +10,8 @@ from random import Random
 import pytest
 
 import lagc
-from lagc.run.accuracy import sizes
 from lagc.run.balance import balance
+from lagc.run.distance import sizes
 from lagc.run.problem import OK, STEP_UNDERFLOW, Options, Trajectory, Vector
 from lagc.run.request import Request
 from lagc.run.simulate import simulate

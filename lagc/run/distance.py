@@ -1,0 +1,62 @@
+"""How far apart motions are, in the sizes of their kinds of states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, isfinite
+from operator import sub
+
+from lagc.optimize.program import Interface
+from lagc.run.problem import Trajectory
+
+Sizes = Sequence[tuple[Sequence[int], float]]
+
+
+def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
+    """The indices of the states of each kind, and the largest magnitude of these."""
+    largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
+    return [(group, max((largest[i] for i in group), default=0.0) if largest else 0.0)
+            for group in kinds(interface)]  # fmt: skip
+
+
+def kinds(interface: Interface) -> list[list[int]]:
+    """The indices of the coordinates and speeds that share a scale."""
+    groups: dict[int, list[int]] = {}
+    for i, kind in enumerate(interface.kinds):
+        groups.setdefault(kind, []).append(i)
+    return list(groups.values())
+
+
+def difference(
+    a: Trajectory, b: Trajectory, interface: Interface, target: float
+) -> tuple[float, float | None]:
+    """The largest scaled difference over the common times, and the last time up to which it stays below
+    `target` by the sizes of the motion until there (None where that is the end): a motion that runs
+    away later makes nothing before it more exact."""
+    alike = [True] * min(len(a.states), len(b.states))
+    largest = 0.0
+    for group in kinds(interface):
+        size = apart = 0.0
+        for k, (x, y) in enumerate(zip(a.states, b.states)):
+            for i in group:
+                size = max(size, abs(x[i]), abs(y[i]))
+                if not abs(x[i] - y[i]) <= apart:
+                    apart = abs(x[i] - y[i])
+            if not apart <= target * size:
+                alike[k] = False
+        if not apart <= largest * size:
+            largest = apart / size if apart < inf else inf
+    if not alike or alike[-1]:
+        return largest, None
+    return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
+
+
+def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
+    """The largest scaled difference of two runs over the same times, from their sizes."""
+    columns, worst = [*zip(zip(*a.states), zip(*b.states))], 0.0
+    for (group, one), (_, other) in zip(of_a, of_b):
+        size = max(one, other)
+        for i in group if size > 0.0 else ():
+            gaps = [*map(abs, map(sub, *columns[i]))]
+            worst = max(worst, max(gaps) / size if isfinite(sum(gaps)) else inf)
+    return worst

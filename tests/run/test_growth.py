@@ -1,0 +1,95 @@
+"""Motions along which rounding grows and errors of the method do not: estimates against closed forms."""
+
+from __future__ import annotations
+
+from math import atan, cos, cosh, exp, pi, sin
+from random import Random
+
+import pytest
+
+import lagc
+from lagc.api import Run
+from tests.run.test_rounding import Exact, true_error
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+ACCURACY = 1e-6
+
+
+def told(text: str, stop: float, exact: Exact) -> Run:
+    """A run that is not `ok` with a greater error than asked, nor wrong by more than twice its estimate."""
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop, accuracy=ACCURACY, points=41)
+    true = true_error(run, exact)
+    assert run.estimated is not None
+    assert run.status == "failed" or true <= ACCURACY, (true, run.estimated)
+    if len(run.times) == 41:
+        assert true <= 2.0 * run.estimated, (true, run.message)
+    assert list(run.states[0]) == pytest.approx(exact(0.0), rel=1e-15)
+    return run
+
+
+def saddle(w: float) -> str:
+    return f"""model Saddle
+  coordinate Length x(start = 1 [m], rate = {-w!r} [m/s]);
+  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  potential v = -1/2*({w!r} [rad/s])^2*(1 [kg])*x^2;
+end Saddle;"""
+
+
+@pytest.mark.parametrize("way", [5.0, 10.0, 14.0, 18.0, 22.0, 26.0, 32.0])
+def test_down_a_saddle(way: float) -> None:
+    """Exactly onto it: truncation stays in the stable direction, and the last place grows by exp(way)."""
+    for w in (0.2, 0.7, 1.0, 3.0, 7.0):
+        run = told(saddle(w), way / w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
+        assert way > 18.0 or run.status == "ok", run.message
+        assert way < 26.0 or run.status == "failed"
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_saddle_among_oscillators(seed: int) -> None:
+    """Of which the errors of the method tell nothing, with the coordinates mixed."""
+    chance = Random(seed)
+    w, k, way = chance.uniform(1.0, 4.0), chance.uniform(1.0, 6.0), chance.uniform(8.0, 30.0)
+    a, size = chance.randint(-3, 3) / 4.0, chance.choice((1.0, 0.5, 2.0))
+    # p = x + a y falls down the saddle, r = y swings; a and the starts have few digits
+    text = f"""model Mixed
+  coordinate Length x(start = {1.0 - a * size!r} [m], rate = {-w!r} [m/s]), y(start = {size!r} [m]);
+  body p = Particle(mass = 1 [kg], at = {{x + {a!r}*y, 0, 0}});
+  body r = Particle(mass = 1 [kg], at = {{0, y, 0}});
+  potential v = -1/2*({w!r} [N/m]*{w!r})*(x + {a!r}*y)^2 + 1/2*({k!r} [N/m]*{k!r})*y^2;
+end Mixed;"""
+
+    def exact(t: float) -> list[float]:
+        p, y, v = exp(-w * t), size * cos(k * t), -k * size * sin(k * t)
+        return [p - a * y, y, -w * p - a * v, v]
+
+    told(text, way / w, exact)
+
+
+@pytest.mark.parametrize("way", [3.0, 8.0, 12.0, 16.0, 18.0, 20.0, 24.0])
+@pytest.mark.parametrize("w", [0.75, 1.7, 4.0])
+def test_a_pendulum_that_rises_to_its_top(w: float, way: float) -> None:
+    """From below with exactly the energy of the top: theta = 4 atan(exp(w t)) - pi."""
+    text = f"""model Rising
+  coordinate Angle theta(start = 0, rate = 2*{w!r} [rad/s]);
+  kinetic K = 1/2*1 [kg.m2]*der(theta)^2;
+  potential V = -1 [kg.m2]*({w!r} [rad/s])^2*cos(theta);
+end Rising;"""
+    told(text, way / w, lambda t: [4.0 * atan(exp(w * t)) - pi, 2.0 * w / cosh(w * t)])
+
+
+@pytest.mark.parametrize("way", [6.0, 14.0, 20.0, 26.0])
+@pytest.mark.parametrize("w", [0.7, 3.0])
+def test_down_a_saddle_on_a_line(w: float, way: float) -> None:
+    """The same with a constraint."""
+    text = f"""model OnALine
+  coordinate Length x(start = 1 [m], rate = {-w!r} [m/s]), y(start = 0.5 [m], rate = {-0.5 * w!r} [m/s]);
+  body b = Particle(mass = 1 [kg], at = {{x, y, 0}});
+  constraint line: x = 2*y;
+  potential v = -1/2*({w!r} [rad/s])^2*(1 [kg])*(x^2 + y^2);
+end OnALine;"""
+
+    def exact(t: float) -> list[float]:
+        p = exp(-w * t)
+        return [p, 0.5 * p, -w * p, -0.5 * w * p]
+
+    told(text, way / w, exact)
