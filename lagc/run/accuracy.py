@@ -277,11 +277,8 @@ class _Search:
 
     def _alike(self, fine: int, coarse: int) -> float:
         """The error of the finer run over the difference, as the numbers of steps let expect: an error
-        goes with the power -order of it, so that runs of like numbers differ by less than they err.  0
-        where they are as different as a decade makes them."""
+        goes with the power -order of it, so that runs of like numbers differ by less than they err."""
         ratio = (fine / max(coarse, 1)) ** (5 if self.method == "dopri5" else 8)
-        if ratio > 4.0:
-            return 0.0
         return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
 
     def _slope(self) -> float | None:
