@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import suppress
 from stat import S_ISDIR, S_ISFIFO, S_ISREG
 
 from lagc import cache
@@ -96,7 +97,7 @@ def content(path: str, pipes: bool = False) -> bytes:
                     kind = "a folder" if S_ISDIR(mode) else "no regular file"
                     raise Unreadable("LAG0702", f"cannot be read: it is {kind}")
                 os.set_blocking(found, True)
-            data = file.read(LARGEST + 1)
+            data = file.read(LARGEST + 1) or b""  # None where a file of the system would wait
     except (OSError, ValueError) as error:
         raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
     if S_ISFIFO(mode) and not data:
@@ -123,7 +124,9 @@ def _standard_input() -> bytes:
     if sys.stdin is None:
         raise Unreadable("LAG0702", "cannot be read: it is closed")
     try:
-        return _bounded(sys.stdin.buffer.read(LARGEST + 1))
+        with suppress(AttributeError, OSError):  # no descriptor, or one that cannot be told to wait
+            os.set_blocking(sys.stdin.fileno(), True)
+        return _bounded(sys.stdin.buffer.read(LARGEST + 1) or b"")
     except (OSError, ValueError) as error:
         raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
 

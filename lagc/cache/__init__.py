@@ -234,7 +234,7 @@ def _trust(status: os.stat_result) -> None:
         if status.st_uid != os.geteuid():
             raise Unfit("it belongs to another user")
         if status.st_mode & 0o022:
-            raise Unfit("others may write to it")
+            raise Unfit("others may write to it (`chmod go-w` ends that)")
 
 
 def reason(error: Exception) -> str:

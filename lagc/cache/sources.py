@@ -24,19 +24,21 @@ def grammar_path() -> str:
 def tool_fingerprint() -> str:
     """The hash of all sources.  It is kept for their sizes and times, so that they are read again only
     where one of them may have changed."""
-    found = dict(sorted(_files()))
-    stamp = cache.key(*(f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()))
-    if cache.folder() is None:
-        return stamp
-    kept = cache.load("sources", stamp, bytes.decode)
-    if kept is None:
-        kept = cache.key(
-            *(word for path in found for word in (os.path.relpath(path, PACKAGE), _digest(path)))
-        )
-        newest = max(max(s.st_mtime, s.st_ctime) for s in found.values())
-        if time() - newest > FRESH:
-            cache.store("sources", stamp, kept.encode())
-    return kept
+    try:
+        found = dict(sorted(_files()))
+        stamps = [f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()]
+        stamp = cache.key(*stamps)
+        if cache.folder() is None:
+            return stamp
+        kept = cache.load("sources", stamp, bytes.decode)
+        if kept is None:
+            words = [(os.path.relpath(path, PACKAGE), _digest(path)) for path in found]
+            kept = cache.key(*(word for pair in words for word in pair))
+            if all(abs(time() - max(s.st_mtime, s.st_ctime)) > FRESH for s in found.values()):
+                cache.store("sources", stamp, kept.encode())
+        return kept
+    except OSError:  # one of them went while it was looked at: nothing is known of this tool
+        return os.urandom(32).hex()
 
 
 def _files() -> Iterator[tuple[str, os.stat_result]]:
@@ -49,7 +51,8 @@ def _files() -> Iterator[tuple[str, os.stat_result]]:
                 elif not entry.name.startswith(("__", ".")) and entry.is_dir():
                     folders.append(entry.path)
     grammar = grammar_path()
-    yield grammar, os.stat(grammar)
+    if os.path.exists(grammar):
+        yield grammar, os.stat(grammar)
 
 
 def _digest(path: str) -> str:

@@ -54,7 +54,7 @@ def unfinished(place: Folder) -> list[str]:
 
 
 def damaged(place: Folder) -> list[tuple[str, str]]:
-    """The entries that are not whole, which are removed, with reasons."""
+    """The entries that are not whole, with reasons; they are removed, where they can be."""
     found = []
     for entry in entries(place):
         try:
@@ -69,11 +69,11 @@ def damaged(place: Folder) -> list[tuple[str, str]]:
 
 
 def clear(place: Folder) -> int:
-    """Remove all; how many entries there were."""
-    found = entries(place)
-    for name in [*(e.name for e in found), *unfinished(place)]:
+    """Remove all; how many entries went."""
+    before = {e.name for e in entries(place)}
+    for name in [*before, *unfinished(place)]:
         _remove(place, name)
-    return len(found)
+    return len(before - {e.name for e in entries(place)})
 
 
 def shrink(place: Folder) -> None:

@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(facts)
     else:
-        show(text(facts, options.quiet) + "\n")
+        show("".join(line + "\n" for line in text(facts, options.quiet)))
     return DONE if facts["status"] == "ok" else REFUSED
 
 
@@ -43,29 +43,42 @@ def facts_of(options: argparse.Namespace) -> dict[str, Any]:
         if cache.notes:
             facts.update(status="refused", reason=cache.notes[-1])
         return facts
-    with place:
-        if options.clear:
-            facts["removed"] = upkeep.clear(place)
-        if options.verify:
-            found = upkeep.damaged(place)
-            facts["damaged"] = [{"entry": name, "reason": reason} for name, reason in found]
-            facts["status"] = "damaged" if found else "ok"
-        kinds: dict[str, list[int]] = {}
-        for entry in upkeep.entries(place):
-            kinds.setdefault(entry.kind, []).append(entry.size)
-        facts["kinds"] = {kind: {"entries": len(s), "bytes": sum(s)} for kind, s in sorted(kinds.items())}
-        facts["unfinished"] = len(upkeep.unfinished(place))
-        facts["limit"] = upkeep.limit()
+    try:
+        with place:
+            return facts | _done(place, options)
+    except OSError as error:
+        return facts | {"status": "refused", "reason": f"{place.path} cannot be read: {cache.reason(error)}"}
+
+
+def _done(place: cache.Folder, options: argparse.Namespace) -> dict[str, Any]:
+    facts: dict[str, Any] = {}
+    if options.clear:
+        facts["removed"] = upkeep.clear(place)
+    if options.verify:
+        found = upkeep.damaged(place)
+        left = {entry.name for entry in upkeep.entries(place)}
+        facts["damaged"] = [{"entry": n, "reason": reason, "removed": n not in left} for n, reason in found]
+        facts["status"] = "damaged" if found else "ok"
+    kinds: dict[str, list[int]] = {}
+    for entry in upkeep.entries(place):
+        kinds.setdefault(entry.kind, []).append(entry.size)
+    facts["kinds"] = {kind: {"entries": len(s), "bytes": sum(s)} for kind, s in sorted(kinds.items())}
+    facts["unfinished"] = len(upkeep.unfinished(place))
+    facts["limit"] = upkeep.limit()
     return facts
 
 
-def text(facts: dict[str, Any], quiet: bool) -> str:
+def text(facts: dict[str, Any], quiet: bool) -> list[str]:
+    """Its lines."""
     if facts["status"] == "refused":
-        return str(facts["reason"])
+        return [str(facts["reason"])]
     if facts["folder"] is None:
-        return "there is no cache: LAGC_CACHE is empty, or there is no home"
+        return ["there is no cache: LAGC_CACHE is empty, or there is no home"]
     kinds = facts.get("kinds", {})
-    lines = [f"{row['entry']} removed: {row['reason']}" for row in facts.get("damaged", ())]
+    lines = [
+        f"{row['entry']} {'removed' if row['removed'] else 'cannot be removed'}: {row['reason']}"
+        for row in facts.get("damaged", ())
+    ]
     if not quiet:
         number, total = (sum(row[what] for row in kinds.values()) for what in ("entries", "bytes"))
         most = f", at most {size(facts['limit'])}" if "limit" in facts else ""
@@ -77,7 +90,7 @@ def text(facts: dict[str, Any], quiet: bool) -> str:
             lines.append(f"{facts['removed']} removed")
         if facts.get("damaged") == []:
             lines.append("all of them whole")
-    return "\n".join(lines)
+    return lines
 
 
 def size(count: float) -> str:

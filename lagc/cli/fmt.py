@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
 
     differs = False
     for name in options.files:
-        if name != "-" and not os.path.exists(name):
+        if name != "-" and not os.path.isfile(name):
             raise Usage(f"there is no file `{name}`")
         source = library.read(name)
         text = format_source(source)

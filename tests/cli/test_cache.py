@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import random
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -416,3 +419,79 @@ def test_sources_just_written_are_read_again(root: Path, tool: Path) -> None:
     """Two edits may have one time: what was read is not kept before the time has moved on."""
     fingerprint()
     assert not list(root.glob("sources-*"))
+
+
+def test_sources_that_vanish_are_no_error(root: Path, tool: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No entry then stands for what they were."""
+    (tool / "gone.py").symlink_to("nowhere")
+    assert fingerprint() != fingerprint()
+    assert not root.exists()
+
+
+class Failing:
+    """A module or file of which the call number `at` fails."""
+
+    def __init__(self, real: Any, error: int, at: int, counted: list[int]):
+        self.real, self.error, self.at, self.counted = real, error, at, counted
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self.real, name)
+        if not callable(found) or name in ("fspath", "geteuid", "getpid", "urandom", "strerror"):
+            return found
+
+        def call(*given: Any, **named: Any) -> Any:
+            self.counted[0] += 1
+            if self.counted[0] == self.at and name != "close":
+                raise OSError(self.error, os.strerror(self.error))
+            return found(*given, **named)
+
+        return call
+
+
+def open_failing(error: int, at: int, counted: list[int]) -> Callable[..., Any]:
+    class File(Failing):
+        def __enter__(self) -> File:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            self.real.close()
+
+    return lambda *given, **named: File(open(*given, **named), error, at, counted)
+
+
+@pytest.mark.parametrize("error", ["EIO", "ENOSPC", "EMFILE", "EACCES", "ESTALE", "ENOENT"])
+def test_whatever_the_system_refuses_is_no_error(
+    root: Path, error: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every call of the system fails once, one after the other: nothing is raised, nothing wrong is read
+    and, when it works again, nothing is left over and all is as it should be."""
+    number = getattr(errno, error)
+    monkeypatch.setenv("LAGC_CACHE_SIZE", "300")
+
+    def use() -> None:
+        key = "0" + KEY[1:]  # the size is looked at
+        cache.store("head", key, BODY[:100])
+        assert kept("head", key) in (None, BODY[:100])
+        cache.store("head", KEY, BODY)
+        assert kept() in (None, BODY)
+        cache.holds("head", KEY)
+        place = cache.opened()
+        if place is not None:
+            with place, suppress(OSError):  # which `lagc cache` tells
+                upkeep.damaged(place)
+                upkeep.clear(place)
+
+    at, counted = 0, [1]
+    while at < counted[0]:
+        at, counted = at + 1, [0]
+        with monkeypatch.context() as patch:
+            patch.setattr(cache, "os", Failing(os, number, at, counted))
+            patch.setattr(upkeep, "os", Failing(os, number, at, counted))
+            patch.setattr(cache, "open", open_failing(number, at, counted), raising=False)
+            use()
+        cache.store("head", KEY, BODY)
+        assert kept() == BODY
+        assert main(["cache", "--verify", "-q"]) == 0
+        assert main(["cache", "--clear", "-q"]) == 0
+        assert main(["cache"]) == 0 and not list(root.iterdir())
+    assert at > 30

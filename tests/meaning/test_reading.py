@@ -7,12 +7,14 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
 
 import lagc
 from lagc import library
+from lagc.cli.main import main
 from lagc.compiler import Choice, check, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 
@@ -232,3 +234,26 @@ def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.Monk
     (tmp_path / "main.lag").write_text(MAIN)
     resolve(parse(library.read(str(tmp_path / "main.lag"))), Choice())
     assert reads == [str(tmp_path / "lib.lag")]
+
+
+@only_posix
+def test_standard_input_that_does_not_wait_is_waited_for(tmp_path: Path) -> None:
+    """Somebody else may have set the pipe so."""
+    out, into = os.pipe()
+    os.set_blocking(out, False)
+    command = [sys.executable, "-m", "lagc", "check", "-"]
+    process = subprocess.Popen(command, stdin=out, stderr=subprocess.PIPE, text=True)
+    os.close(out)
+    with open(into, "w") as file:
+        for line in MAIN.replace("x0", "2").splitlines(keepends=True)[1:]:
+            time.sleep(0.1)
+            file.write(line)
+            file.flush()
+    assert process.communicate(timeout=60)[1] == "no faults in -\n"
+
+
+@only_posix
+def test_what_is_no_file_is_not_laid_out(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("pipe", "."):
+        assert main(["fmt", str(tmp_path / name)]) == 2
