@@ -110,7 +110,8 @@ def test_damaged_entries_change_no_result(
     for backend in ("numpy", "c") if compiler() else ("numpy",):
         assert motion(folder, backend) == truth
     assert {note.partition(" ")[0] for note in cache.notes if "again" in note} == set(entries)
-    assert main(["cache", "--verify", "-q"]) == any((root / name).is_dir() for name in entries)
+    in_the_way = any((root / name).is_dir() for name in entries)  # nothing replaces a folder
+    assert main(["cache", "--verify", "-q"]) == in_the_way
     assert motion(folder, "numpy") == truth
 
 
