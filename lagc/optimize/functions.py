@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable
+from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
@@ -17,6 +17,7 @@ from lagc.optimize.symbols import STATE, Places, cheapest, lower
 
 _MOST_TERMS = 1000
 _TINY = 1e-300  # stands for zero where it divides zero
+_BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be rounding of theirs
 
 
 def system(places: Places, seldom: bool) -> Function:
@@ -73,7 +74,24 @@ def scales(places: Places) -> Function:
         parts = [*terms(graph, row.residual), *(slope * x for x, i, slope in slopes if states[i] > 0)]
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
+    sizes = _beside_others(places, places.equations.rows, sizes)
     return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
+
+
+def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
+    """`sizes`, where all terms of a row may vanish at least a share of those of the other rows of its unit:
+    what holds a point at the origin is judged by more than the rounding it is left with."""
+    graph, found = places.graph, list(sizes)
+    moving = {*places.equations.q, *places.equations.v}
+    for i, row in enumerate(rows):
+        if all(moving & symbols([part]) for part in terms(graph, row.residual)):
+            largest = graph.zero
+            for j, other in enumerate(rows):
+                if j != i and other.unit == row.unit:
+                    largest = graph.binary("max", largest, sizes[j])
+            if largest is not graph.zero:
+                found[i] = graph.binary("max", sizes[i], _BESIDE * largest)
+    return found
 
 
 def gamma_sizes(places: Places) -> Function:
@@ -136,12 +154,14 @@ def reaches(places: Places) -> Function:
     for kind, speed in rates(equations.q_units, equations.v_units).items():
         own = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
         pace = graph.binary("max", pace, own)
-    found = [reach(_slopes(places, row)) for row in equations.rows]
-    for row in equations.rows:
-        if row.kind == "holonomic":
-            parts = terms(graph, row.rate) if row.time_dependent else []
-            parts += [part * pace for part in terms(graph, row.residual)]
-            found.append(reach(_of_speeds(places, row), parts))
+    found = _beside_others(places, equations.rows, [reach(_slopes(places, row)) for row in equations.rows])
+    holonomic = [row for row in equations.rows if row.kind == "holonomic"]
+    of_rates: list[Node] = []
+    for row in holonomic:
+        parts = terms(graph, row.rate) if row.time_dependent else []
+        parts += [part * pace for part in terms(graph, row.residual)]
+        of_rates.append(reach(_of_speeds(places, row), parts))
+    found += _beside_others(places, holonomic, of_rates)
     more = Places(equations, {**places.arrays, **{node: ("c", k) for k, node in size.items()}})
     return _function(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
 

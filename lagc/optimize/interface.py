@@ -20,6 +20,7 @@ from lagc.records import names, replace
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "bends", "timed",
+    "driven",
 )  # fmt: skip
 
 _BENDING = ("abs", "floor", "sign", "min", "max", "select")
@@ -90,6 +91,7 @@ def interface(
         dropped=dropped,
         bends=_bends(functions["system"]),
         timed=_timed(functions["system"]),
+        driven="velocity" in functions and _timed(functions["velocity"]),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
@@ -107,7 +109,7 @@ def _bends(function: Function) -> bool:
 
 
 def _timed(function: Function) -> bool:
-    """Whether what moves the system depends on time itself."""
+    """Whether what is computed depends on time itself."""
     return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 

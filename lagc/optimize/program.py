@@ -136,6 +136,7 @@ class Interface:
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
     timed: bool = False  # the rates depend on time itself
+    driven: bool = False  # and so do constraints
 
     @property
     def nx(self) -> int:

@@ -118,12 +118,22 @@ class _Search:
         return method_for(self.accuracy)
 
     def options(self, tol: float) -> Options:
-        """A run after the first may take many times the steps of the ones before, not any number.  Where
-        time itself moves the system, no step is so long that it would see little of it."""
+        """A run after the first may take many times the steps of the ones before, not any number, and none
+        may creep.  Where time itself moves the system, no step is so long that it would see little of it."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         longest = LONGEST * abs(self.times[-1] - self.times[0]) if self.system.interface.timed else 0.0
-        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest)
+        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch())
+
+    def _watch(self) -> Callable[[Trajectory], bool]:
+        looks = [(self.times[0], 0, 0.0)]
+
+        def watch(run: Trajectory) -> bool:
+            from lagc.run.watch import hopeless  # where a run is long
+
+            return hopeless(self.system, run, self.times[-1], looks)
+
+        return watch
 
     def run(self, tol: float) -> Trajectory:
         self.runs[tol] = done = self._integrate(tol, self.x0)
@@ -168,6 +178,8 @@ class _Search:
             self.runs[COARSE] = self.along.beside
             return None
         stopped = self._stopped(COARSE)
+        if stopped is None and len(self.runs) == 1:  # both failed, and the same finer one did not
+            stopped = self._stopped(_plain(RETRY / 10.0))
         if stopped is None:
             self.along.bound = self.along.bounded(self.runs[max(self.runs)])
         return stopped

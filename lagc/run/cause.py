@@ -32,13 +32,12 @@ def cause(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """What was found at (t, x), in words; empty where nothing was."""
     if len(x) < system.nx or not all(map(isfinite, x)):
         return ""
-    return (
-        losing_rank(system, t, x)
-        or bent(system, run, t, x)
-        or _jump(system, run, t, x)
-        or _singular(system, run, t, x)
-        or _stiff(system, run, t, x)
-    )
+    return pinned(system, run, t, x) or _singular(system, run, t, x) or _stiff(system, run, t, x)
+
+
+def pinned(system: System, run: Trajectory, t: float, x: list[float]) -> str:
+    """A reason at (t, x) beyond which no method of this kind gets; empty where there is none."""
+    return losing_rank(system, t, x) or bent(system, run, t, x) or _jump(system, run, t, x)
 
 
 def losing_rank(system: System, t: float, x: list[float]) -> str:
@@ -115,7 +114,8 @@ def _jump(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     for three in zip(changes, changes[1:], changes[2:]):
         for i, parts in enumerate(zip(*three)):
             if min(parts) > 0.9 * max(parts) > 0.0 and not _singular(system, run, t, x):
-                return f"the forces on {state_name(system, system.nq + i)} jump there"
+                name = state_name(system, system.nq + i)
+                return f"the forces on {name} jump there; a smooth law, as tanh(v/v0) for sign(v), does not"
     return ""
 
 

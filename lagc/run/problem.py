@@ -13,6 +13,7 @@ from typing import Protocol
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import (
     FAILED,
+    FIRST_LOOK,
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,
@@ -27,8 +28,8 @@ from lagc.render.numpy.support.base import (
 from lagc.render.numpy.support.problem import Problem, Vector
 
 __all__ = [
-    "FAILED", "INCONSISTENT", "INTERRUPTED", "MAX_STEPS", "NOT_FINITE", "OK", "REDUNDANT", "SINGULAR_MASS",
-    "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
+    "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "MAX_STEPS", "NOT_FINITE", "OK", "REDUNDANT",
+    "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
 ]  # fmt: skip
 
 

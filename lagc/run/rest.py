@@ -1,4 +1,5 @@
-"""Whether a motion starts in an equilibrium, as well as numbers of finite length can say."""
+"""Whether a motion is none: in an equilibrium, as well as numbers of finite length can say, or because
+constraints leave no other."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ from lagc.run.rounding import rounded_rates
 ULP = 2.0**-52
 WAYS = 8  # in which time, state and parameters are changed in their last place
 SEVERAL = 2.0  # such changes of a rate are rounding
+MET = 1e-13  # scaled residual: farther off, a mechanism at a singular posture may seem to be locked
 
 
 def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
@@ -25,6 +27,28 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     if plain is None or any(abs(a) * span > ULP * sizes[kind] for a, kind in zip(plain, kinds)):
         return False
     return all(abs(a) <= limit for a, limit in zip(plain[nq:], _limits(system, times[0], x, plain)))
+
+
+def locked(system: System, x: Sequence[float], t: float) -> bool:
+    """Whether constraints that do not depend on time hold x where it is: no speed is one of theirs, and
+    they tell all speeds.  The rank of their rows is the trace of the projection, in the metric of the
+    mass matrix, onto what they see of the speeds; it counts as at the right-hand side."""
+    nq, nv, nh = system.nq, system.nv, system.nh
+    if system.nc < nv or system.interface.driven:
+        return False
+    still = [*x[:nq], *[0.0] * (len(x) - nq)]
+    if any(system.velocity(t, still)) or system.assemble(t, still) in FAILED:
+        return False
+    if any(abs(a) > MET * size for a, size in zip(system.position(t, still), system.scales(t, still))):
+        return False
+    interface, slopes = system.interface, system.conditions(t, still)[1]
+    seen = [[0.0] * (nv + system.nc) for _ in range(nv)]
+    for k in range(nh, nh + system.nc):
+        for place in range(interface.condition_ends[k - 1] if k else 0, interface.condition_ends[k]):
+            j = interface.condition_columns[place] - nq
+            if 0 <= j < nv:
+                seen[j][nv + k - nh] = slopes[place]
+    return sum(system.solve(column)[j] for j, column in enumerate(seen)) > nv - 0.5
 
 
 def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:

@@ -12,7 +12,7 @@ from lagc.run.counted import Counted
 from lagc.run.names import state_name
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
-from lagc.run.rest import resting, rests
+from lagc.run.rest import locked, resting, rests
 from lagc.run.solution import Cost, Energy, Solution
 from lagc.run.start import Start, consistent_start
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
@@ -23,6 +23,7 @@ RTOL = 1e-9  # by hand, where nothing is said
 ROUNDING = 2.0**-49  # of a coordinate: to both sides, what several last places are
 RESTS = ("it starts in an equilibrium, or so near one that last places of its numbers decide, and is left "
          "there; whether a small push would end that is not examined")  # fmt: skip
+LOCKED = "the constraints leave no motion from there: it stays where it starts"
 
 
 def simulate(
@@ -45,6 +46,12 @@ def simulate(
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
+    elif locked(system, start.x, times[0]):
+        still = [*start.x[: system.nq], *[0.0] * (system.nx - system.nq)]
+        trajectory, options = resting(still, times), Options()
+        tried = [trajectory]
+        told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
+        notes.append(LOCKED)
     elif len(times) > 1 and rests(counted, start.x, times):
         trajectory, options = resting(start.x, times), Options()
         tried = [trajectory]

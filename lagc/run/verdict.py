@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -73,9 +74,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         )
     if status == INCONSISTENT:
         from lagc.run.cause import bent
-        from lagc.run.dependence import own_share
 
-        own = own_share(system, trajectory, [k], [(trajectory.t, trajectory.x)]) if k >= 0 else None
+        own = _own_share(system, trajectory, [k])
         if own is not None:
             return "failed", f"at {t} {_nearly(system, *own)}"
         why = bent(system, trajectory, trajectory.t, trajectory.x)
@@ -85,12 +85,17 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
     from lagc.run.cause import cause  # where something failed
 
+    own = _own_share(system, trajectory, trajectory.redundant_rows)
     why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
+    if own is not None:
+        why = _nearly(system, *own)
     if status == STEP_UNDERFLOW:
         return "failed", f"at {t} the step became too small: {why}"
     if status == MAX_STEPS:
         tried = trajectory.steps + trajectory.rejected
-        return "failed", f"the limit of {tried} steps was reached at {t}, before {stop:g} s: {why}"
+        size = abs(trajectory.step)
+        return "failed", (f"at {t}, after {tried} steps, the rest to {stop:g} s would take too many: they "
+                          f"are {size:.1g} s long; {why}")  # fmt: skip
     return "failed", f"the integration ended at {t} with status {status}"
 
 
@@ -150,6 +155,15 @@ def _kept(system: System, run: Trajectory) -> tuple[int, float] | None:
     from lagc.run.dependence import kept_share
 
     return kept_share(system, run)
+
+
+def _own_share(system: System, run: Trajectory, rows: Sequence[int]) -> tuple[int, float] | None:
+    """Of `rows`, one with a small share of its own where the run ended, and that share."""
+    if min(rows, default=-1) < 0 or len(run.x) < system.nx:
+        return None
+    from lagc.run.dependence import own_share
+
+    return own_share(system, run, rows, [(run.t, run.x)])
 
 
 def _nearly(system: System, row: int, share: float) -> str:

@@ -91,7 +91,7 @@ end Rod;
 def test_what_rounding_alone_would_move_rests(name: str) -> None:
     run = lagc.loads(RESTING[name]).compile(backend="numpy").simulate(100.0)
     assert run.status == "ok", run.message
-    assert any("equilibrium" in note for note in run.notes)
+    assert any("equilibrium" in note or "leave no motion" in note for note in run.notes)
     assert all(list(x) == list(run.states[0]) for x in run.states)
 
 

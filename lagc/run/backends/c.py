@@ -12,7 +12,7 @@ from lagc.once import once
 from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
-from lagc.run.problem import INTERRUPTED, OK, Options, Trajectory, Vector
+from lagc.run.problem import FIRST_LOOK, INTERRUPTED, MAX_STEPS, OK, Options, Trajectory, Vector
 
 METHODS = {"dop853": 0, "dopri5": 1}  # lagc_method of the header
 SLICE = 0.05  # s between two calls of `progress`
@@ -174,29 +174,37 @@ class CSystem(CompiledSystem):
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         record, head = call["record"], self.model.head.from_buffer(work)
-        budget, status = FIRST_BUDGET, INTERRUPTED
+        budget, status, look, watch = FIRST_BUDGET, INTERRUPTED, FIRST_LOOK, options.watch
+
+        def told() -> Trajectory:
+            flat = states[: done.value * nx]
+            rows = head.redundant if self.nc else ()
+            return Trajectory(
+                times=list(times[: done.value]),
+                states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
+                t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
+                steps=state.steps, rejected=state.rejected, rhs=state.rhs,
+                step=state.t - state.t_old, fallbacks=head.fallbacks,
+                redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+                position_drift=state.position_drift, velocity_drift=state.velocity_drift,
+            )  # fmt: skip
+
         try:
             while status == INTERRUPTED:
-                began = perf_counter()
+                began, most = perf_counter(), min(budget, look - state.steps)
                 status = record(self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
-                                ctypes.byref(done), c_long(budget), work)  # fmt: skip
+                                ctypes.byref(done), c_long(most), work)  # fmt: skip
                 if progress is not None:
                     progress(state.t)
                 if perf_counter() - began < 0.5 * SLICE:
                     budget *= 2
+                if state.steps == look and status == INTERRUPTED:
+                    look *= 2
+                    if watch is not None and watch(told()):
+                        status = MAX_STEPS
         except KeyboardInterrupt:
             status = INTERRUPTED
-        flat = states[: done.value * nx]
-        rows = head.redundant if self.nc else ()
-        return Trajectory(
-            times=list(times[: done.value]),
-            states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
-            t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
-            steps=state.steps, rejected=state.rejected, rhs=state.rhs,
-            fallbacks=head.fallbacks,
-            redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
-            position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-        )  # fmt: skip
+        return told()
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""

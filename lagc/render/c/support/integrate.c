@@ -160,9 +160,10 @@ static double lagc_parts_norm(double h, double parts[2][LAGC_NX], const lagc_wor
     return fabs(h) * sums[0] * sqrt(1.0 / (n * total));
 }
 
-/* Whether rows are all but dependent within the way of the step that was tried, or a thousandth of the
- * way that the coordinates have to where they are zero. */
-static int lagc_all_but_dependent(const lagc_params *p, const lagc_state *s, lagc_work *w)
+/* Whether rows are all but dependent within the way of the step over h that was tried, or a thousandth of
+ * the way that the coordinates have to where they are zero.  Coordinates of a kind that have moved by no
+ * more than what projection leaves are rounding: w->noise. */
+static int lagc_all_but_dependent(const lagc_params *p, const lagc_state *s, double h, lagc_work *w)
 {
     double moved[LAGC_KINDS], left[LAGC_KINDS];
     int i, k;
@@ -179,8 +180,13 @@ static int lagc_all_but_dependent(const lagc_params *p, const lagc_state *s, lag
         if (fabs(w->nudged[i] - s->x[i]) > left[k])
             left[k] = fabs(w->nudged[i] - s->x[i]);
     }
+    for (i = 0; i < LAGC_NQ; i++)
+        if (left[lagc_kinds[i]] > w->reached[lagc_kinds[i]])
+            w->noise[i] = left[lagc_kinds[i]] / fabs(h);
     for (k = 0; k < LAGC_KINDS; k++) {
         const double reach = k == 0 && w->reached[k] > 1.0 ? 1.0 : w->reached[k];
+        if (left[k] > reach)
+            continue;
         if (left[k] * moved[k] > 3e-15 * reach * reach || left[k] > 1e-12 * reach)
             return 1;
     }
@@ -226,7 +232,7 @@ static double lagc_reconsider(const lagc_params *p, lagc_state *s, double t, dou
                               const lagc_options *o, double error, lagc_work *w)
 {
 #if LAGC_NH
-    if (lagc_all_but_dependent(p, s, w))
+    if (lagc_all_but_dependent(p, s, h, w))
         return o->method != LAGC_DOPRI5 && o->project ? lagc_second_look(p, s, t, h, error, w) : error;
 #else
     (void)t;

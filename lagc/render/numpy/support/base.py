@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 # -- what follows is part of generated modules --
@@ -14,6 +15,7 @@ NOT_FINITE = 4  # NaN or infinity; culprit = index of x
 STEP_UNDERFLOW = 5
 MAX_STEPS = 6
 INTERRUPTED = 7
+FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
 
@@ -23,7 +25,9 @@ class Options:
     `method`: "dop853" or "dopri5".  `rtol` is relative to the largest magnitude so far of the states of
     the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
     `first_step` 0: chosen; `max_step` 0: no limit; `max_steps` 0: no limit (accepted and rejected
-    steps).  `project` False leaves the constraints to drift (for tests).
+    steps).  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
+    it says True, the run ends as at `max_steps`.  `project` False leaves the constraints to drift (for
+    tests).
     """
 
     def __init__(
@@ -36,18 +40,20 @@ class Options:
         max_step: float = 0.0,
         max_steps: int = 0,
         project: bool = True,
+        watch: Callable[[Trajectory], bool] | None = None,
     ):
         self.method = method
         self.rtol, self.atol = rtol, atol
         self.step, self.first_step, self.max_step = step, first_step, max_step
         self.max_steps = max_steps
-        self.project = project
+        self.project, self.watch = project, watch
 
 
 class Trajectory:
     """States at the asked times (as many as were reached), and what it took.
 
     `status` OK, or what stopped it, at time `t` with state `x` (kept) and `culprit`.
+    `step` is the size of the last accepted step.
     `position_drift`, `velocity_drift`: largest scaled residuals over the accepted steps.
     `fallbacks`: linear solves that needed the pivoted QR.
     """
@@ -63,6 +69,7 @@ class Trajectory:
         steps: int = 0,
         rejected: int = 0,
         rhs: int = 0,
+        step: float = 0.0,
         fallbacks: int = 0,
         redundant_rows: tuple[int, ...] = (),
         position_drift: float = 0.0,
@@ -72,6 +79,7 @@ class Trajectory:
         self.t, self.x = t, x
         self.status, self.culprit = status, culprit
         self.steps, self.rejected, self.rhs, self.fallbacks = steps, rejected, rhs, fallbacks
+        self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
 

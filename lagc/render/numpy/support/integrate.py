@@ -360,7 +360,7 @@ class Integrator:
         """An error that rejects a step to t the second time, or after a step that went by this, less what
         rounding contributes; and the state reached."""
         if self.tangents is not None:
-            nudged = self._all_but_dependent(y)
+            nudged = self._all_but_dependent(h, y)
             if nudged:
                 judged = self.options.project and not self.method.uses_new
                 return self._second_look(t, h, y, error, nudged) if judged else (error, y)
@@ -368,16 +368,22 @@ class Integrator:
         self._weigh(h, y)
         return self.method.error(h, self.weights, self.k), y
 
-    def _all_but_dependent(self, y: list[float]) -> list[float]:
+    def _all_but_dependent(self, h: float, y: list[float]) -> list[float]:
         """A state beside x that is not empty where rows are all but dependent within the way of the step
-        to y that was tried, or a thousandth of the way that the coordinates have to where they are zero."""
+        over h to y that was tried, or a thousandth of the way that the coordinates have to where they are
+        zero.  Coordinates of a kind that have moved by no more than what projection leaves are rounding."""
         nudged = nudge(self.problem, self.t, self.x, self.sizes)
         kinds = self.problem.kinds[: self.problem.nq] if nudged else ()
         moved = sizes_of(kinds, [b - a for a, b in zip(self.x, y)])
         left = sizes_of(kinds, [c - a for a, c in zip(self.x, nudged)])
+        for i, kind in enumerate(kinds):
+            if left[kind] > self.reached[kind]:
+                self.noise[i] = left[kind] / abs(h)
         for kind, (a, b, reach) in enumerate(zip(moved, left, self.reached)):
             if kind == 0 and reach > 1.0:
                 reach = 1.0
+            if b > reach:
+                continue
             if b * a > 3e-15 * reach * reach or b > 1e-12 * reach:
                 return nudged
         return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from lagc.render.numpy.support.base import INTERRUPTED, OK, Options, Trajectory
+from lagc.render.numpy.support.base import FIRST_LOOK, INTERRUPTED, MAX_STEPS, OK, Options, Trajectory
 from lagc.render.numpy.support.integrate import Integrator
 from lagc.render.numpy.support.problem import Problem
 
@@ -28,22 +28,31 @@ def integrate(
     fallbacks: int = getattr(problem, "fallbacks", 0)
     run = Integrator(problem, options, t0, x0)
     result = Trajectory([], [], t0, run.x)
+
+    def told(status: int) -> Trajectory:
+        result.status = status
+        result.t, result.x, result.culprit = run.t, run.x, run.culprit if status != OK else -1
+        result.steps, result.rejected, result.rhs = run.steps, run.rejected, run.rhs
+        result.step = run.t - run.t_old
+        result.fallbacks = getattr(problem, "fallbacks", 0) - fallbacks
+        result.redundant_rows = tuple(sorted(getattr(problem, "redundant_rows", ())))
+        result.position_drift, result.velocity_drift = run.position_drift, run.velocity_drift
+        return result
+
     try:
-        result.status = _record(run, times, result, progress)
+        return told(_record(run, times, result, told, progress))
     except KeyboardInterrupt:
-        result.status = INTERRUPTED
-    result.t, result.x, result.culprit = run.t, run.x, run.culprit if result.status != OK else -1
-    result.steps, result.rejected, result.rhs = run.steps, run.rejected, run.rhs
-    result.fallbacks = getattr(problem, "fallbacks", 0) - fallbacks
-    result.redundant_rows = tuple(sorted(getattr(problem, "redundant_rows", ())))
-    result.position_drift, result.velocity_drift = run.position_drift, run.velocity_drift
-    return result
+        return told(INTERRUPTED)
 
 
 def _record(
-    run: Integrator, times: Sequence[float], result: Trajectory, progress: Callable[[float], None] | None
+    run: Integrator,
+    times: Sequence[float],
+    result: Trajectory,
+    told: Callable[[int], Trajectory],
+    progress: Callable[[float], None] | None,
 ) -> int:
-    done, n = 0, len(times)
+    done, n, look, watch = 0, len(times), FIRST_LOOK, run.options.watch
     run.enter()
     direction = 1.0 if not n or times[-1] >= run.t else -1.0
     while True:
@@ -61,3 +70,7 @@ def _record(
             return status
         if progress is not None:
             progress(run.t)
+        if watch is not None and run.steps == look:
+            look *= 2
+            if watch(told(INTERRUPTED)):
+                return MAX_STEPS

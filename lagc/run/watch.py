@@ -1,0 +1,78 @@
+"""Whether a run on its way is worth its time.
+
+How long it would take follows from what its last part took.  A smooth motion that takes long is followed
+in steps in which something moves by a good part of its size, however many these are: it goes on.  A run
+that creeps, in steps in which nothing moves, as where forces jump to and fro, ends; and so does one
+whose steps shrink without end before a singularity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TypeAlias
+
+from lagc.run.cause import pinned
+from lagc.run.distance import kinds
+from lagc.run.problem import FAILED, System, Trajectory
+
+CREEPING = 1e-4  # of their sizes: what states move by in a step that is too short for any smooth motion
+NOTHING = 1e-20  # of the kinetic energy
+LONG = 1e9  # operations, about a second: such a run ends where a reason is found
+TOO_LONG = 1e11  # minutes: it ends in any case
+SHORTER = 0.8  # a way of twice the steps than the one before
+CONVERGING = 3  # such ways in succession
+CALL = 50.0  # operations that a right-hand side takes beside its own
+
+Look: TypeAlias = tuple[float, int, float]  # the time reached, steps, operations
+
+
+def hopeless(system: System, run: Trajectory, end: float, looks: list[Look]) -> bool:
+    """Whether `run`, after twice as many steps as at the last of `looks`, would take long and will not reach
+    the time `end`, or creeps.  What it is now becomes the last of them."""
+    looks.append((run.t, run.steps, _work(system, run)))
+    way, steps, work = (b - a for a, b in zip(looks[-2], looks[-1]))
+    left = work * (end - run.t) / way if way != 0.0 else work
+    if left < LONG:
+        return False
+    if _ends(looks, end):
+        return True
+    return _creeps(system, run, abs(way) / steps) and (
+        left > TOO_LONG or pinned(system, run, run.t, run.x) != ""
+    )
+
+
+def _ends(looks: Sequence[Look], end: float) -> bool:
+    """Whether times converge before `end`: with twice the steps each, the last ways grew shorter."""
+    ways = [abs(b[0] - a[0]) for a, b in pairwise(looks[-CONVERGING - 2 :])]
+    if len(ways) <= CONVERGING or any(b > SHORTER * a for a, b in pairwise(ways)):
+        return False
+    return ways[-1] * SHORTER / (1.0 - SHORTER) < abs(end - looks[-1][0])
+
+
+def _work(system: System, run: Trajectory) -> float:
+    """In operations; those of a dense solve are as many as its products."""
+    nv, nc = system.nv, system.nc
+    dense = 4.0 * nv * (nc * nc + nv * nv)
+    return run.rhs * (system.interface.operations + CALL) + run.fallbacks * dense
+
+
+def _creeps(system: System, run: Trajectory, step: float) -> bool:
+    """Whether no state moves by a good part of the size of its kind, so far, in a step.  Speeds of a kind
+    that has no kinetic energy are what rounding leaves where nothing moves."""
+    groups = kinds(system.interface)
+    x, moving = list(run.x), list(groups)
+    kinetic = system.energies(run.t, x)[0]
+    for group in groups:
+        y = [0.0 if i in group else a for i, a in enumerate(x)]
+        if min(group) >= system.nq and abs(system.energies(run.t, y)[0] - kinetic) <= NOTHING * kinetic:
+            moving.remove(group)
+            x = y
+    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+    if system.rhs(run.t, x, xdot, lam) in FAILED:
+        return True
+    for group in moving:
+        size = max((abs(y[i]) for y in [*run.states, run.x] for i in group), default=0.0)
+        if any(abs(xdot[i]) * step > CREEPING * size for i in group):
+            return False
+    return True
