@@ -9,7 +9,6 @@ so that a run of a model that is in the cache loads none of the first four.
 from __future__ import annotations
 
 import gc
-import os
 from collections.abc import Mapping, Sequence
 from contextlib import ContextDecorator
 from math import inf
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.library import folder_of
 from lagc.once import RLock, once
 from lagc.optimize.program import Field
 from lagc.records import dataclass, field, replace
@@ -232,7 +232,7 @@ class Compilation:
     def _head_name(self) -> str:
         choice = self.choice
         chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
-        folder = os.path.realpath(os.path.dirname(self.source.name)) if "import" in self.source.text else ""
+        folder = folder_of(self.source.name) if "import" in self.source.text else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
         return cache.key(version_key(), *named)
 

@@ -64,6 +64,15 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
     return Fault("LAG0701", message, remedy=f"did you mean the library model `{close}`?" if close else None)
 
 
+def folder_of(name: str) -> str:
+    """The folder of a file, links followed; of a mere name, the folder where we are; empty where that
+    has been removed."""
+    try:
+        return os.path.realpath(os.path.dirname(name))
+    except OSError:
+        return ""
+
+
 def read(name: str) -> Source:
     """The text of the file or library model `name`; `-` reads standard input.  Raises Refused
     where it cannot be read as UTF-8 text."""

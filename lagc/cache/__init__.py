@@ -109,7 +109,7 @@ def store(kind: str, key: str, body: bytes) -> None:
     try:
         with place:
             place.write(name, body)
-            if key.startswith("0"):  # one in sixteen
+            if key.startswith("00"):  # one in 256
                 from lagc.cache.upkeep import shrink
 
                 shrink(place)

@@ -12,6 +12,7 @@ from lagc.cache import Folder, Unfit, note, reason
 from lagc.records import dataclass
 
 LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
+BLOCK = 4096  # bytes of the disk that a file takes at least
 LEFT = 0.75  # of the limit, after the entries used least recently have gone
 SOON = 3600.0  # s in which whatever is being written is done
 _ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
@@ -21,7 +22,8 @@ _SIZE = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*([KMG]?)B?", re.ASCII)
 
 @dataclass(frozen=True)
 class Entry:
-    """A file of the cache; `used` is when it was used last, to a day (s since 1970)."""
+    """A file of the cache; `size` in whole blocks of the disk, `used` is when it was used last, to a day (s
+    since 1970)."""
 
     name: str
     kind: str
@@ -42,10 +44,8 @@ def limit() -> int:
 
 def entries(place: Folder) -> list[Entry]:
     """All that have the name of an entry, whole or not."""
-    return [
-        Entry(name, match[1], status.st_size, status.st_mtime)
-        for name, match, status in _files(place, _ENTRY)
-    ]
+    found = _files(place, _ENTRY)
+    return [Entry(name, match[1], -(-s.st_size // BLOCK) * BLOCK, s.st_mtime) for name, match, s in found]
 
 
 def unfinished(place: Folder) -> list[str]:

@@ -68,9 +68,11 @@ def _dispatch(words: list[str]) -> int:
     )  # fmt: skip
     command.add_options(parser)
     options = parser.parse_args(words[1:])
-    done: int = command.run(options)
-    if options.verbose:
-        _tell_of_the_cache()
+    try:
+        done: int = command.run(options)
+    finally:
+        if options.verbose:
+            _tell_of_the_cache()
     return done
 
 

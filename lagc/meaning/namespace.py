@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
-from lagc.library import Unreadable, content, decoded, fingerprint
+from lagc.library import Unreadable, content, decoded, fingerprint, folder_of
 from lagc.meaning.values import Wrong
 
 Declared = (
@@ -103,8 +103,8 @@ class Importer:
     """Reads imported files, each once; remembers the faults found on the way."""
 
     def __init__(self, main: Source, roots: tuple[str, ...]):
-        folder = os.path.dirname(os.path.abspath(main.name)) if os.path.exists(main.name) else os.getcwd()
-        self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots)))
+        folder = folder_of(main.name if os.path.exists(main.name) else "")
+        self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots) if r))
         self.faults: list[Wrong] = []
         self.refused: list[Refused] = []
         self.files: dict[str, Namespace] = {}
@@ -167,8 +167,7 @@ class Importer:
 
     def _file(self, declaration: tree.Import) -> Namespace:
         written = declaration.file or ""
-        folder = os.path.dirname(os.path.abspath(declaration.span.source.name))
-        path = os.path.join(folder, written)
+        path = os.path.join(folder_of(declaration.span.source.name) or os.sep, written)
         if not self._allowed(os.path.realpath(path)):
             raise Wrong(
                 "LAG0217",
@@ -235,5 +234,7 @@ def _candidates(names: tuple[str, ...]) -> str:
 
 def shown(path: str) -> str:
     """The path as people know it: from where they are, if it is below."""
-    here = os.path.realpath(os.getcwd())
+    here = folder_of("")
+    if not here:
+        return path
     return os.path.relpath(path, here) if path == here or path.startswith(here + os.sep) else path

@@ -257,3 +257,24 @@ def test_what_is_no_file_is_not_laid_out(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     for name in ("pipe", "."):
         assert main(["fmt", str(tmp_path / name)]) == 2
+
+
+@only_posix
+def test_the_folder_where_we_are_may_be_gone(tmp_path: Path) -> None:
+    """What needs none goes on; an import from there is a fault."""
+    (tmp_path / "main.lag").write_text(MAIN)
+    (tmp_path / "lib.lag").write_text(WHOLE)
+    command = f"mkdir gone; cd gone; rmdir ../gone; {sys.executable} -m lagc"
+    environment = {**os.environ, "PYTHONPATH": str(Path(lagc.__file__).parents[1]), "LAGC_CACHE": ""}
+    for words, text, code in [
+        (f"sim -q --stop 0.1 --backend numpy {tmp_path}/main.lag", "", 0),
+        ("sim -q --stop 0.1 --backend numpy -", MAIN.split("\n", 1)[1].replace("x0", "2"), 0),
+        ("sim -q -", MAIN, 1),
+        ("sim -q -", MAIN.replace('"lib.lag"', "lib.x0"), 1),
+    ]:
+        done = subprocess.run(
+            ["/bin/sh", "-c", f"{command} {words}"], input=text, cwd=tmp_path, env=environment,
+            capture_output=True, text=True, timeout=60,
+        )  # fmt: skip
+        assert done.returncode == code, (words, done.stderr)
+        assert "internal" not in done.stderr
