@@ -83,7 +83,7 @@ def integers(context: Context, expression: tree.Expression, environment: Environ
         span = expression.step.span if expression.step else expression.span
         raise Wrong("LAG0208", "the step of a range is not 0", span)
     found = range(first, last + (1 if step > 0 else -1), step)
-    if len(found) > LONGEST_RANGE:
+    if (last - first) // step >= LONGEST_RANGE:
         raise Wrong("LAG0218", f"a range of more than {LONGEST_RANGE} values", expression.span)
     return list(found)
 

@@ -316,7 +316,7 @@ class _Search:
         error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         error *= BENT if self.system.interface.bends else 1.0
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
-        tol = min(tol, tols[0] / 2.0)
+        tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
             tol = max(tol, tols[0] / 100.0)
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))

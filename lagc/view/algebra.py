@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import gcd, isqrt
 from typing import TypeAlias
 
-from lagc.expr.graph import Node
+from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
 from lagc.records import dataclass
 
@@ -26,11 +26,16 @@ Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 HALF = Fraction(1, 2)
 EVEN = ("cos", "cosh", "abs")
 ODD = ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign")
+HIGHEST = 8  # power of a sum that is multiplied out
 READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
 
 
 class TooLarge(Exception):
     """The expression has too many terms to be multiplied out."""
+
+
+class NotFinite(Exception):
+    """A number is infinite or NaN, which has no place in an equation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +155,7 @@ class Algebra:
         """p^n; ZeroDivisionError for 0^-1."""
         if n < 0:
             return self._inverse_power(p, n)
-        if len(p) > 1 and n > 8:
+        if len(p) > 1 and n > HIGHEST:
             raise TooLarge
         product = constant(Fraction(1))
         for _ in range(n):
@@ -254,28 +259,48 @@ class Algebra:
 
 
 class NamingAlgebra(Algebra):
-    """Takes `shared` nodes, and whatever gets long, as symbols; `definitions` says what they are."""
+    """Takes `shared` nodes, and whatever gets long, as symbols, those of `graph`; `definitions` says what
+    they are.  It has no limit: nothing is multiplied out that would be long."""
 
     LONG = 12  # terms
 
-    def __init__(self, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
+    def __init__(self, graph: Graph, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
         super().__init__(nonnegative, limit=1 << 62)
+        self._graph = graph
         self._shared = set(shared)
+        self._named: dict[Frozen, Polynomial] = {}
         self.definitions: list[tuple[Node, Polynomial]] = []
+
+    def multiply(self, p: Polynomial, q: Polynomial) -> Polynomial:
+        if len(p) * len(q) > self.LONG**2:
+            p, q = self._name(p), self._name(q)
+        return super().multiply(p, q)
+
+    def power(self, p: Polynomial, n: int) -> Polynomial:
+        return super().power(self._name(p) if n > HIGHEST else p, n)
+
+    def _name(self, p: Polynomial) -> Polynomial:
+        """A symbol for `p`, where it has several terms."""
+        if len(p) < 2:
+            return p
+        key = frozen(p)
+        if key not in self._named:
+            node = self._graph.symbol("shown part", str(len(self._named)))
+            self.definitions.append((node, p))
+            self._named[key] = self.symbol_only(node)
+        return self._named[key]
 
     def _convert(self, node: Node) -> Polynomial:
         p = super()._convert(node)
         if len(p) < 2 or (node not in self._shared and len(p) <= self.LONG):
             return p
-        self.definitions.append((node, p))
-        return self.symbol_only(node)
+        return self._name(p)
 
 
 def fraction(value: float) -> Fraction:
-    """The simple fraction that rounds to `value`, or `value` itself.  Infinities raise TooLarge:
-    they have no place in an equation."""
+    """The simple fraction that rounds to `value`, or `value` itself.  Raises NotFinite."""
     if value - value != 0.0:
-        raise TooLarge
+        raise NotFinite
     near = Fraction(value).limit_denominator(1000)
     if float(near) == value:
         return near

@@ -5,7 +5,7 @@ from __future__ import annotations
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Algebra, TooLarge
+from lagc.view.algebra import Algebra, NotFinite, TooLarge
 from lagc.view.formulas import collector_of, nonnegative, tidy
 from lagc.view.names import Name, names
 from lagc.view.text import TextWriter
@@ -30,7 +30,7 @@ class Expressions:
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
             writer = TextWriter(collector, self.names)
             written = writer.sum(collector.collect(p))
-        except TooLarge:
+        except (TooLarge, NotFinite):
             written = ""
         if 0 < len(written) <= LONGEST:
             self.seen |= writer.seen

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.records import dataclass
-from lagc.view.algebra import Algebra, NamingAlgebra, Polynomial, TooLarge, scaled
+from lagc.view.algebra import Algebra, NamingAlgebra, NotFinite, Polynomial, TooLarge, scaled
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names
 from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
@@ -45,11 +46,17 @@ def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
 
 def sheet(equations: EquationsOfMotion) -> Sheet:
     """The formulas of `equations`, multiplied out; where that is too long, with shared parts named
-    s1, s2, ..."""
+    s1, s2, ...  Raises Refused (LAG0309) where one of their numbers is not finite."""
+    known = nonnegative(equations)
     try:
-        return _sheet(equations, Algebra(nonnegative=nonnegative(equations)))
-    except TooLarge:
-        return _sheet(equations, NamingAlgebra(_shared(equations), nonnegative(equations)))
+        try:
+            return _sheet(equations, Algebra(known))
+        except TooLarge:
+            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations), known))
+    except NotFinite:
+        message = "a factor in the equations of motion is not a finite number"
+        remedy = "the numbers of the model are too large, or too different, to be multiplied"
+        raise Refused([Fault("LAG0309", message, remedy=remedy)]) from None
 
 
 def nonnegative(equations: EquationsOfMotion) -> list[Node]:
