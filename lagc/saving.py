@@ -11,7 +11,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import TracebackType
 from typing import IO
 
@@ -83,6 +84,36 @@ def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> Non
     """Make `data` the content of the file `path`.  Raises OSError, and then it is as it was."""
     with Files(sync) as files:
         files.open(path, fresh).write(data)
+
+
+@contextmanager
+def scratch() -> Iterator[str]:
+    """A folder for temporary files, which goes with all that is in it.  Raises OSError."""
+    import shutil
+
+    folder = os.path.join(_temporary_folder(), f"lagc-{os.urandom(8).hex()}")
+    try:
+        os.mkdir(folder, 0o700)
+        yield folder
+    finally:
+        try:
+            shutil.rmtree(folder, ignore_errors=True)
+        except KeyboardInterrupt:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
+
+
+def _temporary_folder() -> str:
+    """As `tempfile.gettempdir` has it, which writes a file to find out."""
+    for name in ("TMPDIR", "TEMP", "TMP"):
+        folder = os.environ.get(name)
+        if folder and os.path.isdir(folder) and os.access(folder, os.W_OK):
+            return folder
+    if os.name == "posix" and os.access("/tmp", os.W_OK):
+        return "/tmp"
+    import tempfile
+
+    return tempfile.gettempdir()
 
 
 class _Draft:

@@ -18,6 +18,7 @@ Normal form (kept by the constructors, cheap on purpose):
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
@@ -266,18 +267,23 @@ class Graph:
         return self.scale(c, self._merge(a, b, -1))
 
     def product(self, factors: Iterable[tuple[Node, int]]) -> Node:
-        """The product of bases to integer powers."""
+        """The product of bases to integer powers.  A power of a number that has no finite value, 0^-1,
+        stays as it is written."""
         c = 1.0
         powers: dict[Node, int] = {}
         for base, exponent in factors:
-            if base.op == "scale":
-                c *= base.value**exponent
+            if base.op in ("scale", "const"):
+                folded = _fold(operator.pow, base.value, exponent)
+                if folded is None:
+                    powers[base] = powers.get(base, 0) + exponent
+                    continue
+                c *= folded
+                if base.op == "const":
+                    continue
                 base = base.args[0]
             if base.op == "mul":
                 for b, e in zip(base.args, base.value):
                     powers[b] = powers.get(b, 0) + e * exponent
-            elif base.op == "const":
-                c *= base.value**exponent
             else:
                 powers[base] = powers.get(base, 0) + exponent
         return self.scale(c, self._monomial(powers))
@@ -400,7 +406,8 @@ class Graph:
         return x if x is y else self._intern("select", (condition, x, y), None)
 
     def rebuild(self, node: Node, args: tuple[Node, ...]) -> Node:
-        """`node` with other arguments, through the constructors."""
+        """`node` with other arguments, through the constructors; what has no finite value for them stays
+        as it is written."""
         op = node.op
         if op in ("const", "symbol"):
             return node
@@ -416,7 +423,10 @@ class Graph:
             return self.logical_not(args[0])
         if len(args) == 1:
             return self.unary(op, args[0])
-        return self.binary(op, *args)
+        try:
+            return self.binary(op, *args)
+        except (ZeroDivisionError, OverflowError):  # of a power of two numbers
+            return self._intern(op, args, None)
 
 
 def _fold(function: Callable[..., float], *values: float) -> float | None:

@@ -46,7 +46,7 @@ def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
 
 def sheet(equations: EquationsOfMotion) -> Sheet:
     """The formulas of `equations`, multiplied out; where that is too long, with shared parts named
-    s1, s2, ...  Raises Refused (LAG0309) where one of their numbers is not finite."""
+    s1, s2, ...  Raises Refused (LAG0590) where one of their numbers is not finite."""
     known = nonnegative(equations)
     try:
         try:
@@ -56,7 +56,7 @@ def sheet(equations: EquationsOfMotion) -> Sheet:
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
         remedy = "the numbers of the model are too large, or too different, to be multiplied"
-        raise Refused([Fault("LAG0309", message, remedy=remedy)]) from None
+        raise Refused([Fault("LAG0590", message, remedy=remedy)]) from None
 
 
 def nonnegative(equations: EquationsOfMotion) -> list[Node]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 
 import pytest
 from hypothesis import assume, given, settings
@@ -159,3 +160,36 @@ def test_deep_graphs_need_no_recursion(graph: Graph) -> None:
     across = gradient(graph, {sums: graph.one}, [y])[y]
     forward = tangent(graph, [sums], {y: graph.one})[0]
     assert evaluate([forward], at)[0] == pytest.approx(evaluate([across], at)[0], rel=1e-9)
+
+
+NUMBERS = (0.0, 1.0, -1.0, 2.0, -0.5, 1e200, 1e-200, 5e-324, 3e307)
+
+
+def test_any_number_may_take_the_place_of_any_symbol() -> None:
+    """What has no finite value for it stays as it is written: 0^-1, log(0), 1e200^2."""
+    chance = random.Random(6)
+    finite = 0
+    for _ in range(2000):
+        graph = Graph()
+        symbols = leaves(graph)
+        nodes: list[Node] = list(symbols)
+        for _ in range(chance.randrange(2, 9)):
+            x, y = chance.choice(nodes), chance.choice(nodes)
+            nodes.append(chance.choice([
+                lambda: x + y, lambda: x * y, lambda: graph.div(x, y), lambda: graph.pow(x, y),
+                lambda: graph.power(x, chance.choice((-3, -2, -1, 2, 3))), lambda: -0.5 * x,
+                lambda: graph.unary(chance.choice(("log", "sqrt", "exp", "asin", "tan", "floor")), x),
+                lambda: graph.binary(chance.choice(("atan2", "min")), x, y),
+                lambda: graph.select(graph.binary("lt", x, y), y, x),
+            ])())  # fmt: skip
+        at = {s: chance.choice(NUMBERS) for s in symbols}
+        some = {s: graph.const(v) for s, v in at.items() if chance.random() < 0.7}
+        (found,) = substitute(graph, [nodes[-1]], some)
+        (new,), every = evaluate([found], at), evaluate(nodes, at)
+        tame = all(math.isfinite(v) and (v == 0.0 or 1e-290 < abs(v) < 1e290) for v in every)
+        if tame and "floor" not in text(nodes[-1]) and "if" not in text(nodes[-1]):
+            size = max(abs(v) for v in every)
+            if size < 1e3:  # else terms cancel
+                assert new == pytest.approx(every[-1], rel=1e-6, abs=1e-9)
+                finite += 1
+    assert finite > 150

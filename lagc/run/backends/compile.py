@@ -5,10 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from lagc import cache
+from lagc.saving import scratch
 
 if TYPE_CHECKING:
     from subprocess import CompletedProcess
@@ -60,16 +62,9 @@ def build_library(sources: Mapping[str, str]) -> bytes:
     words = compiler()
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
-    import shutil
-    import tempfile
-
     try:
-        work = tempfile.mkdtemp(prefix="lagc-")
-        try:
-            with open(_compile(words, sources, work), "rb") as file:
-                return file.read()
-        finally:
-            shutil.rmtree(work, ignore_errors=True)
+        with scratch() as work, open(_compile(words, sources, work), "rb") as file:
+            return file.read()
     except OSError as error:
         raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
 
@@ -108,10 +103,11 @@ def _finished(command: Sequence[str], folder: str) -> CompletedProcess[str]:
     try:
         out, err = process.communicate(timeout=LONGEST)
     except BaseException:
-        if group:
-            os.killpg(process.pid, signal.SIGKILL)
-        else:
-            process.kill()
+        with suppress(OSError):  # it may have ended by itself
+            if group:
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
         process.communicate()
         raise
     return subprocess.CompletedProcess(command, process.returncode, out, err)
