@@ -165,6 +165,16 @@ def test_deep_graphs_need_no_recursion(graph: Graph) -> None:
 NUMBERS = (0.0, 1.0, -1.0, 2.0, -0.5, 1e200, 1e-200, 5e-324, 3e307)
 
 
+def combined(graph: Graph, chance: random.Random, x: Node, y: Node) -> Node:
+    function = chance.choice(("log", "sqrt", "exp", "asin", "tan", "floor"))
+    return chance.choice([
+        lambda: x + y, lambda: x * y, lambda: graph.div(x, y), lambda: graph.pow(x, y),
+        lambda: graph.power(x, chance.choice((-3, -2, -1, 2, 3))), lambda: -0.5 * x,
+        lambda: graph.unary(function, x), lambda: graph.binary(chance.choice(("atan2", "min")), x, y),
+        lambda: graph.select(graph.binary("lt", x, y), y, x),
+    ])()  # fmt: skip
+
+
 def test_any_number_may_take_the_place_of_any_symbol() -> None:
     """What has no finite value for it stays as it is written: 0^-1, log(0), 1e200^2."""
     chance = random.Random(6)
@@ -175,13 +185,7 @@ def test_any_number_may_take_the_place_of_any_symbol() -> None:
         nodes: list[Node] = list(symbols)
         for _ in range(chance.randrange(2, 9)):
             x, y = chance.choice(nodes), chance.choice(nodes)
-            nodes.append(chance.choice([
-                lambda: x + y, lambda: x * y, lambda: graph.div(x, y), lambda: graph.pow(x, y),
-                lambda: graph.power(x, chance.choice((-3, -2, -1, 2, 3))), lambda: -0.5 * x,
-                lambda: graph.unary(chance.choice(("log", "sqrt", "exp", "asin", "tan", "floor")), x),
-                lambda: graph.binary(chance.choice(("atan2", "min")), x, y),
-                lambda: graph.select(graph.binary("lt", x, y), y, x),
-            ])())  # fmt: skip
+            nodes.append(combined(graph, chance, x, y))
         at = {s: chance.choice(NUMBERS) for s in symbols}
         some = {s: graph.const(v) for s, v in at.items() if chance.random() < 0.7}
         (found,) = substitute(graph, [nodes[-1]], some)
