@@ -14,6 +14,8 @@ from lagc.frontend import tree
 from lagc.library import Unreadable, content, decoded, fingerprint, folder_of
 from lagc.meaning.values import Wrong
 
+TOGETHER = 40_000_000  # bytes of all imports
+
 Declared = (
     tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
 )
@@ -110,6 +112,7 @@ class Importer:
         self.files: dict[str, Namespace] = {}
         self.broken: set[str] = set()
         self.asked: dict[str, str | None] = {}  # path -> fingerprint; None where there is no such file
+        self.size = 0  # bytes read
         self._fingerprints: dict[str, str] = {}
         self._packages: dict[int, Namespace] = {}
         self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
@@ -218,6 +221,9 @@ class Importer:
         except Unreadable as error:
             message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
             raise Wrong("LAG0216", message, span, error.remedy) from None
+        self.size += len(data)
+        if self.size > TOGETHER:
+            raise Wrong("LAG0216", f"imports of more than {TOGETHER // 1_000_000} MB together", span)
         self._fingerprints[path] = fingerprint(path, data)
         try:
             parsed = parse(Source(shown(path), text))

@@ -17,6 +17,7 @@ from lagc import library
 from lagc.cli.main import main
 from lagc.compiler import Choice, check, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.meaning.namespace import TOGETHER
 
 POSIX = os.name == "posix"
 MAIN = """import "lib.lag";
@@ -59,6 +60,17 @@ def test_a_larger_one_is_refused(tmp_path: Path, more: int) -> None:
     assert (fault.code, str(fault.span)) == ("LAG0216", f"{tmp_path}/main.lag:1:1")
     assert "larger than 4 MB" in fault.message
     assert refusal(str(tmp_path / "lib.lag")).code == "LAG0704"
+
+
+def test_all_imports_together_are_bounded(tmp_path: Path) -> None:
+    """Each of them is small enough."""
+    number = TOGETHER // library.LARGEST + 1
+    for k in range(number):
+        (tmp_path / f"l{k}.lag").write_bytes(b"//" + b"x" * (library.LARGEST - 2))
+    (tmp_path / f"l{number - 1}.lag").write_bytes(b"//")
+    lines = "".join(f'import "l{k}.lag";\n' for k in range(number))
+    (fault,) = faults(tmp_path, lines + MAIN.split("\n", 1)[1].replace("x0", "2"))
+    assert str(fault.span) == f"{tmp_path}/main.lag:{number}:1" and "40 MB together" in fault.message
 
 
 def make_pipe(path: Path) -> None:
