@@ -18,6 +18,7 @@ from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.loaded import Loaded
+from lagc.numerals import number
 from lagc.records import dataclass, names
 from lagc.run.problem import System
 from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
@@ -368,13 +369,23 @@ def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:
 def _quantity(name: str, value: Value) -> float | Quantity:
     if isinstance(value, Quantity):
         return value
-    if isinstance(value, tuple):
-        number, unit = value
-        return Quantity(float(number), unit)
     try:
-        return float(value)
-    except (TypeError, ValueError):
+        if isinstance(value, tuple):
+            written, unit = value
+            return Quantity(_float(written), unit)
+        return _float(value)
+    except (TypeError, ValueError, OverflowError):
         raise Refused([Fault("LAG0602", f"`{name}` must be a number, not {value!r}")]) from None
+
+
+def _float(value: object) -> float:
+    """Text is read as strictly as on the command line."""
+    if isinstance(value, (str, bytes)):
+        found = number(value) if isinstance(value, str) else None
+        if found is None:
+            raise ValueError
+        return found
+    return float(value)  # type: ignore[arg-type]
 
 
 def _seconds(name: str, value: Value | None) -> float | None:

@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
             say(f"warning: {warning}")
         for note in program.interface.notes:
             say(note)
-        show("".join(f"{path}\n" for path in paths))
+        show("".join(f"{path}\n" for path in paths), exact=True)
     return DONE
 
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from lagc.compiler import Choice
     from lagc.run.request import Quantity
 
-_ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
+_ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*", re.ASCII)
 
 
 def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> None:

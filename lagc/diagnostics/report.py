@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.printable import one_line, printable
+from lagc.printable import one_line
 
 TAB = 4
 WIDEST = 100  # columns of a source line that are shown; longer lines are windowed
@@ -86,7 +86,7 @@ def _count(faults: Sequence[Fault]) -> str:
 
 def _block(fault: Fault, color: bool) -> str:
     kind = _paint(f"{fault.severity}[{fault.code}]", fault.severity, color)
-    head = f"{kind}: {_paint(printable(fault.message), 'bold', color)}"
+    head = f"{kind}: {_paint(one_line(fault.message), 'bold', color)}"
     lines = [head]
     spans = [*([fault.span] if fault.span else []), *(span for span, _ in fault.related)]
     width = max((len(str(span.line)) for span in spans), default=0) + 1
@@ -98,7 +98,7 @@ def _block(fault: Fault, color: bool) -> str:
         lines += snippet[3:] if before is not None and _on_one_line(span, before) else snippet
         before = span
     if fault.remedy:
-        lines.append(f"{' ' * (width + 1)}{_paint('= help:', 'help', color)} {printable(fault.remedy)}")
+        lines.append(f"{' ' * (width + 1)}{_paint('= help:', 'help', color)} {one_line(fault.remedy)}")
     return "\n".join(lines)
 
 
