@@ -163,6 +163,9 @@ class Point:
         return self._numbers[value]
 
     def _meant(self, value: float) -> int:
+        if not math.isfinite(value):
+            self.exact = False
+            return self._any("not finite", repr(value))
         turns = turns_of(value)
         if turns:
             return residue(turns) * self._any("pi") % P
@@ -179,7 +182,8 @@ class Point:
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
         pairs = [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]
         for known, number in [*bases, *pairs] if len(bases) <= _MOST_DECIMALS else bases:
-            ratio = Fraction(value / known).limit_denominator(100)
+            quotient = value / known if known else 0.0  # a product may be beyond all numbers
+            ratio = Fraction(quotient if math.isfinite(quotient) else 0.0).limit_denominator(100)
             if ratio and abs(float(ratio) * known - value) <= _ULPS * math.ulp(value):
                 return residue(ratio) * number % P
         cosine, sine = self._circle(value)

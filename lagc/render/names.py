@@ -110,7 +110,7 @@ def stem(model: str) -> str:
 def comment(text: str) -> str:
     """`text` on one line, harmless inside a comment of C or Python: no end of comment, line
     continuation, trigraph, control or bidirectional character, in ASCII."""
-    spelled = "".join(_spell(c) if ord(c) > 126 else c if c >= " " else " " for c in text)
+    spelled = "".join(_spell(c) if ord(c) > 127 else c if " " <= c <= "~" else " " for c in text)
     spelled = spelled.replace("\\", "/")
     return re.sub(r"\?(?=\?)", "? ", re.sub(r"([*/])(?=[*/])", _apart, spelled)).strip()
 

@@ -148,3 +148,14 @@ def test_identities_between_large_numbers_vanish(size: float) -> None:
     a, b = 3.0 * size, size
     point = Point(2)
     assert point.values([(x + a) * y - (x + b) * y - (a - b) * y]) == [0] and point.exact
+
+
+def test_numbers_of_any_size_have_a_value() -> None:
+    """Also those whose products and quotients are beyond all that a double holds, and what is no number."""
+    chance = random.Random(4)
+    _, x, y, _ = symbols()
+    for seed in range(200):
+        sizes = [chance.choice((-1.0, 1.0)) * math.ldexp(0.5 + chance.random(), chance.randrange(-1100, 1024))
+                 for _ in range(8)]  # fmt: skip
+        nodes = [a * x + y for a in (*sizes, 5e-324, 1.7e308, math.inf, -math.inf, math.nan) if a]
+        assert all(0 <= value < P for value in Point(seed).values(nodes))
