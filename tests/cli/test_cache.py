@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import hashlib
 import json
 import os
 import random
@@ -495,3 +496,13 @@ def test_whatever_the_system_refuses_is_no_error(
         assert main(["cache", "--clear", "-q"]) == 0
         assert main(["cache"]) == 0 and not list(root.iterdir())
     assert at > 30
+
+
+def test_hashes_are_sha256() -> None:
+    """Of whichever module they come."""
+    for size in (0, 1, 55, 56, 63, 64, 65, 1000, 100_001):
+        data = random.Random(size).randbytes(size)
+        assert cache.digest(data) == hashlib.sha256(data).hexdigest()
+    assert (
+        cache.sealed("n", BODY)[: cache.HEAD].split()[1].decode() == hashlib.sha256(b"n\n" + BODY).hexdigest()
+    )
