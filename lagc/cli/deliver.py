@@ -90,6 +90,7 @@ def kept(path: str, write: Callable[[str], object], failures: tuple[type[Excepti
             continue
         say(f"lagc: it is kept in {other}")
         return other
+    say("lagc: it could not be kept elsewhere")
     return None
 
 

@@ -1,0 +1,141 @@
+"""Results whose place cannot be written in the end are kept under another name, which is said."""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from lagc.api import CompiledModel, Run
+from lagc.cli.main import main
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+Capture = pytest.CaptureFixture[str]
+SIM = ["sim", "simple_pendulum", "--backend", "numpy", "--stop", "1"]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder, and that of temporary files."""
+    for name in ("here", "tmp", "far"):
+        (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path / "here")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "tmp"))
+    return tmp_path
+
+
+def after_the_run(monkeypatch: pytest.MonkeyPatch, happens: Callable[[], object]) -> None:
+    run = CompiledModel.run
+
+    def changed(*arguments: object, **named: object) -> Run:
+        found = run(*arguments, **named)  # type: ignore[arg-type]
+        happens()
+        return found
+
+    monkeypatch.setattr(CompiledModel, "run", changed)
+
+
+def kept(here: Path, said: str) -> Path:
+    found = re.search(r"it is kept in (.*)", said)
+    assert found is not None and Path(found[1]).exists()
+    return Path(found[1])
+
+
+@pytest.mark.parametrize("ending", [".csv", ".npz", ".parquet", ".svg"])
+def test_a_folder_that_goes_while_it_is_computed(
+    ending: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    option = "--plot" if ending == ".svg" else "-o"
+    pytest.importorskip({".parquet": "pyarrow", ".svg": "matplotlib"}.get(ending, "numpy"))
+    assert main([*SIM, option, str(here / f"run{ending}")]) == 0
+    wanted = (here / f"run{ending}").read_bytes()
+    after_the_run(monkeypatch, lambda: shutil.rmtree(here / "far"))
+    capsys.readouterr()
+    assert main([*SIM, option, str(here / "far" / f"run{ending}")]) == 74
+    out, err = capsys.readouterr()
+    assert "theta" in out and "cannot be written" in err
+    path = kept(here, err)
+    assert path.parent == here / "here" and path.suffix == ending and path.read_bytes() == wanted
+
+
+def test_where_the_current_folder_is_gone_too(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    if sys.platform == "win32":
+        pytest.skip("a current folder cannot go")
+
+    def happens() -> None:
+        shutil.rmtree(here / "far")
+        shutil.rmtree(here / "here")
+
+    after_the_run(monkeypatch, happens)
+    assert main([*SIM, "-o", str(here / "far" / "run.csv")]) == 74
+    assert kept(here, capsys.readouterr().err).parent == here / "tmp"
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EACCES])
+def test_every_fault_of_the_disk_is_told_and_leaves_the_old_file(
+    number: int, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    fsync, failing = os.fsync, [1]
+
+    def faulty(descriptor: int) -> None:
+        if failing:
+            failing.pop()
+            raise OSError(number, os.strerror(number))
+        fsync(descriptor)
+
+    (here / "far" / "run.csv").write_text("old")
+    monkeypatch.setattr(os, "fsync", faulty)
+    assert main([*SIM, "-o", str(here / "far" / "run.csv")]) == 74
+    err = capsys.readouterr().err
+    assert os.strerror(number) in err
+    assert len(kept(here, err).read_text().splitlines()) == 502
+    assert [p.name for p in (here / "far").iterdir()] == ["run.csv"]
+    assert (here / "far" / "run.csv").read_text() == "old"
+
+
+def test_where_nothing_can_be_written_the_result_is_printed(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    def faulty(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    after_the_run(monkeypatch, lambda: monkeypatch.setattr(os, "fsync", faulty))
+    assert main([*SIM, "-o", str(here / "far" / "run.csv")]) == 74
+    out, err = capsys.readouterr()
+    assert "theta" in out and "could not be kept elsewhere" in err
+    assert not [p for p in here.rglob("*") if p.is_file()]
+
+
+def test_what_shows_before_is_wrong_usage(here: Path, capsys: Capture) -> None:
+    (here / "far" / "run.csv.json").mkdir()
+    for path in ("nowhere/run.csv", "far/run.csv", "../far/run.csv", "run"):
+        assert main([*SIM, "-o", str(here / path)]) == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("words", [
+    ["build", "simple_pendulum", "-o", "out"], ["new", "Swing"],
+    ["new", "Swing", "--force"], ["fmt", "ugly.lag"],
+])  # fmt: skip
+def test_a_full_disk_is_no_wrong_usage(
+    words: list[str], here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    ugly = "model  A\ncoordinate Length x;body b=Particle(mass=1[kg],at={x,0,0});end A;"
+    Path("ugly.lag").write_text(ugly)
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert main(words) == 74
+    assert "No space left" in capsys.readouterr().err
+    assert Path("ugly.lag").read_text() == ugly
+    assert {p.name for p in Path().iterdir()} <= {"ugly.lag", "out"} and not list(Path().glob("out/*"))
