@@ -6,8 +6,6 @@ own are written as escapes.
 
 from __future__ import annotations
 
-import json
-
 
 def printable(text: str) -> str:
     """`text` without characters that would steer a terminal; line ends are kept."""
@@ -24,6 +22,8 @@ def one_line(text: str) -> str:
 def json_text(value: object, indent: int | None = None, encoding: str = "utf-8") -> str:
     """`value` as JSON: what is no printable character, or none of `encoding`, stands as its escape, and a
     number that is not finite as null, for JSON has no word for it."""
+    import json
+
     text = json.dumps(_finite(value), indent=indent, ensure_ascii=False, allow_nan=False)
     if text.isascii():
         return text.replace("\x7f", "\\u007f")

@@ -12,7 +12,6 @@ from typing import NoReturn
 from lagc.cli.exits import DONE, INTERNAL, INTERRUPTED, UNWRITTEN, USAGE, Unwritten, Usage, code_of
 from lagc.cli.output import begin, code, print_faults, print_json, say, show
 from lagc.diagnostics.faults import Refused
-from lagc.numerals import whole
 from lagc.version import __version__
 
 COMMANDS = {
@@ -82,7 +81,7 @@ class Help(argparse.RawDescriptionHelpFormatter):
 
     def __init__(self, prog: str):
         try:
-            columns = whole(os.environ.get("COLUMNS", "")) or os.get_terminal_size(1).columns
+            columns = int(os.environ.get("COLUMNS", 0)) or os.get_terminal_size(1).columns
         except (OSError, ValueError):
             columns = 80
         super().__init__(prog, width=max(columns, 40) - 2)
