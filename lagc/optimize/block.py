@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
+from lagc.expr.doubles import double
 from lagc.optimize.program import Function, Operation, Store
 
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
@@ -43,7 +44,8 @@ class Block:
         return self._value("load", (), (array, index))
 
     def const(self, value: float) -> int:
-        if value < 0.0:
+        """Raises Refused where it is infinite."""
+        if double(value) < 0.0:
             return ~self._value("const", (), -value)
         return self._value("const", (), value + 0.0)
 

@@ -9,6 +9,7 @@ they are: multiplying those out would lose digits.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
@@ -24,7 +25,7 @@ def expanded(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     forms: dict[Node, Polynomial] = {}
     for node in reachable(nodes):
         form = _form(node, forms)
-        forms[node] = {((node, 1),): 1.0} if len(form) > _MOST_TERMS else form
+        forms[node] = form if len(form) <= _MOST_TERMS and _in_range(form) else {((node, 1),): 1.0}
     others = [_rebuilt(graph, _squares_met(forms[node])) for node in nodes]
     return [_smaller(node, other) for node, other in zip(nodes, others)]
 
@@ -48,6 +49,11 @@ def _form(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
     if node.op == "mul":
         return _product(node, forms)
     return {((node, 1),): 1.0}
+
+
+def _in_range(form: Polynomial) -> bool:
+    """Whether no product of numbers became infinite or 0."""
+    return all(0.0 < abs(c) < inf for c in form.values())
 
 
 def _product(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
@@ -81,11 +87,11 @@ def _times(a: Polynomial, b: Polynomial) -> Polynomial:
 
 
 def _count(total: Polynomial, monomial: Monomial, c: float) -> None:
-    value = total.get(monomial, 0.0) + c
-    if value == 0.0:
+    before = total.get(monomial, 0.0)
+    if before and before == -c:
         del total[monomial]
     else:
-        total[monomial] = value
+        total[monomial] = before + c
 
 
 def _squares_met(form: Polynomial) -> Polynomial:

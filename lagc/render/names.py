@@ -58,6 +58,8 @@ def identifier(name: str) -> str:
     plain = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9_]", "_", spelled)).strip("_")
     if not plain or plain[0].isdigit():
         plain = f"n{plain}"
+    if plain.lower().startswith("lagc_"):  # as the support's own names, until they get the model's prefix
+        plain = f"the_{plain}"
     return f"{plain}_" if is_reserved(plain) else plain
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from lagc.diagnostics.faults import Fault, Refused
 from lagc.optimize.program import Function
 from lagc.records import dataclass
 
@@ -49,10 +48,7 @@ class Dialect:
 
 
 def literal(value: float) -> str:
-    """A finite number, so that reading it gives the same bits.  Refused: infinity and NaN."""
-    if value != value or value in (float("inf"), float("-inf")):
-        message = "a number of the equations is too large for a double"
-        raise Refused((Fault("LAG0590", message, None),))
+    """A finite number, so that reading it gives the same bits."""
     return repr(float(value))
 
 

@@ -49,8 +49,8 @@ class LatexWriter(TextWriter):
         below = self.times.join(([bottom] if bottom != "1" or not under else []) + under)
         return above if below == "1" else rf"\frac{{{_bare(above)}}}{{{_bare(below)}}}"
 
-    def decimal(self, value: float) -> str:
-        mantissa, _, power = repr(value).partition("e")
+    def decimal(self, written: str) -> str:
+        mantissa, _, power = written.partition("e")
         return rf"{mantissa} \cdot 10^{{{int(power)}}}" if power else mantissa
 
     def parentheses(self, text: str) -> str:

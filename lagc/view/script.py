@@ -5,6 +5,7 @@ from __future__ import annotations
 import keyword
 import re
 from collections.abc import Mapping
+from math import inf
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
@@ -94,8 +95,9 @@ class ScriptWriter(TextWriter):
             top, bottom = f"sympy.Rational({top}, {bottom})", "1"
         return super().quotient(top, over, bottom, under)
 
-    def decimal(self, value: float) -> str:
-        return f"sympy.Float({value!r})"
+    def decimal(self, written: str) -> str:
+        """In quotes where no double is as large or as small."""
+        return f"sympy.Float({written})" if 0.0 < float(written) < inf else f"sympy.Float({written!r})"
 
     def root(self, text: str) -> str:
         return f"sympy.sqrt({text})"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
+from decimal import Context
 from fractions import Fraction
 
 from lagc.expr.graph import Node
@@ -11,6 +13,8 @@ from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
 
 INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
+_LONGEST = 10**17  # of an integer with all its digits
+_DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)
 
 
 class TextWriter:
@@ -55,12 +59,12 @@ class TextWriter:
 
     def coefficient(self, c: Fraction) -> tuple[str, str]:
         """c >= 0 as the number above and the number below the line."""
-        if c.denominator <= 99:
+        if c.denominator <= 99 and c.numerator < _LONGEST:
             return str(c.numerator), str(c.denominator)
-        return self.decimal(float(c)), "1"
+        return self.decimal(_decimal(c)), "1"
 
-    def decimal(self, value: float) -> str:
-        return repr(value)
+    def decimal(self, written: str) -> str:
+        return written
 
     def factor(self, base: int | Sum, exponent: Exponent) -> str:
         atomic = isinstance(base, Sum) or self.algebra.atoms[base].op == "sum"
@@ -121,3 +125,12 @@ class TextWriter:
         else:
             text = f"{op}({', '.join(args)})"
         return self.raised(text, exponent)
+
+
+def _decimal(c: Fraction) -> str:
+    """c > 0 with the digits of a double, also where none is as large or as small."""
+    with suppress(OverflowError):
+        if float(c) > 0.0:
+            return repr(float(c))
+    top, bottom = (_DIGITS.create_decimal(number) for number in (c.numerator, c.denominator))
+    return f"{_DIGITS.divide(top, bottom).normalize(_DIGITS):e}"

@@ -110,3 +110,9 @@ def test_a_name_whose_numbered_forms_are_all_reserved() -> None:
     names = Names(["M"])
     given = [names.give("M") for _ in range(3)]
     assert len({"M", *given}) == 4 and not any(is_reserved(name) for name in given)
+
+
+@pytest.mark.parametrize("name", ["lagc_options", "lagc_", "LAGC_OK", "_lagc_work", "Lagc_H_"])
+def test_no_name_is_of_the_support(name: str) -> None:
+    """Its text is written with `lagc_`, which becomes the prefix of the model wherever it begins a name."""
+    assert not re.match("lagc_", identifier(name), re.I) and not re.match("lagc_", prefix(name), re.I)

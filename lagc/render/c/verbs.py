@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
 from lagc.records import dataclass
 from lagc.render.c.header import members
@@ -100,7 +101,7 @@ def _default_params(interface: Interface) -> Verb:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
     for name, field in zip(members(interface), fields):
-        value = "NAN" if field.value is None or math.isnan(field.value) else literal(field.value)
+        value = "NAN" if field.value is None or math.isnan(field.value) else literal(double(field.value))
         text += f"    p.{name} = {value};\n"
     if not fields:
         text += "    p.none = 0.0;\n"
