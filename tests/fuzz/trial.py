@@ -1,54 +1,202 @@
-"""One model text through the whole compiler, and a moment of its motion, within bounds."""
+"""One model through all commands: what became of it, and where lagc stumbled."""
 
 from __future__ import annotations
 
-import resource
-import signal
-import types
+import json
+import os
+import random
+import re
+import shutil
+import subprocess
+import sysconfig
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
 
-import lagc
-from lagc.diagnostics.faults import Refused
-from lagc.diagnostics.report import as_json, report
+from tests.fuzz.commands import Said, call, complaint
+from tests.fuzz.models import Case
 
-SECONDS = 10
-MEMORY = 4 << 30  # bytes of address space
-
-
-class TooLong(BaseException):
-    """Not an Exception, so that nothing on the way takes it for an error of its own."""
-
-
-def bound_memory() -> None:
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, resource.getrlimit(resource.RLIMIT_AS)[1]))
+Tell = Callable[[str], None]  # is told each command before it is called
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-Wshadow", "-Wconversion", "-fsyntax-only"]
 
 
-def trial(text: str) -> str:
-    """What became of the text: "refused", "failed" (a run that stops and says why) or "ran".
+@dataclass
+class Report:
+    """`outcomes`: command -> how it ended; `stumbles`: (command, what was wrong)."""
 
-    Raises TooLong, and whatever is wrong in lagc itself.
-    """
+    outcomes: dict[str, str] = field(default_factory=dict)
+    stumbles: list[tuple[str, str]] = field(default_factory=list)
 
-    def ring(number: int, frame: types.FrameType | None) -> None:
-        raise TooLong
 
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.alarm(SECONDS)
+def trial(case: Case, seed: int, folder: Path, tell: Tell, compiled: float = 1.0) -> Report:
+    """The case through all commands, in `folder`, which is empty; by `seed` with one option or another, and
+    through a C compiler for the share `compiled`."""
+    return _Trial(case, random.Random(seed), folder, tell, compiled).run()
+
+
+class _Trial:
+    def __init__(self, case: Case, chance: random.Random, folder: Path, tell: Tell, compiled: float):
+        self.case, self.chance, self.folder, self.tell = case, chance, folder, tell
+        self.with_c = chance.random() < compiled
+        self.report = Report()
+        self.file = "model.lag"
+
+    def run(self) -> Report:
+        before = os.getcwd()
+        os.chdir(self.folder)
+        os.environ["LAGC_CACHE"] = str(self.folder / "cache")
+        try:
+            for name, text in {**self.case.files, self.file: self.case.text}.items():
+                Path(name).write_text(text, encoding="utf-8", errors="surrogatepass")
+            self._all()
+        finally:
+            os.chdir(before)
+            shutil.rmtree(self.folder, ignore_errors=True)
+        return self.report
+
+    def _all(self) -> None:
+        sound = self._check()
+        self._fmt(sound)
+        if not sound and self.chance.random() < 0.7:  # the others say the same: one of them is enough
+            self.chance.choice([self._sim, self._build, self._show])(sound)
+            return
+        for part in (self._show, self._build, self._sim):
+            part(sound)
+
+    def _show(self, sound: bool) -> None:
+        explained = self._call("explain", *self.case.options, *self.chance.choice([[], ["-v"], ["--json"]]))
+        self._agree(sound, "explain", explained)
+        forms = ["text", "latex", "sympy"]
+        if self.chance.random() < 0.7:
+            forms = [self.chance.choice(forms)]
+        for form in forms:
+            said = self._call("equations", "--format", form, *self.case.options)
+            self._agree(sound, "equations", said)
+            if form == "sympy" and said.code == 0:
+                self._python("equations", said.out)
+
+    def _call(self, command: str, *words: str, label: str = "", stdin: str | None = None) -> Said:
+        whole = (command, self.file if stdin is None else "-", *words)
+        self.tell(" ".join(whole))
+        said = call(*whole, stdin=stdin or "")
+        label = label or command
+        outcome = "done" if said.code == 0 else "failed" if said.code == 3 else f"refused {said.fault}"
+        self.report.outcomes[label] = outcome
+        wrong = complaint(whole, said)
+        if wrong is not None:
+            self._stumble(label, wrong)
+        return said
+
+    def _stumble(self, label: str, what: str) -> None:
+        self.report.stumbles.append((label, what))
+
+    def _check(self) -> bool:
+        said = self._call("check", *self.chance.choice([[], ["--json"]]))
+        if said.code == 2:
+            self._stumble("check", f"exit code 2: {said.err[:200]}")
+        return said.code == 0
+
+    def _agree(self, sound: bool, command: str, said: Said) -> None:
+        """What `check` lets pass is not refused later; wrong usage apart, where options are given."""
+        if sound and said.code in (1, 2) and not (said.code == 2 and self.case.options):
+            self._stumble(command, f"refused after `check` passed: {said.fault}")
+
+    def _fmt(self, sound: bool) -> None:
+        said = self._call("fmt", stdin=self.case.text)
+        if said.code != 0:
+            if sound:
+                self._stumble("fmt", "refused after `check` passed")
+            return
+        again = self._call("fmt", label="fmt again", stdin=said.out)
+        if again.code != 0 or again.out != said.out:
+            self._stumble("fmt again", "what is laid out is laid out otherwise a second time")
+        if sound:
+            Path("laid_out.lag").write_text(said.out, encoding="utf-8")
+            kept = [self._meaning(file) for file in (self.file, "laid_out.lag")]
+            if kept[0] != kept[1]:
+                self._stumble("fmt", "what is laid out means something else")
+
+    def _meaning(self, file: str) -> str:
+        """The generated Python less what names lines of the source."""
+        said = call("build", file, "--target", "numpy", "-o", f"meaning_{file}", "-q")
+        if said.code != 0:
+            return said.fault
+        text = "".join(p.read_text(encoding="utf-8") for p in sorted(Path(f"meaning_{file}").iterdir()))
+        return re.sub(rf"{re.escape(file)}(:\d+)?", "", text)
+
+    def _build(self, sound: bool) -> None:
+        for target in ("numpy", "c"):
+            said = self._call(
+                "build", "--target", target, "-o", target, *self.case.options, label=f"build {target}"
+            )
+            self._agree(sound, f"build {target}", said)
+            if said.code != 0:
+                continue
+            paths = sorted(Path(target).iterdir())
+            if target == "numpy":
+                for path in paths:
+                    self._python("build numpy", path.read_text(encoding="utf-8"))
+            elif self.with_c and self.chance.random() < 0.3:
+                units = [str(p) for p in paths if p.suffix == ".c"]
+                done = subprocess.run(["cc", *STRICT, *units], capture_output=True, text=True, check=False)
+                if done.returncode != 0:
+                    self._stumble("build c", f"the C is not accepted: {done.stderr[:300]}")
+
+    def _python(self, label: str, text: str) -> None:
+        try:
+            compile(text, label, "exec")
+        except (SyntaxError, ValueError) as error:
+            self._stumble(label, f"the Python is not accepted: {error}")
+
+    def _sim(self, sound: bool) -> None:
+        step = self.chance.choice(["1e-3", "1e-4", "0.01"])
+        by_hand = ["--method", self.chance.choice(["dopri5", "dop853"]), "--step", step]
+        by_hand += ["--stop", f"{3 * float(step):g}", "--points", "4"]
+        verified = ["--stop", self.chance.choice(["0.01", "0.1", "1"]), "--points", "5"]
+        given = [*self.case.options, *self.case.run]
+        for words, label in ((by_hand, "sim"), (verified, "sim verified")):
+            if label == "sim verified" and self.chance.random() < 0.5:
+                continue
+            self._both(label, [*words, *given], sound and not given)
+
+    def _both(self, label: str, words: list[str], sound: bool) -> None:
+        found = []
+        for backend in ("numpy", "c") if self.with_c else ("numpy",):
+            csv = f"{label.replace(' ', '_')}_{backend}.csv"
+            said = self._call(
+                "sim", "--backend", backend, "--json", "-o", csv, *words, label=f"{label} {backend}"
+            )
+            if sound and said.code not in (0, 3):
+                self.report.outcomes[f"{label} {backend}"] = f"passed `check`, refused {said.fault}"
+            found.append(
+                (said.code, _lasting(said.out), Path(csv).read_bytes() if os.path.exists(csv) else b"")
+            )
+        for one, what in zip(range(3), ("exit code", "report", "file")):
+            if len(found) == 2 and found[0][one] != found[1][one]:
+                self._stumble(
+                    label, f"C and Python differ in the {what}: {found[0][:2]} {found[1][:2]}"[:600]
+                )
+                return
+
+
+def _lasting(out: str) -> object:
+    """A report less what may differ between two runs."""
     try:
-        return _trial(text)
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        found = json.loads(out)
+    except ValueError:
+        return out
+    for key in ("backend", "compile_s", "run_s"):
+        found.pop(key, None)
+        found.get("cost", {}).pop(key, None)
+    return found
 
 
-def _trial(text: str) -> str:
-    file = lagc.loads(text, "mutated.lag")
-    faults = file.check()
-    if faults:
-        assert report(faults) and all(item["code"] for item in as_json(faults))
-        assert all(0 <= f.span.start <= f.span.end <= len(text) for f in faults if f.span)
-    try:
-        run = file.compile(backend="numpy").simulate(1e-3, method="dopri5", step=2e-4, points=3)
-    except Refused as refused:
-        assert refused.faults
-        return "refused"
-    return "failed" if run.status == "failed" else "ran"
+def quick_compiler(folder: Path) -> str | None:
+    """The words of LAGC_CC for a compiler that does not optimize; None where there is no compiler."""
+    own = shutil.which("cc") or shutil.which("gcc")
+    if own is None or sysconfig.get_platform().startswith("win"):
+        return None
+    script = folder / "quick_cc"
+    script.write_text(f'#!/bin/sh\nexec {own} "$@" -O0\n')
+    script.chmod(0o755)
+    return str(script)

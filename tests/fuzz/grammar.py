@@ -1,0 +1,34 @@
+"""Which rules of the grammar texts are made of."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+
+from lagc.diagnostics.faults import Source
+from lagc.frontend.lexer import tokenise
+from lagc.frontend.machine import Machine
+from lagc.frontend.tables import tables
+
+
+class _Counting(Machine):
+    used: Counter[int]
+
+    def reduce(self, number: int) -> None:
+        self.used[number] += 1
+        super().reduce(number)
+
+
+def rules(texts: Iterable[str]) -> dict[str, int]:
+    """How often each rule that makes a node is used by the texts, by what it makes."""
+    own, used = tables(), Counter[int]()
+    for text in texts:
+        source = Source("text", text)
+        machine = _Counting(source, own, tokenise(source))
+        machine.used = used
+        machine.run()
+    found: Counter[str] = Counter()
+    for number, (_, _, name, _) in enumerate(own.rules):
+        if name is not None:
+            found[name] += used[number]
+    return dict(found)
