@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import shutil
+import signal
 import string
 import sys
 import time
@@ -130,7 +131,7 @@ def _fill() -> None:
     ("act", "how"),
     [
         (_spin, "more than"),
-        (os.abort, "SIGABRT"),
+        (lambda: os.kill(os.getpid(), signal.SIGUSR1), "SIGUSR1"),
         (_fill, "exit code 1"),
         (lambda: time.sleep(60), "killed"),
         (lambda: os._exit(3), "exit code 3"),
