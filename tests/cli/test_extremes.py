@@ -1,0 +1,84 @@
+"""Numbers at the ends of what a double holds bring an answer or a fault, wherever a command takes one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from lagc.cli.main import main
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+VALUES = (
+    "1e300",
+    "-1e300",
+    "1e308",
+    "1e18",
+    "1e-300",
+    "5e-324",
+    "0",
+    "-0.0",
+    "-1",
+    "nan",
+    "inf",
+    "1e999",
+    "0.5",
+    "1e7",
+)
+STRUCTURAL = """model S
+  structural Integer n = 3;
+  parameter Mass m = 1 [kg];
+  parameter Length l = 1 [m];
+  coordinate Length x[n](each start = 0.1);
+  for i in 1:n loop
+    body b[i] = Particle(mass = m, at = {x[i], 0, 0});
+  end for;
+end S;
+"""
+CONSTANTS = """model S
+  structural Integer n = 3;
+  parameter Mass m = 1 [kg];
+  parameter Length l = 1 [m];
+  coordinate Angle x(start = log(n - 2), rate = 1/n*1[1/s]);
+  body b = Particle(mass = m, at = {x*l, x*l*n, exp(x*n)*l});
+  potential V = exp(n*x)*1 [J] + 1 [J]*floor(n)/n + 1 [J]*(x + 1)^(if n > 5 then n else 2);
+end S;
+"""
+START = """model S
+  parameter Real n = 1;
+  parameter Mass m = 1 [kg];
+  parameter Length l = 1 [m];
+  coordinate Length x(start = l/n), y(start = log(n)*l);
+  body b = Particle(mass = m, at = {x, y, 0});
+  constraint c: x^2 + y^2 = l^2*n;
+  potential V = 1 [J]*log(n + x/l) + 9.81 [m/s2]*m*y;
+initial
+  x = l*log(n)/3;
+end S;
+"""
+
+
+@pytest.mark.parametrize("text", [STRUCTURAL, CONSTANTS, START], ids=["sizes", "constants", "start"])
+@pytest.mark.parametrize("value", VALUES)
+def test_parameters(text: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "s.lag"
+    path.write_text(text)
+    for name in "nml":
+        for command in ("equations", "explain", "build", "sim"):
+            more = {"build": ["-o", str(tmp_path)], "sim": ["--backend", "numpy", "--stop", "1e-3"]}
+            code = main([command, str(path), "-p", f"{name}={value}", *more.get(command, [])])
+            assert code in (0, 1, 2, 3), (command, name, capsys.readouterr().err)
+            assert code != 2 or name != "n" or "LAG" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", VALUES)
+def test_options(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    sim = ["sim", "simple_pendulum", "--backend", "numpy"]
+    for option in ("--every", "--points", "--accuracy", "--rtol", "--atol", "--step", "--stop"):
+        if option in ("--step", "--stop") and value in ("1e300", "1e308", "1e18", "1e7", "1e-300", "5e-324"):
+            continue  # what would take its time
+        assert main([*sim, f"{option}={value}"]) in (0, 2, 3), (option, capsys.readouterr().err)
+    for start in ("theta", "der(theta)"):
+        if float(value) < 1e6:
+            code = main([*sim, "--stop", "1e-3", "--start", f"{start}={value}"])
+            assert code in (0, 1, 2, 3), (start, capsys.readouterr().err)
