@@ -76,9 +76,7 @@ class Spacing:
     def _before_sign(self, number: int, tight: bool) -> bool:
         token, before = self.tokens[number], self.tokens[number - 1]
         text = token.text
-        if text in (",", ";", ".*", *_CLOSING) or text in _TIGHT:
-            return False
-        if text == ":":
+        if text in (",", ";", ".*", ":", "[", *_CLOSING) or text in _TIGHT:
             return False
         if text in ("+", "-"):
             if self._is_sign(number):
@@ -86,7 +84,7 @@ class Spacing:
             return not tight
         if text == "(" and token.start in self.options:
             return True
-        if text in ("(", "["):
+        if text == "(":
             if before.kind == WORD:
                 return before.terminal not in ("NAME", "SIMULATE", "ANNOTATION")
             if before.text in _CLOSING:

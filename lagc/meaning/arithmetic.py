@@ -190,7 +190,8 @@ def _power(e: tree.Binary, left: Value, right: Value) -> Value:
         dimension = raised(left.dimension, number) if abs(number) <= LARGEST_EXPONENT else None
         if dimension is None:
             raise Wrong("LAG0305", f"{describe(left.dimension)} has no power {number:g}", e.right.span)
-    return Scalar(left.node**right.node, dimension)
+    power = left.node**right.node
+    return Scalar(power, None if left.dimension is None and power.is_zero else dimension)
 
 
 _ARITHMETIC: dict[str, Callable[[tree.Binary, Value, Value], Value]] = {

@@ -66,6 +66,7 @@ def test_a_number(expression: str, expected: float) -> None:
         ("Length", "max(1 [m], 2 [mm])", 1.0),
         ("Length", "norm({3 [m], 4 [m], 0})", 5.0),
         ("Length", "0", 0.0),
+        ("Length", "1 [m] - ({0, 1 [J], 0}.x/(2 [J]))^2", 1.0),
     ],
 )
 def test_a_quantity(type_name: str, expression: str, expected: float) -> None:
