@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING
 
 from lagc.version import __version__
 
-__all__ = ["CompiledModel", "ModelFile", "Refused", "__version__", "load", "loads"]
+__all__ = ["CompiledModel", "Limits", "ModelFile", "Refused", "__version__", "load", "loads"]
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel, ModelFile, load, loads
     from lagc.diagnostics.faults import Refused
+    from lagc.limits import Limits
 
 
 def __getattr__(name: str) -> object:
@@ -28,6 +29,10 @@ def __getattr__(name: str) -> object:
         from lagc.diagnostics.faults import Refused as found
 
         return found
+    if name == "Limits":
+        from lagc.limits import Limits as limits
+
+        return limits
     from lagc import api
 
     return getattr(api, name)

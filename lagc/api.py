@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.limits import running
 from lagc.loaded import Loaded
 from lagc.numerals import number
 from lagc.records import dataclass, names
@@ -266,7 +267,8 @@ class CompiledModel:
         from lagc.run.simulate import simulate
 
         system = self._loaded.system(backend).bind(parameters)
-        found = simulate(system, request, self.compile_s, progress)
+        with running(progress) as asked:
+            found = simulate(system, request, self.compile_s, asked)
         found.backend_reason = reason
         return Run(**{name: getattr(found, name) for name in names(Solution)})
 
@@ -353,7 +355,14 @@ class _Patience:
             else:
                 raise TakesLong
         if self.inner is not None:
-            self.inner(t)
+            try:
+                self.inner(t)
+            except Refused:  # it would take too long: perhaps C does not
+                from lagc.run.backends.compile import compiler
+
+                if compiler() is None:
+                    raise
+                raise TakesLong from None
 
 
 def compile_time(interface: Interface) -> float:

@@ -18,6 +18,7 @@ from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.library import folder_of
+from lagc.limits import stage
 from lagc.once import RLock, once
 from lagc.optimize.program import Field
 from lagc.records import dataclass, field, replace
@@ -30,6 +31,11 @@ if TYPE_CHECKING:
     from lagc.meaning.model import Model
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
+
+
+PER_CHARACTER = 1e-3  # s that a stage may take longer for each character of the model
+PER_PAIR = 0.05  # for each pair of coordinates, or constraints
+PER_OPERATION = 1e-3  # of the right-hand side
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,8 @@ _uncollected = _Uncollected()
 def parse(source: Source) -> Tree:
     from lagc.frontend.parse import parse as run
 
-    return run(source)
+    with stage("reading the model", PER_CHARACTER * len(source.text)):
+        return run(source)
 
 
 @_uncollected
@@ -98,14 +105,15 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
         )
 
     given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
-    try:
-        model = resolved({})
-    except Refused:
-        if not given:
-            raise
-        model = resolved(given)  # a structural one without a value of its own
-    built_in = {name: value for name, value in given.items() if name in model.built_in}
-    return resolved(built_in) if built_in else model
+    with stage("finding what its names mean", PER_CHARACTER * len(tree.source.text)):
+        try:
+            model = resolved({})
+        except Refused:
+            if not given:
+                raise
+            model = resolved(given)  # a structural one without a value of its own
+        built_in = {name: value for name, value in given.items() if name in model.built_in}
+        return resolved(built_in) if built_in else model
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
@@ -126,26 +134,31 @@ def _in_si(name: str, given: float | Quantity) -> float:
 def derive(model: Model) -> EquationsOfMotion:
     from lagc.mechanics.derive import derive as run
 
-    return run(model)
+    unknowns = len(model.coordinates) + len(model.constraints)
+    with stage("deriving the equations", PER_PAIR * unknowns**2):
+        return run(model)
 
 
 @_uncollected
 def optimize(equations: EquationsOfMotion, work: bool) -> Program:
     from lagc.optimize.optimize import optimize as run
 
-    return run(equations, work=work)
+    unknowns = len(equations.v) + len(equations.rows)
+    with stage("simplifying the equations", PER_PAIR * unknowns**2):
+        return run(equations, work=work)
 
 
 @_uncollected
 def render(program: Program, target: str, consistency: bool = True) -> dict[str, str]:
     """File name -> text; with the search for a consistent start, for whoever has no lagc."""
-    if target == "c":
-        from lagc.render.c.render import render as render_c
+    with stage("writing the code", PER_OPERATION * program.interface.operations):
+        if target == "c":
+            from lagc.render.c.render import render as render_c
 
-        return render_c(program, consistency)
-    from lagc.render.numpy.render import render as render_numpy
+            return render_c(program, consistency)
+        from lagc.render.numpy.render import render as render_numpy
 
-    return render_numpy(program, consistency)
+        return render_numpy(program, consistency)
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:

@@ -8,12 +8,27 @@ import re
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _WHOLE = r"[+-]?[0-9]{1,4000}"
 _NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
+_SIZE = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*([KMG]?)B?"
+_SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+_TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*\[?(s|min|h|d|)\]?"
 
 
 def number(text: str) -> float | None:
     """The number that `text` is in a model file, with a sign; None where it is none.  The words for what
     is not finite are taken too, so that who needs a finite number says so."""
     return float(text) if re.fullmatch(_NUMBER, text) or re.fullmatch(_NONE, text) else None
+
+
+def size(text: str) -> float | None:
+    """The bytes that `text`, as `500M` or `2G`, stands for; None where it is none."""
+    found = re.fullmatch(_SIZE, text.strip().upper(), re.ASCII)
+    return None if found is None else float(found[1]) * 1000.0 ** " KMG".index(found[2] or " ")
+
+
+def seconds(text: str) -> float | None:
+    """The seconds that `text`, as `90`, `10min` or `2h`, stands for; None where it is none."""
+    found = re.fullmatch(_TIME, text.strip(), re.ASCII)
+    return None if found is None else float(found[1]) * _SECONDS[found[2]]
 
 
 def whole(text: str) -> int | None:

@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Iterator
 from time import time
 
+from lagc import numerals
 from lagc.cache import Folder, Unfit, note, reason
 from lagc.records import dataclass
 
@@ -17,7 +18,6 @@ LEFT = 0.75  # of the limit, after the entries used least recently have gone
 SOON = 3600.0  # s in which whatever is being written is done
 _ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
 _TEMPORARY = re.compile(r"tmp-([0-9]+)-[0-9a-f]{16}")
-_SIZE = re.compile(r"([0-9]+(?:\.[0-9]+)?)\s*([KMG]?)B?", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,12 @@ class Entry:
 def limit() -> int:
     """The bytes that the cache may hold: `LAGC_CACHE_SIZE`, as in `500M` or `2G`."""
     given = os.environ.get("LAGC_CACHE_SIZE", "")
-    found = _SIZE.fullmatch(given.strip().upper())
+    found = numerals.size(given)
     if found is None:
         if given.strip():
             note(f"LAGC_CACHE_SIZE={given} is no size such as 500M or 2G; {LIMIT // 1_000_000_000}G is taken")
         return LIMIT
-    return int(float(found[1]) * 1000.0 ** " KMG".index(found[2] or " "))
+    return int(found)
 
 
 def entries(place: Folder) -> list[Entry]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lagc.cli.exits import DONE, Usage, code_of
-from lagc.cli.options import add_general_options
+from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
@@ -20,6 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scene", metavar="S", help="check this scene only; without it, every scene")
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
     parser.add_argument("--explain", metavar="CODE", help="what a fault's code means, with an example")
+    add_limit_options(parser)
     add_general_options(parser)
 
 

@@ -7,9 +7,10 @@ import os
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from lagc.cli.exits import DONE, FAILED, INTERRUPTED, UNWRITTEN
+from lagc.cli.exits import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
+from lagc.limits import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import Run
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 def deliver(found: Run, options: argparse.Namespace) -> int:
     """Write, draw and print `found`, also where the run failed; the exit code."""
+    rest()
     picture = _picture(found, options)
     with SIGNALS.patience():
         written = not options.output or _save(found, options)
@@ -33,7 +35,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
         show_picture(found)
     if found.interrupted:
         say(found.message, options.quiet)
-        return INTERRUPTED
+        return LIMITED if reached() else INTERRUPTED
     if found.status == "failed":
         say(f"error[LAG0620]: {found.message}", options.json)
     if not (written and drawn):

@@ -24,11 +24,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from lagc import compiler, library
+    from lagc.limits import stage
     from lagc.view.equations import write
 
     source = library.read(options.file)
     equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
-    text = write(equations, options.format)
+    with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):
+        text = write(equations, options.format)
     if options.json:
         model = equations.model
         print_json({"status": "ok", "model": model.name, "scene": model.scene,

@@ -11,6 +11,7 @@ DONE = 0
 REFUSED = 1
 USAGE = 2
 FAILED = 3
+LIMITED = 4  # a limit of time or memory was reached, or would be
 INTERNAL = 70  # an error of lagc itself (EX_SOFTWARE of sysexits.h)
 UNWRITTEN = 74  # a file or standard output could not be written (EX_IOERR)
 INTERRUPTED = 130  # by Ctrl-C; 128 + its number by another signal
@@ -21,8 +22,11 @@ _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EA
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """REFUSED where a fault is the model's: it has a place in a file, or is one of its mechanics,
+    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in a file, or is one of its mechanics,
     of its generated code, or of its start.  Else what was asked for is wrong: USAGE."""
+    faults = tuple(faults)
+    if any(f.code.startswith("LAG08") for f in faults):
+        return LIMITED
     of_model = any(f.span is not None or f.code.startswith(("LAG04", "LAG05", "LAG061")) for f in faults)
     return REFUSED if of_model else USAGE
 

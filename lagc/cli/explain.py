@@ -21,12 +21,14 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from lagc import compiler, library
+    from lagc.limits import stage
     from lagc.view.explain import explanation, text
 
     source = library.read(options.file)
     equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
     program = compiler.optimize(equations, work=False)
-    facts = explanation(equations, program)
+    with stage("examining the equations", compiler.PER_PAIR * len(equations.v) ** 2):
+        facts = explanation(equations, program)
     if options.json:
         print_json({"status": "ok", **facts})
     else:

@@ -10,7 +10,7 @@ import os
 
 from lagc import library, saving
 from lagc.cli.exits import DONE, REFUSED, Usage, cannot_write
-from lagc.cli.options import add_general_options
+from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
 
@@ -20,6 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--check", action="store_true", help="change nothing; exit 1 where a file is laid out otherwise"
     )
+    add_limit_options(parser)
     add_general_options(parser, json=False)
 
 

@@ -61,6 +61,8 @@ def _dispatch(words: list[str]) -> int:
     name = words[0]
     if name not in COMMANDS:
         raise Usage(f"there is no command `{name}`{_similar(name)}; `lagc --help` lists them")
+    from lagc.cli.options import limits_of
+
     command = importlib.import_module(f"lagc.cli.{name}")
     parser = Parser(
         prog=f"lagc {name}", description=command.__doc__, allow_abbrev=False,
@@ -69,7 +71,8 @@ def _dispatch(words: list[str]) -> int:
     command.add_options(parser)
     options = parser.parse_args(words[1:])
     try:
-        done: int = command.run(options)
+        with limits_of(options):
+            done: int = command.run(options)
     finally:
         if options.verbose:
             _tell_of_the_cache()

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Callable
+from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.cli.exits import Usage
-from lagc.numerals import number
+from lagc.numerals import number, seconds, size
 
 if TYPE_CHECKING:
     from lagc.compiler import Choice
+    from lagc.limits import Limits
     from lagc.run.request import Quantity
 
 _ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*", re.ASCII)
@@ -27,8 +30,33 @@ def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> N
     )
 
 
+def add_limit_options(parser: argparse.ArgumentParser) -> None:
+    """`--max-time --max-memory`."""
+    parser.add_argument("--max-time", metavar="T", help="stop after that time: 90, 10min, 2h; none: never")
+    parser.add_argument("--max-memory", metavar="SIZE", help="the memory it may take: 500M, 8G; none: any")
+
+
+def limits_of(options: argparse.Namespace) -> Limits:
+    """The limits of a command; without these options, those of each stage and of this machine."""
+    from lagc.limits import Limits, of_this_machine
+
+    time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
+    memory = _limit(getattr(options, "max_memory", None), "--max-memory", size, "500M or 8G")
+    return Limits(time, of_this_machine() if memory is None else memory, careful=time is None)
+
+
+def _limit(word: str | None, option: str, read: Callable[[str], float | None], like: str) -> float | None:
+    if word is None:
+        return None
+    found = inf if word == "none" else read(word)
+    if not found:
+        raise Usage(f"`{option} {word}` is not of the form {like}, nor `none`")
+    return found
+
+
 def add_model_options(parser: argparse.ArgumentParser) -> None:
-    """FILE, and what of it is meant: `--scene --with --without --model -p`."""
+    """FILE, and what of it is meant: `--scene --with --without --model -p`; limits."""
+    add_limit_options(parser)
     parser.add_argument(
         "file", metavar="FILE", help="a model file, a model of the library, or - for standard input"
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.cli.deliver import deliver
@@ -17,6 +18,7 @@ from lagc.cli.options import (
     add_general_options,
     add_model_options,
     choice_of,
+    limits_of,
     quantities,
     quantity,
 )
@@ -71,6 +73,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.progress import Bar
     from lagc.compiler import Compilation
     from lagc.run.backends.compile import CannotCompile
+    from lagc.run.forecast import MOST_MEMORY, Forecast, check_memory
     from lagc.run.request import bound_parameters, bound_starts
 
     check_files(options)
@@ -81,10 +84,14 @@ def run(options: argparse.Namespace) -> int:
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts)
-    stop = request.completed(model.interface.simulate).stop or 0.0
+    complete = request.completed(model.interface.simulate)
+    most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
+    check_memory(complete, model.interface, most)
+    stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:
-            found = model.run(request, parameters, bar)
+            progress = Forecast(bar, stop) if options.max_time is None else bar
+            found = model.run(request, parameters, progress)
         except CannotCompile as error:
             raise Usage(f"{error}; --backend numpy needs no compiler") from None
     return deliver(found, options)

@@ -190,10 +190,12 @@ class Machine:
                 children: list[Any] = []
                 for place in recipe:
                     child = None if place < 0 else values[first + place]
-                    if type(child) is list:
+                    if type(child) is not list:
+                        children.append(child)
+                    elif children:
                         children.extend(child)
                     else:
-                        children.append(child)
+                        children = child  # a list that grows: nobody else has it
                 start = self.starts[first]
                 if callback is not None:
                     begin = self.tokens[start].start

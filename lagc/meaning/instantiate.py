@@ -86,8 +86,6 @@ class Builder:
             self._extends(d, home.environment)
         elif isinstance(d, tree.ForLoop | tree.Instance):
             self._postpone(d, home)
-        elif isinstance(d, tree.Scene):
-            self.instance.scenes.append((d, home.environment.space))
         elif isinstance(d, tree.When):
             raise Wrong("LAG0220", "`when` is part of the language, but not yet of this version", d.span)
         elif isinstance(d, tree.Start | tree.Simulate):

@@ -107,7 +107,6 @@ class Instance:
         self.items: list[Item] = []  # in order of declaration
         self.effects: dict[str, tree.Effect] = {}
         self.unused: dict[str, str] = {}  # name of a declaration that is not there -> why
-        self.scenes: list[tuple[tree.Scene, Namespace]] = []
         self.conditions: list[tuple[tree.Condition, Environment]] = []
 
     def in_order(self) -> list[Entry]:

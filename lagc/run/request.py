@@ -93,15 +93,20 @@ class Request:
         if faults:
             raise Refused(faults)
 
-    def grid(self) -> list[float]:
-        """The recorded times, from 0 to `stop` (both included)."""
+    def size(self) -> int:
+        """How many times are recorded."""
         stop = self.stop or 0.0
         if stop == 0.0:
-            return [0.0]
+            return 1
         if self.every is not None:
-            n = int(stop / self.every * (1.0 - 1e-12))
-            return [*(k * self.every for k in range(n + 1)), stop]
-        n = (self.points or POINTS) - 1
+            return int(stop / self.every * (1.0 - 1e-12)) + 2
+        return self.points or POINTS
+
+    def grid(self) -> list[float]:
+        """The recorded times, from 0 to `stop` (both included)."""
+        stop, n = self.stop or 0.0, self.size() - 1
+        if self.every is not None:
+            return [*(k * self.every for k in range(n)), stop]
         return [*(stop * k / n for k in range(n)), stop]
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
+from lagc.limits import reached
 from lagc.records import dataclass
 from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
 from lagc.run.names import row_name, speed_name, state_name
@@ -66,7 +67,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status in (OK, REDUNDANT):
         return "ok", f"reached {t}"
     if status == INTERRUPTED:
-        return "failed", f"interrupted at {t}"
+        limit = reached()
+        return "failed", f"interrupted at {t}" + (f": it took longer than {limit}" if limit else "")
     if status == SINGULAR_MASS:
         return (
             "failed",

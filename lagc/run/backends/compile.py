@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from lagc import cache
+from lagc.limits import stage
 from lagc.saving import scratch
 
 if TYPE_CHECKING:
@@ -63,8 +64,9 @@ def build_library(sources: Mapping[str, str]) -> bytes:
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
     try:
-        with scratch() as work, open(_compile(words, sources, work), "rb") as file:
-            return file.read()
+        with stage("compiling the code", LONGEST), scratch() as work:
+            with open(_compile(words, sources, work), "rb") as file:
+                return file.read()
     except OSError as error:
         raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
 
