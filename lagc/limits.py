@@ -70,15 +70,16 @@ class Limits:
 
             resource.setrlimit(resource.RLIMIT_AS, self.room)
         if kind is Exhausted:
-            raise Refused([Fault("LAG0801", f"{self.doing} took longer than {self.told}",
-                                 remedy="give it more time: `--max-time 1h`, or `none`")]) from None  # fmt: skip
-        if kind is MemoryError and self.room is not None:
-            raise Refused([self.out_of_memory()]) from None
-
-    def out_of_memory(self) -> Fault:
-        assert self.memory is not None
-        return Fault("LAG0802", f"{self.doing} needs more than {size_text(self.memory)} of memory, the limit",
-                     remedy="allow more: `--max-memory 8G`, or `none`")  # fmt: skip
+            message, remedy = (
+                f"{self.doing} took longer than {self.told}",
+                "give it more: `--max-time 1h`, or `none`",
+            )
+            raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
+        if kind is MemoryError and self.memory is not None:
+            message = f"{self.doing} needs more memory than {size_text(self.memory)}, the limit"
+            raise Refused(
+                [Fault("LAG0802", message, remedy="allow more: `--max-memory 8G`, or `none`")]
+            ) from None
 
     def ask(self) -> None:
         """Raises Exhausted where the time is up."""

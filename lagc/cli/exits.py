@@ -22,8 +22,8 @@ _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EA
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in a file, or is one of its mechanics,
-    of its generated code, or of its start.  Else what was asked for is wrong: USAGE."""
+    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in a file, or
+    is one of its mechanics, its generated code, or its start.  Else what was asked for is wrong: USAGE."""
     faults = tuple(faults)
     if any(f.code.startswith("LAG08") for f in faults):
         return LIMITED

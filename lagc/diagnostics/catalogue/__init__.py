@@ -11,7 +11,7 @@ import importlib
 
 from lagc.records import dataclass
 
-ROOMS = ("syntax", "meaning", "mechanics", "optimize", "run", "files")
+ROOMS = ("syntax", "meaning", "mechanics", "optimize", "run", "files", "limits")
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,9 +64,12 @@ def build_library(sources: Mapping[str, str]) -> bytes:
     if words is None:
         raise CannotCompile("no C compiler was found (cc, gcc, clang, or the package `ziglang`)")
     try:
-        with stage("compiling the code", LONGEST), scratch() as work:
-            with open(_compile(words, sources, work), "rb") as file:
-                return file.read()
+        with (
+            stage("compiling the code", LONGEST),
+            scratch() as work,
+            open(_compile(words, sources, work), "rb") as file,
+        ):
+            return file.read()
     except OSError as error:
         raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
 

@@ -1,0 +1,194 @@
+"""Limits of time and memory: the stage is named, what was computed is kept, and nothing is left behind."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import math
+import random
+import signal
+import tracemalloc
+from pathlib import Path
+from time import monotonic
+
+import pytest
+
+import lagc
+from lagc import limits
+from lagc.cli.main import main
+from lagc.diagnostics.faults import Refused
+from lagc.numerals import seconds, size
+from lagc.run import forecast
+from lagc.run.request import Request
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+SPRING = """\
+model Spring
+  parameter Mass m = 1 [kg];
+  parameter Stiffness k = 1 [N/m];
+  coordinate Length x(start = 1);
+  body b = Particle(mass = m, at = {x, 0, 0});
+  potential V = 1/2*k*x^2;
+end Spring;
+"""
+STAGES = [  # where it is done, by which command, what it is called
+    ("lagc.frontend.parse.parse", "check", "reading the model"),
+    ("lagc.meaning.resolve.resolve", "check", "finding what its names mean"),
+    ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
+    ("lagc.optimize.optimize.optimize", "check", "simplifying the equations"),
+    ("lagc.view.equations.write", "equations", "writing the equations"),
+    ("lagc.view.explain.explanation", "explain", "examining the equations"),
+    ("lagc.render.c.render.render", "build", "writing the code"),
+    ("lagc.render.numpy.render.render", "sim", "writing the code"),
+]
+
+
+@pytest.fixture
+def spring(tmp_path: Path) -> str:
+    path = tmp_path / "spring.lag"
+    path.write_text(SPRING)
+    return str(path)
+
+
+def endless(*_: object, **__: object) -> None:
+    while True:
+        pass
+
+
+@pytest.mark.parametrize("given", [True, False], ids=["max-time", "of the stage"])
+@pytest.mark.parametrize(("place", "command", "doing"), STAGES, ids=[s[0] for s in STAGES])
+def test_a_stage_that_never_ends_is_ended_and_named(
+    spring: str, place: str, command: str, doing: str, given: bool, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str], tmp_path: Path,
+) -> None:  # fmt: skip
+    module, _, name = place.rpartition(".")
+    monkeypatch.setattr(importlib.import_module(module), name, endless)
+    monkeypatch.setattr(limits, "ALLOWED", 0.2)
+    for size_of in ("PER_CHARACTER", "PER_PAIR", "PER_OPERATION"):
+        monkeypatch.setattr(f"lagc.compiler.{size_of}", 0.0)
+    before, began = signal.getsignal(signal.SIGALRM), monotonic()
+    words = [command, spring, *(["-o", str(tmp_path)] if command == "build" else [])]
+    assert main([*words, *(["--max-time", "0.5"] if given else []), "--json"]) == 4
+    assert monotonic() - began < 20.0
+    out = capsys.readouterr()
+    (fault,) = json.loads(out.out)["faults"]
+    assert fault["code"] == "LAG0801"
+    assert fault["message"].startswith(f"{doing} took longer than ")
+    assert signal.getsignal(signal.SIGALRM) == before
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_a_run_that_is_ended_keeps_what_it_computed(
+    spring: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "spring.csv"
+    words = ["--stop", "1e5", "--every", "1", "--backend", "numpy", "--max-time", "2", "-o", str(path)]
+    assert main(["sim", spring, *words, "--max-memory", "none", "--json"]) == 4
+    found = json.loads(capsys.readouterr().out)
+    assert found["status"] == "failed"
+    assert found["message"].endswith("it took longer than the 2 s that were given")
+    rows = list(csv.DictReader(path.open()))
+    assert len(rows) > 3  # of which the pilots are good to about 1e-6 for a turn
+    for row in rows:
+        t = float(row["time"])
+        assert float(row["x"]) == pytest.approx(math.cos(t), abs=1e-5 * (1.0 + t))
+
+
+def test_the_time_of_a_block_is_that_of_all_in_it() -> None:
+    with (
+        pytest.raises(Refused, match=r"LAG0801: the inner took longer than the 0[.]1 s"),
+        lagc.Limits(time=0.1),
+    ):
+        with limits.stage("the outer"):
+            pass
+        with limits.stage("the inner"):
+            endless()
+
+
+def test_a_run_in_python_ends_with_what_it_has() -> None:
+    system = lagc.loads(SPRING).compile(backend="numpy")
+    with lagc.Limits(time=1.5):
+        run = system.simulate(stop=1e5, every=1.0)
+    assert (run.status, run.interrupted) == ("failed", True)
+    assert 1 < len(run.t) < 1e5
+
+
+def test_more_memory_than_allowed_is_told_and_the_limit_goes() -> None:
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    with pytest.raises(Refused, match="LAG0802: the work needs more memory"), lagc.Limits(memory=1.0):
+        bytearray(1 << 30)
+    assert resource.getrlimit(resource.RLIMIT_AS) == before
+    bytearray(1 << 26)
+
+
+@pytest.mark.parametrize("word", ["0", "-1", "nan", "inf", "2 weeks", "1e3", "", "٣"])
+@pytest.mark.parametrize("option", ["--max-time", "--max-memory"])
+def test_limits_that_are_none(spring: str, option: str, word: str) -> None:
+    assert main(["check", spring, option, word]) == 2
+
+
+def test_words_for_times_and_sizes() -> None:
+    rng = random.Random(8)
+    for _ in range(100):
+        n = rng.choice((rng.randrange(1, 1000), round(rng.uniform(0.1, 99.0), 3)))
+        for unit, factor in (("", 1), ("s", 1), ("min", 60), ("h", 3600), ("d", 86400)):
+            assert seconds(f"{n}{unit}") == seconds(f"{n} [{unit}]") == n * factor
+        for letter, power in (("", 0), ("K", 1), ("M", 2), ("G", 3), ("T", 4)):
+            assert size(f"{n}{letter}") == size(f"{n} {letter.lower()}B") == n * 1000.0**power
+
+
+def test_a_run_is_ended_where_two_looks_say_that_it_takes_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of a random steady pace: those that need more than the limit end at the second look, 2 s after
+    they began, the others never."""
+    rng = random.Random(5)
+    for _ in range(200):
+        needed = 10.0 ** rng.uniform(0.0, 8.0)
+        if 150.0 < needed < 600.0:
+            continue
+        clock = [rng.uniform(0.0, 1e6)]
+        monkeypatch.setattr(forecast, "monotonic", lambda clock=clock: clock[0])
+        stop, step = 10.0 ** rng.uniform(-200, 200), rng.uniform(0.01, 0.3)
+        began, reached = clock[0], []
+        watched = forecast.Forecast(reached.append, stop, most=300.0)
+        try:
+            while clock[0] - began < min(needed, 30.0):
+                watched(stop * ((clock[0] - began) / needed))
+                clock[0] += step
+        except Refused as refused:
+            (fault,) = refused.faults
+            assert fault.code == "LAG0803"
+            assert needed > 300.0
+            assert clock[0] - began < 2.0 + 3.0 * step
+        else:
+            assert needed <= 300.0
+        assert reached
+
+
+def test_what_is_recorded_takes_the_memory_that_is_foretold() -> None:
+    system = lagc.loads(SPRING).compile(backend="numpy")
+    for points in (4000, 16000):
+        request = Request(stop=20.0, points=points, rtol=1e-6).completed({})
+        tracemalloc.start()
+        run = system.simulate(stop=20.0, points=points, rtol=1e-6)
+        taken = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert len(run.times) == request.size() == len(request.grid())
+        assert 0.5 * taken < request.size() * (forecast.POINT + forecast.NUMBER * 2) < 2.0 * taken
+
+
+@pytest.mark.parametrize(
+    ("words", "code"),
+    [
+        (["--points", "20000000"], "LAG0804"),
+        (["--stop", "1e12", "--backend", "numpy"], "LAG0803"),
+    ],
+)
+def test_a_run_that_takes_more_than_one_may_want_says_so(
+    spring: str, words: list[str], code: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sim", spring, *words, "--json"]) == 4
+    (fault,) = json.loads(capsys.readouterr().out)["faults"]
+    assert fault["code"] == code
+    assert "--max-" in fault["remedy"]
