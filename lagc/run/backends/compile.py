@@ -69,9 +69,28 @@ def build_library(sources: Mapping[str, str]) -> bytes:
             scratch() as work,
             open(_compile(words, sources, work), "rb") as file,
         ):
-            return file.read()
+            built = file.read()
     except OSError as error:
         raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
+    if not _is_whole(built):
+        raise CannotCompile(f"`{os.path.basename(words[0])}` left half a library behind")
+    return built
+
+
+def _is_whole(library: bytes) -> bool:
+    """Whether all that the system will map is there: it does not look, and the process dies where a page is
+    missing.  Of 64-bit ELF files, by their program headers; of others, whether there is anything."""
+    if library[:6] != b"\x7fELF\x02\x01":
+        return len(library) > 0
+    import struct
+
+    try:
+        (start,) = struct.unpack_from("<Q", library, 0x20)
+        size, count = struct.unpack_from("<HH", library, 0x36)
+        segments = [struct.unpack_from("<8xQ16xQ", library, start + k * size) for k in range(count)]
+    except struct.error:
+        return False
+    return all(offset + length <= len(library) for offset, length in segments)
 
 
 def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) -> str:
