@@ -87,8 +87,6 @@ class Trials:
 def _report(found: Any) -> Report:
     if isinstance(found, workers.Died):
         command = found.command.partition(" ")[0] or "start"
-        if found.how == workers.TOO_LONG and command == "sim" and "--step" not in found.command:
-            return Report({"sim verified": found.how})  # as many steps as the accuracy asks for
         return Report({command: "died"}, [(command, f"{found.how}: {found.command}")])
     assert isinstance(found, Report)
     return found

@@ -13,7 +13,13 @@ from dataclasses import dataclass
 from lagc.cli.main import main
 
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
-_STATUS = {0: ("ok", "terminated"), 1: ("refused",), 2: ("refused",), 3: ("failed",)}
+_STATUS = {
+    0: ("ok", "terminated"),
+    1: ("refused",),
+    2: ("refused",),
+    3: ("failed",),
+    4: ("failed", "refused"),
+}
 
 
 @dataclass(frozen=True)
@@ -72,8 +78,8 @@ def complaint(words: tuple[str, ...], said: Said) -> str | None:
         return _json_complaint(said)
     if said.code == 0 and "error[" in said.err:
         return f"exit code 0 with an error: {said.err[:200]}"
-    if said.code == 1 and "error[" not in both:
-        return "exit code 1 without an error"
+    if said.code in (1, 4) and "error[" not in both:
+        return f"exit code {said.code} without an error"
     if said.code == 2 and not ("lagc: " in said.err or "error[" in both):
         return "exit code 2 without a reason"
     odd = _CONTROL.search(both) if words[0] != "fmt" else None  # which gives back what it was given

@@ -13,7 +13,6 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, TypeAlias
 
 SECONDS = 10  # of processor time for one command
-TOO_LONG = f"more than {SECONDS} s"
 WALL = 60.0  # s for one command, whatever it waits for
 MEMORY = 2 << 30  # bytes of address space
 BATCH = 20  # tasks of one child
@@ -108,7 +107,7 @@ def _serve(do: Do, batch: list[Any], memory: int | None, pipe: Connection, their
 
 def _ending(code: int | None) -> str:
     if code == -signal.SIGXCPU:
-        return TOO_LONG
+        return f"more than {SECONDS} s"
     if code == -signal.SIGKILL:
         return f"killed, or more than {WALL:g} s of waiting"
     return f"died of {signal.Signals(-code).name}" if code and code < 0 else f"ended with exit code {code}"
