@@ -149,16 +149,16 @@ def optimize(equations: EquationsOfMotion, work: bool) -> Program:
 
 
 @_uncollected
-def render(program: Program, target: str, consistency: bool = True) -> dict[str, str]:
-    """File name -> text; with the search for a consistent start, for whoever has no lagc."""
+def render(program: Program, target: str, complete: bool = True) -> dict[str, str]:
+    """File name -> text; `complete` for whoever has no lagc."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
             from lagc.render.c.render import render as render_c
 
-            return render_c(program, consistency)
+            return render_c(program, complete)
         from lagc.render.numpy.render import render as render_numpy
 
-        return render_numpy(program, consistency)
+        return render_numpy(program, complete)
 
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
@@ -256,7 +256,7 @@ class Compilation:
 
     def _compiled(self, target: str) -> Artifact:
         program = self.program
-        sources = render(program, target, consistency=False)
+        sources = render(program, target, complete=False)
         artifact = Artifact(
             interface=program.interface,
             sources=sources,

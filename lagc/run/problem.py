@@ -16,6 +16,7 @@ from lagc.render.numpy.support.base import (
     FIRST_LOOK,
     INCONSISTENT,
     INTERRUPTED,
+    INVALID,
     MAX_STEPS,
     NOT_FINITE,
     OK,
@@ -28,8 +29,8 @@ from lagc.render.numpy.support.base import (
 from lagc.render.numpy.support.problem import Problem, Vector
 
 __all__ = [
-    "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "MAX_STEPS", "NOT_FINITE", "OK", "REDUNDANT",
-    "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
+    "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS", "NOT_FINITE", "OK",
+    "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
 ]  # fmt: skip
 
 

@@ -78,6 +78,8 @@ class Request:
                                    "`method`, `rtol`, `atol` and `step`"))  # fmt: skip
         if self.accuracy is not None and self.accuracy >= 1.0:
             faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
+        if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
+            faults.append(_request(f"`rtol` is a relative tolerance, below 1, not {self.rtol:g}"))
         if self.rtol is not None and 0.0 < self.rtol < FINEST:
             faults.append(_request(f"`rtol` is below {FINEST:g}, where rounding is all that is left"))
         if self.rtol == 0.0 and not self.atol:

@@ -114,9 +114,10 @@ def _more(parts: list[str]) -> str:
 def by_hand(request: Request) -> Options:
     method = request.method or "dop853"
     if request.step is not None:
-        return Options(method=method, step=request.step)
+        return Options(method=method, step=request.step, max_steps=0)
     rtol = RTOL if request.rtol is None else request.rtol
-    return Options(method=method, rtol=rtol, atol=0.0 if request.atol is None else request.atol)
+    atol = 0.0 if request.atol is None else request.atol
+    return Options(method=method, rtol=rtol, atol=atol, max_steps=0)
 
 
 def energy(system: System, trajectory: Trajectory) -> Energy:

@@ -103,6 +103,9 @@ class InPython:
     def limit(self, steps: int) -> None:
         self.run.options.max_steps = steps
 
+    def longest(self, step: float) -> None:
+        self.run.options.max_step = step
+
 
 class InC:
     """The functions of the header."""
@@ -163,6 +166,9 @@ class InC:
 
     def limit(self, steps: int) -> None:
         self.options.max_steps = steps
+
+    def longest(self, step: float) -> None:
+        self.options.max_step = step
 
 
 def stepper(name: str, backend: str, options: Options, work: Any = None) -> Any:

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from lagc.optimize.program import Program
-from lagc.render.c.header import STATUSES
 from lagc.render.c.render import render
 from lagc.render.numpy.support import base
+from lagc.render.statuses import STATUSES
 from lagc.run.integrate import Integrator
 from lagc.run.problem import OK, Options
 from tests.run.linkages import four_bar
@@ -96,4 +96,4 @@ def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
 
 
 def test_both_languages_number_the_statuses_alike() -> None:
-    assert [getattr(base, name) for name, _ in STATUSES] == list(range(len(STATUSES)))
+    assert [getattr(base, name) for name, _, _ in STATUSES] == list(range(len(STATUSES)))

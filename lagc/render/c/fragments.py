@@ -9,9 +9,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
+from math import isfinite
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.stages import c_functions, c_parts
+from lagc.render.statuses import STATUSES
 from lagc.render.tableaus import DOP853, TABLEAUS
 
 START = (
@@ -26,9 +28,9 @@ def types(interface: Interface) -> str:
     return resolve(_read("types.h"), interface)
 
 
-def declarations() -> str:
+def declarations(interface: Interface, complete: bool) -> str:
     """The functions that integrate: for the header."""
-    return _read("integrate.h")
+    return resolve(_read("integrate.h"), interface, complete)
 
 
 def start_declarations(interface: Interface) -> str:
@@ -41,7 +43,7 @@ def start_definitions(interface: Interface) -> list[str]:
     return [resolve(_read(name), interface) for name in names]
 
 
-def definitions(program: Program) -> list[str]:
+def definitions(program: Program, complete: bool) -> list[str]:
     """Everything behind them, and `lagc_rhs_`, `lagc_system_`, `lagc_assemble_`, `lagc_solve_`."""
     interface = program.interface
     names = ["sizes.c", "dense.c"]
@@ -52,6 +54,7 @@ def definitions(program: Program) -> list[str]:
     parts = [_power(program), *(resolve(_read(name), interface) for name in names)]
     parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
     parts += [c_parts(DOP853)] if interface.nh else []
+    parts.append(resolve(_read("check.c"), interface, complete))
     parts += [resolve(_read(name), interface) for name in ("weights.c", "integrate.c", "record.c")]
     return [part for part in parts if part]
 
@@ -66,13 +69,14 @@ def sizes(interface: Interface) -> dict[str, int]:
         "HAS_DISPLACE": int("displace" in interface.functions),
         "NCOND": len(interface.condition_ends), "NRATE": len(interface.rate_names),
         "NPOSITION": sum(max(row, default=0) < interface.nq for row in rows),
+        "NBOUNDED": len(_bounded(interface)),
     }  # fmt: skip
 
 
-def resolve(text: str, interface: Interface) -> str:
+def resolve(text: str, interface: Interface, complete: bool = True) -> str:
     """`text` without its #if, #else and #endif: only the branches that hold; and with the few
-    numbers that only the support uses."""
-    known = sizes(interface)
+    numbers that only the support uses.  `complete`: with what a run of lagc does itself."""
+    known = {**sizes(interface), "COMPLETE": int(complete)}
     lines: list[str] = []
     open_: list[bool] = []
     for line in text.splitlines(keepends=True):
@@ -90,8 +94,19 @@ def resolve(text: str, interface: Interface) -> str:
     return re.sub(r"\n{3,}", "\n\n", found).lstrip("\n")
 
 
-def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
-    """The numbers that only the support uses."""
+def _bounded(interface: Interface) -> list[int]:
+    """The places of parameters that have bounds."""
+    fields = (*interface.parameters, *interface.inputs)
+    return [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
+
+
+def _bound(value: float) -> str:
+    return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
+
+
+def _numbers(interface: Interface) -> dict[str, Sequence[int] | Sequence[str]]:
+    """The numbers, and texts, that only the support uses."""
+    fields, bounded = (*interface.parameters, *interface.inputs), _bounded(interface)
     ends, columns = list(interface.condition_ends), list(interface.condition_columns)
     for k in interface.quaternions:
         ends.append(len(columns) + 4)
@@ -99,6 +114,9 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
     columns = columns or [0]  # C knows no empty array
     unknowns = range(len(interface.start_levels))
     return {
+        "BOUNDED": bounded,
+        "BOUNDS": [f"{{{_bound(fields[i].minimum)}, {_bound(fields[i].maximum)}}}" for i in bounded],
+        "STATUS_TEXTS": [f'"{text}"' for _, text, _ in STATUSES],
         "KINDS_OF_X": interface.kinds, "KINDS": [max(interface.kinds) + 1],
         "NWORK": [interface.work_size], "QUATERNIONS": interface.quaternions, "NJ": [len(columns)],
         "NCOND": [len(interface.condition_ends)], "NRATE": [len(interface.rate_names)],
@@ -108,9 +126,10 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int]]:
     }  # fmt: skip
 
 
-def _wrapped(values: Sequence[int]) -> str:
-    """Numbers with commas between, on lines that stay short."""
-    lines = [", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16)]
+def _wrapped(values: Sequence[int] | Sequence[str]) -> str:
+    """Numbers, or texts, with commas between, on lines that stay short."""
+    few = 16 if values and isinstance(values[0], int) else 2
+    lines = [", ".join(map(str, values[k : k + few])) for k in range(0, len(values), few)]
     return ",\n    ".join(lines)
 
 

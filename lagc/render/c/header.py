@@ -8,17 +8,7 @@ from collections.abc import Iterable
 from lagc.optimize.program import Field, Interface
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.names import Names, comment, prefix
-
-STATUSES = (
-    ("OK", ""),
-    ("SINGULAR_MASS", "the mass matrix is not positive definite; culprit: index of v"),
-    ("REDUNDANT", "success: rows depend on each other, lambda is the smallest that fits; culprit: row"),
-    ("INCONSISTENT", "rows contradict each other; culprit: row"),
-    ("NOT_FINITE", "not a number, or infinite; culprit: index of x"),
-    ("STEP_UNDERFLOW", "the step became too small for the tolerance"),
-    ("MAX_STEPS", "the number of steps that was allowed is used up; continue if you like"),
-    ("INTERRUPTED", "the caller asked to stop"),
-)
+from lagc.render.statuses import STATUSES
 
 
 def banner(interface: Interface, file: str) -> str:
@@ -33,6 +23,19 @@ def banner(interface: Interface, file: str) -> str:
 
 
 _USE = """\
+/* What every function demands and promises:
+ * No pointer is NULL but where it is said that it may be.  What is written overlaps nothing else that the
+ * call is given; what is const is only read, and may be shared by any calls.  Everything is aligned as its
+ * type, and *w was filled with zeros before its first use.
+ * Any thread may call, also from within a callback or a signal: nothing is kept here.  *w and *s belong to
+ * one call at a time.
+ * OK and REDUNDANT are successes.  With another status, what was to be written has no meaning; what is said
+ * of *s stands with the functions that move it.  Functions without a status give numbers that are not finite
+ * where the parameters or the state lead to them.
+ * lagc_check tells whether parameters and options make sense; the functions that evaluate at one state
+ * do not ask, those that integrate do, once a call.
+ */
+
 /* In short (the functions are explained below):
  *     static lagc_work w;                     zeros; one for each thread
  *     lagc_params p = lagc_default_params();
@@ -142,7 +145,8 @@ def _note(member: str, field: Field) -> str:
 
 def statuses() -> str:
     lines = []
-    for k, (name, note) in enumerate(STATUSES):
+    for k, (name, text, culprit) in enumerate(STATUSES):
         comma = "," if k < len(STATUSES) - 1 else ""
-        lines.append(f"    LAGC_{name} = {k}{comma}" + (f" /* {note} */" if note else ""))
+        note = f"{text}; culprit: {culprit}" if culprit else text
+        lines.append(f"    LAGC_{name} = {k}{comma} /* {note} */")
     return "typedef enum {\n" + "\n".join(lines) + "\n} lagc_status;\n"

@@ -17,23 +17,24 @@ from lagc.render.locals import local_names
 from lagc.render.names import prefix, stem
 
 
-def render(program: Program, consistency: bool = True) -> dict[str, str]:
+def render(program: Program, complete: bool = True) -> dict[str, str]:
     """File name -> text: `<model>.h` and `<model>.c`, C99 and C++.
 
-    Without `consistency` they lack the search for a consistent start, which takes a compiler as long as
-    much of the rest and which a run of `lagc` makes by its twin in Python, to the same bits.
+    Unless `complete` they lack what a run of `lagc` does itself: the search for a consistent start, which
+    takes a compiler as long as much of the rest, by its twin in Python, to the same bits; the bounds of
+    parameters; texts.
     """
     interface = program.interface
     name = stem(interface.model)
-    consistency = consistency and interface.needs_consistency
     return {
-        f"{name}.h": _prefixed(_header(program, f"{name}.h", consistency), interface),
-        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", consistency), interface),
+        f"{name}.h": _prefixed(_header(program, f"{name}.h", complete), interface),
+        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete), interface),
     }
 
 
-def _header(program: Program, file: str, consistency: bool) -> str:
+def _header(program: Program, file: str, complete: bool) -> str:
     interface = program.interface
+    consistency = complete and interface.needs_consistency
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
@@ -44,14 +45,14 @@ def _header(program: Program, file: str, consistency: bool) -> str:
         header.statuses(),
         fragments.types(interface),
         *(verb.declaration for verb in verbs(program)),
-        fragments.declarations(),
+        fragments.declarations(interface, complete),
         fragments.start_declarations(interface) if consistency else "",
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _source(program: Program, file: str, own_header: str, consistency: bool) -> str:
+def _source(program: Program, file: str, own_header: str, complete: bool) -> str:
     interface = program.interface
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
@@ -60,8 +61,8 @@ def _source(program: Program, file: str, own_header: str, consistency: bool) -> 
         _CONTRACTION,
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),
-        *fragments.definitions(program),
-        *(fragments.start_definitions(interface) if consistency else []),
+        *fragments.definitions(program, complete),
+        *(fragments.start_definitions(interface) if complete and interface.needs_consistency else []),
         *(verb.definition for verb in verbs(program)),
     ]
     return "\n".join(part for part in parts if part)

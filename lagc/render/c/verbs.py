@@ -113,7 +113,7 @@ def _default_params(interface: Interface) -> Verb:
 
 def _rhs(interface: Interface) -> Verb:
     return Verb(
-        "xdot[NX] at (t, x), and the multipliers lambda[NC] where lambda is not NULL.",
+        "xdot[NX] at (t, x), and the multipliers lambda[NC]; lambda may be NULL.",
         f"lagc_status lagc_rhs({_POINT}, double *xdot, double *lambda, lagc_work *w)",
         (_AFRESH if interface.nc else "")
         + "    return (lagc_status)lagc_rhs_(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
@@ -171,7 +171,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
 def _linear() -> list[Verb]:
     return [
         Verb(
-            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow.",
+            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow, after a success only.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
             _AFRESH + "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
         Verb(

@@ -30,18 +30,20 @@ from typing import Any, NamedTuple
 """
 
 
-def render(program: Program, consistency: bool = True) -> dict[str, str]:
-    """File name -> text; one file, `<model>.py`.  Without `consistency` it lacks the search for a
-    consistent start, which a run of `lagc` has already."""
+def render(program: Program, complete: bool = True) -> dict[str, str]:
+    """File name -> text; one file, `<model>.py`.  Unless `complete` it lacks what a run of `lagc` has
+    already: the search for a consistent start, the bounds of parameters."""
     file = f"{stem(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
-    consistency = consistency and program.interface.needs_consistency
+    consistency = complete and program.interface.needs_consistency
+    if complete:
+        parts.append(_bounds(program.interface))
     if consistency:
         parts.append(_start_tables(program.interface))
     support = _support((*SUPPORT, *START) if consistency else SUPPORT)
-    return {file: "\n\n".join([*parts, *support, *verbs(program, consistency)])}
+    return {file: "\n\n".join([*parts, *support, *verbs(program, complete)])}
 
 
 def _banner(interface: Interface, file: str) -> str:
@@ -88,6 +90,12 @@ def _start_tables(interface: Interface) -> str:
             ("CONDITION_COLUMNS", interface.condition_columns),
         )
     )
+
+
+def _bounds(interface: Interface) -> str:
+    fields = [*interface.parameters, *interface.inputs]
+    rows = [f"    {n!r}: ({f.minimum!r}, {f.maximum!r}),\n" for n, f in zip(member_names(interface), fields)]
+    return "".join(["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"])
 
 
 def _row(field: Field) -> str:

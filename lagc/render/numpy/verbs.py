@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from lagc.optimize.program import Program
+from lagc.render.statuses import STATUSES
 
 _ALWAYS = '''\
 _integrate = integrate
-STATUSES = (
-    "done", "the mass matrix is singular", "rows of constraints depend on each other",
-    "rows of constraints contradict each other",
-    "a value is not finite", "the step became too small", "too many steps", "interrupted",
-)
+STATUSES = @STATUSES@
 
 
 def default_params(**values):
@@ -60,6 +57,16 @@ def _floats(values):
     return [float(v) for v in values]
 '''
 
+_CHECK = '''\
+def check(p=None, options=None):
+    """ValueError, with its name, where a parameter or input of p is not finite or out of its BOUNDS, or an
+    option makes no sense."""
+    if options is not None:
+        options.check()
+    if p is not None:
+        equations(p).check()
+'''
+
 _START = '''\
 def start(p=None):
     """x[NX] as the model gives it: start values, and guesses that the constraints and the initial
@@ -74,8 +81,14 @@ def consistent(x=None, t=0.0, p=None, levels=None):
     """x[NX], the guess (None: `start`) moved onto all conditions of the start: constraints, their rates,
     the initial section, unit quaternions.  What is stated less firmly moves first, of what is stated as
     few as possible; `levels` (UNSTATED, DECLARED, SCENE, RUN, FIXED) of q, v and the stated rates, None:
-    the model's.  ArithmeticError where no start is found."""
+    the model's.  ArithmeticError where no start is found; ValueError where t, a level or a parameter makes
+    no sense."""
     model = equations(p)
+    model.check()
+    if not abs(t) < inf:
+        raise ValueError(f"the time {t!r} is not finite")
+    if levels is not None and not (len(levels) == len(LEVELS) and set(levels) <= set(range(FIXED + 1))):
+        raise ValueError(f"levels are {len(LEVELS)} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
     guess = start(model.p) if x is None else _floats(x)
     search = Consistency(_conditions(model), float(t), guess, LEVELS if levels is None else levels)
     status = search.run()
@@ -192,9 +205,9 @@ def _vectorised(function):
 '''
 
 
-def verbs(program: Program, consistency: bool) -> list[str]:
-    """Those that the model has a use for."""
-    found = [_ALWAYS]
+def verbs(program: Program, complete: bool) -> list[str]:
+    """Those that the model has a use for; `complete`, with those that a run of lagc does without."""
+    found = [_ALWAYS.replace("@STATUSES@", _texts())]
     for name, text in (
         ("start", _START),
         ("system", _SYSTEM),
@@ -203,8 +216,14 @@ def verbs(program: Program, consistency: bool) -> list[str]:
     ):
         if name in program.functions:
             found.append(text)
-    if consistency:
+    if complete:
+        found.append(_CHECK)
+    if complete and program.interface.needs_consistency:
         found.append(_CONSISTENT)
     if program.interface.nc:
         found.append(_CONSTRAINTS)
     return [*found, _MANY]
+
+
+def _texts() -> str:
+    return "".join(["(\n", *(f"    {text!r},\n" for _, text, _ in STATUSES), ")"])

@@ -12,7 +12,7 @@ from lagc.once import once
 from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
-from lagc.run.problem import FIRST_LOOK, INTERRUPTED, MAX_STEPS, OK, Options, Trajectory, Vector
+from lagc.run.problem import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, OK, Options, Trajectory, Vector
 
 METHODS = {"dop853": 0, "dopri5": 1}  # lagc_method of the header
 SLICE = 0.05  # s between two calls of `progress`
@@ -165,6 +165,7 @@ class CSystem(CompiledSystem):
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
+        options.check()
         nx, n, call = self.nx, len(times), self.model.functions
         work = self.model.work()
         room = ctypes.create_string_buffer(call["state_size"]())
@@ -192,6 +193,11 @@ class CSystem(CompiledSystem):
         try:
             while status == INTERRUPTED:
                 began, most = perf_counter(), min(budget, look - state.steps)
+                if options.max_steps > 0:
+                    asked.max_steps = options.max_steps - state.steps - state.rejected
+                    if asked.max_steps <= 0:
+                        status = MAX_STEPS
+                        break
                 status = record(self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                                 ctypes.byref(done), c_long(most), work)  # fmt: skip
                 if progress is not None:
@@ -204,6 +210,8 @@ class CSystem(CompiledSystem):
                         status = MAX_STEPS
         except KeyboardInterrupt:
             status = INTERRUPTED
+        if status == INVALID:
+            raise ValueError("the times are finite and in order, from that of the start on")
         return told()
 
     def _at(self, x: Vector) -> Any:

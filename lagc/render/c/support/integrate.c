@@ -12,7 +12,7 @@ lagc_options lagc_default_options(void)
     lagc_options o;
     o.method = LAGC_DOP853;
     o.project = 1;
-    o.max_steps = 0;
+    o.max_steps = 100000000;
     o.rtol = 1e-9;
     o.atol = 0.0;
     o.step = 0.0;
@@ -50,6 +50,7 @@ void lagc_begin(lagc_state *s, double t, const double *x)
     s->steps = 0;
     s->rejected = 0;
     s->rhs = 0;
+    s->entered = 0;
     s->called = 1;
     s->method = LAGC_DOP853;
     s->rate = LAGC_NOWHERE;
@@ -66,6 +67,7 @@ void lagc_begin(lagc_state *s, double t, const double *x)
 static void lagc_enter(lagc_state *s, lagc_work *w)
 {
     s->called = 1;
+    s->entered = s->steps + s->rejected;
 #if LAGC_NC
     w->lost = s->lost;
 #else
@@ -317,7 +319,7 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
     if (o->max_step > 0.0 && size > o->max_step)
         size = o->max_step;
     for (;;) {
-        if (o->max_steps > 0 && s->steps + s->rejected >= o->max_steps)
+        if (o->max_steps > 0 && s->steps + s->rejected - s->entered >= o->max_steps)
             return LAGC_MAX_STEPS;
         lands = size * 1.01 >= rest;
         t_new = t1;

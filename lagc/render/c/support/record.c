@@ -63,13 +63,28 @@ static int lagc_dense_(lagc_state *s, double t, const lagc_options *o, double *x
     return LAGC_OK;
 }
 
+/* Whether t is a time of the last step, but for rounding. */
+static int lagc_within(const lagc_state *s, double t)
+{
+    const double part = (t - s->t_old) / s->h_old;
+    return t == s->t || (part >= -1e-9 && part <= 1.0 + 1e-9);
+}
+
 lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc_options *o,
                        double *x, lagc_work *w)
 {
     int status;
     (void)p;
+    if (!lagc_within(s, t)) {
+        s->culprit = LAGC_BAD_TIME;
+        return LAGC_INVALID;
+    }
     lagc_enter(s, w);
     status = lagc_dense_(s, t, o, x, w);
+    if (status == LAGC_OK && lagc_not_finite(x, LAGC_NX) >= 0) {
+        s->culprit = lagc_not_finite(x, LAGC_NX);
+        status = LAGC_NOT_FINITE;
+    }
 #if LAGC_NC
     s->lost = w->lost;
 #endif
@@ -79,6 +94,9 @@ lagc_status lagc_dense(const lagc_params *p, lagc_state *s, double t, const lagc
 lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
                       lagc_work *w)
 {
+    const int status = lagc_demand(p, s, t1, o);
+    if (status != LAGC_OK)
+        return (lagc_status)status;
     lagc_enter(s, w);
     return lagc_leave(s, lagc_step_(p, s, t1, o, w), w);
 }
@@ -86,24 +104,42 @@ lagc_status lagc_step(const lagc_params *p, lagc_state *s, double t1, const lagc
 lagc_status lagc_advance(const lagc_params *p, lagc_state *s, double t1, const lagc_options *o,
                          lagc_work *w)
 {
-    int status = LAGC_OK;
+    int status = lagc_demand(p, s, t1, o);
+    if (status != LAGC_OK)
+        return (lagc_status)status;
     lagc_enter(s, w);
     while (status == LAGC_OK && s->t != t1)
         status = lagc_step_(p, s, t1, o, w);
     return lagc_leave(s, status, w);
 }
 
+/* Whether times are in order from s->t on: asked once, of a grid of which nothing is done. */
+static int lagc_in_order(const lagc_state *s, const double *times, size_t n, double direction)
+{
+    double before = s->t;
+    size_t k;
+    for (k = 0; k < n; k++) {
+        if (!((times[k] - before) * direction >= 0.0))
+            return 0;
+        before = times[k];
+    }
+    return 1;
+}
+
 lagc_status lagc_record(const lagc_params *p, lagc_state *s, const lagc_options *o,
                         const double *times, size_t n, double *states, size_t *done, long budget,
                         lagc_work *w)
 {
-    int status = LAGC_OK;
-    double t1, direction;
+    const double t1 = n > 0 ? times[n - 1] : s->t;
+    const double direction = t1 >= s->t ? 1.0 : -1.0;
+    int status = lagc_demand(p, s, t1, o);
     long count = 0;
-    if (n == 0)
-        return LAGC_OK;
-    t1 = times[n - 1];
-    direction = t1 >= s->t ? 1.0 : -1.0;
+    if (status != LAGC_OK)
+        return (lagc_status)status;
+    if (budget < 0 || *done > n || (*done == 0 && !lagc_in_order(s, times, n, direction))) {
+        s->culprit = budget < 0 ? LAGC_BAD_BUDGET : LAGC_BAD_TIME;
+        return LAGC_INVALID;
+    }
     lagc_enter(s, w);
     while (status == LAGC_OK) {
         while (status == LAGC_OK && *done < n && (times[*done] - s->t) * direction <= 0.0) {

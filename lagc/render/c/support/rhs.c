@@ -112,7 +112,8 @@ static int lagc_factor_dense(const lagc_params *p, double t, const double *x, la
         i = LAGC_NQ;
 #endif
     if (i >= 0) {
-        w->culprit = i;
+        const int own = lagc_not_finite(x, LAGC_NX);
+        w->culprit = own >= 0 ? own : i;
         return LAGC_NOT_FINITE;
     }
 #if LAGC_NC

@@ -98,6 +98,12 @@ lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int
 {
     double rates[LAGC_NU], largest[LAGC_NU];
     int i;
+    w->culprit = fabs(t) < HUGE_VAL ? lagc_bad_parameter(p) : LAGC_BAD_TIME;
+    for (i = 0; levels && w->culprit < 0 && i < LAGC_NU; i++)
+        if (levels[i] < LAGC_UNSTATED || levels[i] > LAGC_FIXED)
+            w->culprit = LAGC_BAD_LEVEL;
+    if (w->culprit >= 0)
+        return LAGC_INVALID;
     for (i = 0; i < LAGC_NU; i++)
         rates[i] = largest[i] = 0.0;
 #if LAGC_NCOND

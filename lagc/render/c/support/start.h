@@ -12,7 +12,7 @@ enum {
 /* Room for lagc_consistent; no need to fill it. */
 typedef struct {
     int culprit;            /* of a failure: the condition that is missed most; of NOT_FINITE the
-                               index in q, v and the stated rates */
+                               index in q, v and the stated rates; of INVALID see LAGC_BAD_... */
     int loose[LAGC_NU];     /* 1: this value may have moved */
     double y[LAGC_NU];      /* q, v, and the stated rates */
     int levels[LAGC_NU];
@@ -81,7 +81,7 @@ typedef struct {
 /* Move the guess x[NX] onto all conditions of the start: constraints, their rates, the initial
  * section, unit quaternions; x[NQ+NV..] is left.  What is stated less firmly moves first, of what is
  * stated as few as possible.  `levels` of q, v and the stated rates, in this order; NULL: the model's.
- * INCONSISTENT: none was found, x is as it was; the conditions are phi[NH], psi[NC], those of the
+ * Any other status than OK leaves x as it was.  INCONSISTENT: no start was found; the conditions are phi[NH], psi[NC], those of the
  * initial section, those of the stated rates, unit quaternions, in this order. */
 lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int *levels,
                             lagc_start_work *w);

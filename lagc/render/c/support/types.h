@@ -57,16 +57,32 @@ typedef struct {
 
 typedef enum { LAGC_DOP853 = 0, LAGC_DOPRI5 = 1 } lagc_method;
 
+/* Numbers are finite and not negative. */
 typedef struct {
     int method;        /* lagc_method */
     int project;       /* 0: let the constraints drift */
-    long max_steps;    /* accepted and rejected; 0: no limit */
-    double rtol;       /* of the largest magnitude so far of the states of the same kind */
-    double atol;       /* added for every state */
+    long max_steps;    /* of one call, accepted and rejected; 0: no limit */
+    double rtol;       /* below 1; of the largest magnitude so far of the states of the same kind */
+    double atol;       /* added for every state; where it is 0, rtol is 1e-15 at least */
     double step;       /* > 0: fixed steps, rtol and atol unused */
     double first_step; /* 0: chosen */
     double max_step;   /* 0: no limit */
 } lagc_options;
+
+/* The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params. */
+enum {
+    LAGC_BAD_METHOD = 0,
+    LAGC_BAD_MAX_STEPS = 1,
+    LAGC_BAD_RTOL = 2,
+    LAGC_BAD_ATOL = 3,
+    LAGC_BAD_STEP = 4,
+    LAGC_BAD_FIRST_STEP = 5,
+    LAGC_BAD_MAX_STEP = 6,
+    LAGC_BAD_TIME = 7, /* s->t, t1, t, times, or n and *done */
+    LAGC_BAD_BUDGET = 8,
+    LAGC_BAD_LEVEL = 9,
+    LAGC_BAD_PARAMETER = 16
+};
 
 /* A state on its way: t and x now, and the last step, with all that dense output of it and the next
  * step need.  A copy is a state of its own. */
@@ -83,6 +99,7 @@ typedef struct {
     double sizes[LAGC_KINDS]; /* of coordinates, and speeds, of one unit: the largest so far */
     double longest; /* step that was tried at first */
     int listening; /* the error of the last step was judged with its rounding */
+    long entered; /* steps and attempts before this call */
     int called; /* from here on for the functions below: no step was made since the caller had it */
     int method; /* of the last step */
     int rate;   /* at (t, x): k[0], the last of k, or to be found */

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 # -- what follows is part of generated modules --
@@ -15,6 +16,7 @@ NOT_FINITE = 4  # NaN or infinity; culprit = index of x
 STEP_UNDERFLOW = 5
 MAX_STEPS = 6
 INTERRUPTED = 7
+INVALID = 8  # of C alone: Python raises ValueError
 FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
@@ -24,8 +26,8 @@ class Options:
 
     `method`: "dop853" or "dopri5".  `rtol` is relative to the largest magnitude so far of the states of
     the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
-    `first_step` 0: chosen; `max_step` 0: no limit; `max_steps` 0: no limit (accepted and rejected
-    steps).  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
+    `first_step` 0: chosen; `max_step` 0: no limit; `max_steps`, of one call: accepted and rejected, 0: no
+    limit.  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
     it says True, the run ends as at `max_steps`.  `project` False leaves the constraints to drift (for
     tests).
     """
@@ -38,7 +40,7 @@ class Options:
         step: float = 0.0,
         first_step: float = 0.0,
         max_step: float = 0.0,
-        max_steps: int = 0,
+        max_steps: int = 100_000_000,
         project: bool = True,
         watch: Callable[[Trajectory], bool] | None = None,
     ):
@@ -47,6 +49,21 @@ class Options:
         self.step, self.first_step, self.max_step = step, first_step, max_step
         self.max_steps = max_steps
         self.project, self.watch = project, watch
+
+    def check(self) -> None:
+        """Raises ValueError, naming the option that makes no sense."""
+        if self.method not in ("dop853", "dopri5"):
+            raise ValueError(f"the option method is dop853 or dopri5, not {self.method!r}")
+        if not self.max_steps >= 0:
+            raise ValueError(f"the option max_steps is not negative: {self.max_steps!r}")
+        for name in ("rtol", "atol", "step", "first_step", "max_step"):
+            value = getattr(self, name)
+            if not 0.0 <= value < inf:
+                raise ValueError(f"the option {name} is finite and not negative: {value!r}")
+            if name == "rtol" and not value < 1.0:
+                raise ValueError(f"the option rtol is below 1: {value!r}")
+            if name == "rtol" and value < 1e-15 and self.step == 0.0 == self.atol:
+                raise ValueError(f"the option rtol is 1e-15 at least where atol is 0: {value!r}")
 
 
 class Trajectory:

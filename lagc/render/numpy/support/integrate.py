@@ -7,7 +7,7 @@ there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import pow, sqrt
+from math import inf, pow, sqrt
 from typing import Any, NamedTuple
 
 from lagc.render.numpy.support.base import (
@@ -71,10 +71,14 @@ class Integrator:
     Between two calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the
     options but for the method, and parameters and inputs (`problem.p`, where it has them): the next step
     begins with what is there then, at the cost of one evaluation where t, x or p is another, and with the
-    size of step that was found before.  One problem may serve several of these in turn.
+    size of step that was found before.  One problem may serve several of these in turn.  A call raises
+    ValueError, before anything is done, where an option, a time or a parameter makes no sense.
     """
 
     def __init__(self, problem: Problem, options: Options, t: float, x: Sequence[float]):
+        options.check()
+        if len(x) != problem.nx:
+            raise ValueError(f"x has {len(x)} entries, not {problem.nx}")
         self.problem, self.options = problem, options
         self.method = METHODS[options.method]
         self.t, self.x = t, list(x)
@@ -95,6 +99,7 @@ class Integrator:
         self.r: list[list[float]] = []
         self.steps = self.rejected = self.rhs = 0
         self.position_drift = self.velocity_drift = 0.0
+        self.entered = 0  # steps and attempts before this call
         self.culprit = -1
         self.constrained = options.project and (problem.nc > 0 or len(problem.quaternions) > 0)
         self.tangents = getattr(problem, "tangents", None) if problem.nh > 0 else None
@@ -108,20 +113,29 @@ class Integrator:
 
     def step(self, t1: float) -> int:
         """One accepted step towards `t1`, at most to it, and then exactly; a status."""
+        status = self.demand(t1)
+        if status != OK:
+            return status
         self.enter()
         return self.leave(self.step_(t1))
 
     def advance(self, t1: float) -> int:
         """To `t1` exactly; a status.  A step that is short only to end there does not make the next
         one short."""
+        status = self.demand(t1)
+        if status != OK:
+            return status
         self.enter()
-        status = OK
         while status == OK and self.t != t1:
             status = self.step_(t1)
         return self.leave(status)
 
     def at(self, t: float) -> tuple[int, list[float]]:
-        """A status and the state at `t` within the last step, which was made with the parameters of then."""
+        """A status and the state at `t` within the last step, which was made with the parameters of then.
+        ValueError at any other time."""
+        part = (t - self.t_old) / self.h_old if self.h_old != 0.0 else -1.0
+        if not (t == self.t or -1e-9 <= part <= 1.0 + 1e-9):
+            raise ValueError(f"the time {t!r} is not within the last step")
         self.enter()
         problem: Any = self.problem
         if self.p is None:
@@ -134,11 +148,26 @@ class Integrator:
                 problem.p = now
         if self.memory is not None:
             self.lost = self.memory.lost
+        if found[0] == OK and not_finite(found[1]) >= 0:
+            self.culprit = not_finite(found[1])
+            return NOT_FINITE, found[1]
         return found
+
+    def demand(self, t1: float) -> int:
+        """What a call that goes to `t1` demands: OK, or NOT_FINITE; raises ValueError."""
+        self.options.check()
+        if not (abs(t1) < inf and abs(self.t) < inf):
+            raise ValueError(f"a time is not finite: from {self.t!r} to {t1!r}")
+        check = getattr(self.problem, "check", None)
+        if check is not None:
+            check()
+        self.culprit = not_finite(self.x)
+        return OK if self.culprit < 0 else NOT_FINITE
 
     def enter(self) -> None:
         """What a call finds: the problem as this state left it."""
         self.called = True
+        self.entered = self.steps + self.rejected
         if self.memory is not None:
             self.memory.lost = self.lost
 
@@ -182,7 +211,7 @@ class Integrator:
         if options.max_step > 0.0 and size > options.max_step:
             size = options.max_step
         while True:
-            if options.max_steps > 0 and self.steps + self.rejected >= options.max_steps:
+            if options.max_steps > 0 and self.steps + self.rejected - self.entered >= options.max_steps:
                 return self._stop(MAX_STEPS)
             lands = size * 1.01 >= rest
             if options.step > 0.0:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from typing import Any
 
 from lagc.render.numpy.support.base import FAILED, NOT_FINITE, OK, REDUNDANT
@@ -40,6 +41,7 @@ class Equations:
         self.culprit = -1
         self.fallbacks = 0
         self.redundant_rows: list[int] = []
+        self._bounds: Mapping[str, tuple[float, float]] | None = model.get("BOUNDS")
         self._straight = bool(model["STRAIGHT"])
         self._functions = {k[3:]: v for k, v in model.items() if k.startswith("fn_")}
         self._fn_rhs: Any = self._functions.get("rhs")
@@ -53,6 +55,17 @@ class Equations:
         self._qdot, self._force, self._gamma = [0.0] * self.nq, [0.0] * nv, [0.0] * nc
         self._mass: list[float] = []
         self._g: list[float] = []
+
+    def check(self) -> None:
+        """Raises ValueError, naming the parameter that is not finite or out of its bounds, where bounds
+        are known (a run of lagc has seen to them)."""
+        if self._bounds is None:
+            return
+        if len(self.p) != len(self._bounds):
+            raise ValueError(f"p has {len(self.p)} entries, not {len(self._bounds)}")
+        for (name, (low, high)), value in zip(self._bounds.items(), self.p):
+            if not (abs(value) < inf and low <= value <= high):
+                raise ValueError(f"the parameter {name!r} is finite, from {low!r} to {high!r}: not {value!r}")
 
     def rhs(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         """xdot[nx] and lam[nc] at (t, x); a status."""
@@ -185,10 +198,12 @@ class Equations:
         for values, first in ((qdot, 0), (force, self.nq)):
             i = not_finite(values)
             if i >= 0:
-                self.culprit = first + i
+                own = not_finite(x)
+                self.culprit = own if own >= 0 else first + i
                 return NOT_FINITE
         if not_finite(mass) >= 0 or not_finite(g) >= 0 or not_finite(gamma) >= 0:
-            self.culprit = self.nq
+            own = not_finite(x)
+            self.culprit = own if own >= 0 else self.nq
             return NOT_FINITE
         if self._fallback is None:
             self._fallback = Fallback(self.nv, self.nc)

@@ -22,7 +22,7 @@ def integrate(
     """From (t0, x0), consistent, to times[-1] exactly; states at `times` (in order) by dense output.
 
     `progress` is called with the time after every step; KeyboardInterrupt ends the run with what
-    was computed (INTERRUPTED).
+    was computed (INTERRUPTED).  ValueError where an option, a time or a parameter makes no sense.
     """
     problem.culprit = -1
     fallbacks: int = getattr(problem, "fallbacks", 0)
@@ -53,8 +53,15 @@ def _record(
     progress: Callable[[float], None] | None,
 ) -> int:
     done, n, look, watch = 0, len(times), FIRST_LOOK, run.options.watch
+    t1 = times[-1] if n else run.t
+    direction = 1.0 if t1 >= run.t else -1.0
+    status = run.demand(t1)
+    for before, t in zip((run.t, *times), times):
+        if not (t - before) * direction >= 0.0:
+            raise ValueError(f"the time {t!r} is not in order")
+    if status != OK:
+        return status
     run.enter()
-    direction = 1.0 if not n or times[-1] >= run.t else -1.0
     while True:
         while done < n and (times[done] - run.t) * direction <= 0.0:
             status, x = run.at_(times[done])
