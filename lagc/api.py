@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from lagc.meaning.model import Model
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
+    from lagc.run.begin import NoStart
     from lagc.run.solution import Array
     from lagc.view.matrices import Matrices
 
@@ -264,11 +265,15 @@ class CompiledModel:
         progress: Progress | None,
         reason: str = "",
     ) -> Run:
+        from lagc.run.begin import NoStart
         from lagc.run.simulate import simulate
 
         system = self._loaded.system(backend).bind(parameters)
-        with running(progress) as asked:
-            found = simulate(system, request, self.compile_s, asked)
+        try:
+            with running(progress) as asked:
+                found = simulate(system, request, self.compile_s, asked)
+        except NoStart as none:
+            raise self._placed(none) from None
         found.backend_reason = reason
         return Run(**{name: getattr(found, name) for name in names(Solution)})
 
@@ -296,11 +301,21 @@ class CompiledModel:
         """A consistent start x = (q, v), for other integrators.  Raises Refused where there is none."""
         import numpy
 
-        from lagc.run.simulate import begin
+        from lagc.run.begin import NoStart, begin
 
         system = self._with(parameters)
-        found = begin(system, Request(starts=bound_starts(self.interface, starts)))
+        try:
+            found = begin(system, Request(starts=bound_starts(self.interface, starts)))
+        except NoStart as none:
+            raise self._placed(none) from None
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
+
+    def _placed(self, none: NoStart) -> Refused:
+        """With its places in the text."""
+        from lagc.run.blame import placed
+
+        with self.compilation.lock:
+            return placed(self.equations, none)
 
     def matrices(self) -> Matrices:
         """M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError where SymPy is missing."""

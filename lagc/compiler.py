@@ -163,15 +163,17 @@ def render(program: Program, target: str, complete: bool = True) -> dict[str, st
 
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
     """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
-    scenes (of those named in `choice`), and of the effects that no scene uses."""
+    scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
+    parameters of `choice` are given to those that have them."""
     from lagc.meaning.variants import variants
 
     try:
         tree = parse(source)
     except Refused as refused:
         return list(refused.faults)
+    known: set[str] = set()
     if choice.scene is not None:
-        return list(_faults(tree, choice, roots).values())
+        return [*_faults(tree, choice, roots, known).values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
     for v in variants(tree, choice.model, roots):
         each = replace(
@@ -181,31 +183,68 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             with_effects=(*choice.with_effects, *v.with_effects),
             without_effects=(*choice.without_effects, *v.without_effects),
         )
-        found = _faults(tree, each, roots)
+        found = _faults(tree, each, roots, known)
         if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
-            without = _faults(tree, alone, roots)
+            without = _faults(tree, alone, roots, known)
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
-    return list(faults.values())
+    return [*faults.values(), *_unknown(choice, known)]
 
 
-def _faults(tree: Tree, choice: Choice, roots: tuple[str, ...]) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice, by code and place, and the warnings where there are none."""
+def _faults(
+    tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str]
+) -> dict[tuple[object, ...], Fault]:
+    """The faults of one choice, by code and place, and the warnings where there are none; the names of its
+    parameters and inputs go to `known`."""
     faults: Sequence[Fault]
     try:
-        equations = derive(resolve(tree, choice, roots))
-        faults = equations.warnings
-        optimize(equations, work=False)
+        model = resolve(tree, choice, roots)
+        known.update([p.name for p in model.parameters], [u.name for u in model.inputs], model.built_in)
+        equations = derive(model)
+        faults = [*equations.warnings, *_unstarted(model, equations, choice)]
     except Refused as refused:
         faults = refused.faults
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         span = fault.span
-        at = (span.source.name, span.start, span.end) if span else ()
+        at = (span.source.name, span.start, span.end) if span else (fault.message,)
         found.setdefault((fault.code, *at), fault)
     return found
+
+
+def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
+    """A warning where the start cannot be tried because a parameter has no value.  Raises Refused where a
+    run would before its first step."""
+    from lagc.run.blame import placed
+    from lagc.run.request import bound_parameters
+    from lagc.run.trial import NoStart, try_start
+
+    program = optimize(equations, work=True)
+    interface, left = program.interface, unused(model, program.interface)
+    fields = (*interface.parameters, *interface.inputs)
+    names = {f.name for f in (*fields, *left)}
+    given = {name: value for name, value in choice.parameters.items() if name in names}
+    values = bound_parameters(interface, given, left, demanding=False)
+    missing = {f.name for f, value in zip(fields, values) if value != value}
+    for p in model.parameters:
+        if p.name in missing:
+            return [Fault("LAG0603", f"parameter `{p.name}` has no value: the start was not tried", p.span,
+                          remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
+    try:
+        try_start(program, values)
+    except NoStart as found:
+        raise placed(equations, found) from None
+    return []
+
+
+def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
+    """Given parameters that nothing has; silent where nothing could be resolved."""
+    from lagc.run.request import unknown
+
+    names = [name for name in choice.parameters if known and name not in known]
+    return [unknown(name, known, "parameter", "LAG0601") for name in names]
 
 
 class Compilation:

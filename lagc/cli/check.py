@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from lagc.cli.exits import DONE, Usage, code_of
-from lagc.cli.options import add_general_options, add_limit_options
+from lagc.cli.options import add_general_options, add_limit_options, add_parameter_option, quantities
 from lagc.cli.output import print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
@@ -19,6 +19,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--scene", metavar="S", help="check this scene only; without it, every scene")
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    add_parameter_option(parser)
     parser.add_argument("--explain", metavar="CODE", help="what a fault's code means, with an example")
     add_limit_options(parser)
     add_general_options(parser)
@@ -51,7 +52,12 @@ def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
         source = library.read(name)
     except Refused as refused:
         return list(refused.faults)
-    return compiler.check(source, compiler.Choice(model=options.model, scene=options.scene))
+    given = quantities(options.parameters, "-p")
+    choice = compiler.Choice(model=options.model, scene=options.scene, parameters=given)
+    try:
+        return compiler.check(source, choice)
+    except Refused as refused:  # of what was given
+        return list(refused.faults)
 
 
 def explain(code: str) -> int:

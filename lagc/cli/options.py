@@ -73,6 +73,10 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
         help="leave effect E out",
     )
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
+    add_parameter_option(parser)
+
+
+def add_parameter_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-p",
         "--parameter",

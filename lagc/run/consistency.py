@@ -14,7 +14,7 @@ from lagc.render.numpy.support.leastnorm import inner, least_norm
 from lagc.render.numpy.support.start import Consistency
 from lagc.render.numpy.support.startrows import FIXED, RUN, UNSTATED, Conditions
 from lagc.run.problem import NOT_FINITE, OK, System
-from lagc.run.start import Change, Missed, Start, names
+from lagc.run.start import Anchor, Change, Missed, Start, names
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
@@ -43,7 +43,7 @@ def _strange(interface: Interface, rate: int) -> tuple[Missed, ...]:
         return ()
     place = interface.start_places[len(interface.start_places) - len(interface.rate_names) + rate]
     name = f"what `{interface.rate_names[rate]}` ({place}) is stated to be"
-    return (Missed(name, float("nan"), interface.rate_units[rate]),)
+    return (Missed(name, float("nan"), interface.rate_units[rate], ("start", interface.rate_names[rate])),)
 
 
 def conditions_of(system: System) -> Conditions:
@@ -121,7 +121,9 @@ class _Words:
             rows = [row for row, factor in zip(rows, factors) if abs(factor) > least]
         return tuple([self.rows[row][0] for row in rows])
 
-    def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...]]:
+    def conflict(
+        self, search: Consistency
+    ) -> tuple[tuple[Missed, ...], tuple[str, ...], tuple[Anchor, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
         c = search.evaluate(search.y)[0]
         at_guess = search.evaluate(search.home)[0]
@@ -129,7 +131,7 @@ class _Words:
         strange = strange or [row for row in (search.directionless(),) if row >= 0]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
         rows = strange or self._minimal(levels, search.rows)
-        held = []
+        held, anchors = [], []
         for i in [] if strange else range(search.n):
             if levels[i] == FIXED and not search.part[i]:
                 whole = _whole(self.conditions, i)
@@ -139,9 +141,10 @@ class _Words:
                 else:
                     name = _owner(self.names[i]) if len(whole) > 1 else self.names[i]
                     held.append(f"`{name}` ({self.interface.start_places[i]})")
+                    anchors.append(("start", self.names[i]))
         amounts = [abs(c[k]) if abs(at_guess[k]) < float("inf") else float("nan") for k in rows]
-        missed = [Missed(self.rows[k][0], a, self.rows[k][1]) for k, a in zip(rows, amounts)]
-        return tuple(missed), tuple(held)
+        missed = [Missed(self.rows[k][0], a, *self.rows[k][1:]) for k, a in zip(rows, amounts)]
+        return tuple(missed), tuple(held), tuple(anchors)
 
     def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
         """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
@@ -175,19 +178,24 @@ def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:
     return (i,)
 
 
-def _rows(interface: Interface) -> list[tuple[str, str]]:
-    """The name and unit of each condition."""
+def _rows(interface: Interface) -> list[tuple[str, str, Anchor]]:
+    """The name and unit of each condition, and what of the model it is."""
     labels = list(zip(interface.row_labels, interface.row_units, interface.row_places))
-    found = [(f"constraint `{label}` ({place})", unit) for label, unit, place in labels[: interface.nh]]
+    found: list[tuple[str, str, Anchor]] = []
+    for label, unit, place in labels[: interface.nh]:
+        found.append((f"constraint `{label}` ({place})", unit, ("row", label)))
     for k, (label, unit, place) in enumerate(labels):
         rate = "the rate of " if k < interface.nh else ""
-        found.append((f"{rate}constraint `{label}` ({place})", _rate_unit(unit) if rate else unit))
-    found += [(f"the condition at {place}", "") for place in interface.initial_places]
+        found.append((f"{rate}constraint `{label}` ({place})", _rate_unit(unit) if rate else unit,
+                      ("row", label)))  # fmt: skip
+    for k, place in enumerate(interface.initial_places):
+        found.append((f"the condition at {place}", "", ("initial", str(k))))
     places = interface.start_places[len(interface.start_places) - len(interface.rate_names) :]
     for name, unit, place in zip(interface.rate_names, interface.rate_units, places):
-        found.append((f"what `{name}` ({place}) is made of", unit))
+        found.append((f"what `{name}` ({place}) is made of", unit, ("start", name)))
     for k in interface.quaternions:
-        found.append((f"the unit length of `{_owner(interface.q_names[k])}`", ""))
+        name = interface.q_names[k]
+        found.append((f"the unit length of `{_owner(name)}`", "", ("start", name)))
     return found
 
 

@@ -6,19 +6,16 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from lagc.diagnostics.faults import Fault, Refused
 from lagc.run.accuracy import verified_run
+from lagc.run.begin import begin, demand
 from lagc.run.counted import Counted
-from lagc.run.names import state_name
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
 from lagc.run.solution import Cost, Energy, Solution
-from lagc.run.start import Start, consistent_start
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
 
 Progress = Callable[[float], None]
-MOST_NAMED = 12  # conditions of a conflict
 RTOL = 1e-9  # by hand, where nothing is said
 ROUNDING = 2.0**-49  # of a coordinate: to both sides, what several last places are
 RESTS = ("it starts in an equilibrium, or so near one that last places of its numbers decide, and is left "
@@ -33,7 +30,7 @@ def simulate(
 
     `progress` is called with the time reached, now and then; KeyboardInterrupt raised in it, or
     in a run, ends the run with what was computed.  Raises Refused where the request makes no sense
-    (LAG0604), or no start is consistent (LAG0610), or the start is not computable (LAG0611).
+    (LAG0604), and NoStart where no start is consistent, or the motion is not determined there.
     """
     began = perf_counter()
     counted: Any = Counted(system)
@@ -44,6 +41,7 @@ def simulate(
     if request.by_hand:
         options = by_hand(request)
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
+        demand(system, trajectory)
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
     elif locked(system, start.x, times[0]):
@@ -61,6 +59,7 @@ def simulate(
         assert request.accuracy is not None
         found = verified_run(counted, start.x, times, request.accuracy, progress)
         options, tried = found.options, found.tried
+        demand(system, tried[0])
         told = judge(counted, found, request.accuracy, times[-1])
         trajectory = told.trajectory
     if trajectory.redundant_rows and told.status == "ok":
@@ -80,35 +79,6 @@ def simulate(
             compile_s=compile_s, run_s=perf_counter() - began, integrations=len(tried),
         ),
     )  # fmt: skip
-
-
-def begin(system: System, request: Request) -> Start:
-    """The consistent start.  Raises Refused, naming the conditions that cannot be met."""
-    start = consistent_start(system, 0.0, request.starts)
-    if start.missed:
-        raise Refused([_conflict(start)])
-    if any(not abs(a) <= 1e300 for a in start.x):
-        i = next(i for i, a in enumerate(start.x) if not abs(a) <= 1e300)
-        raise Refused(
-            [Fault("LAG0611", f"the start value of {state_name(system, i)} is not a finite number")]
-        )
-    return start
-
-
-def _conflict(start: Start) -> Fault:
-    missed, held = list(map(str, start.missed)), list(start.held)
-    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{_more(missed)}"
-    if held:
-        verb = "is" if len(held) == 1 else "are"
-        message += f", where {', '.join(held[:MOST_NAMED])}{_more(held)} {verb} held fixed"
-    remedy = "let one of these conditions go" if len(missed) > 1 else None
-    if held:
-        remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
-    return Fault("LAG0610", message, remedy=remedy)
-
-
-def _more(parts: list[str]) -> str:
-    return f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""
 
 
 def by_hand(request: Request) -> Options:

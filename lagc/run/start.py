@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TypeAlias
 
 from lagc.records import dataclass
 from lagc.run.problem import System
@@ -32,6 +33,10 @@ class Change:
         return f"`{self.name}` starts at {values}{place}{forced}"
 
 
+# What of the model: ("row", label), ("initial", number), ("start" or "state" or "speed", name).
+Anchor: TypeAlias = tuple[str, str]
+
+
 @dataclass(frozen=True, slots=True)
 class Missed:
     """A condition that the start does not meet: `name` as the user knows it, by how much (SI)."""
@@ -39,6 +44,7 @@ class Missed:
     name: str
     amount: float
     unit: str
+    anchor: Anchor
 
     def __str__(self) -> str:
         if not abs(self.amount) < float("inf"):
@@ -55,6 +61,7 @@ class Start:
     changes: tuple[Change, ...] = ()
     missed: tuple[Missed, ...] = ()
     held: tuple[str, ...] = ()
+    anchors: tuple[Anchor, ...] = ()  # of the values held
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -51,6 +51,53 @@ ENTRIES: dict[str, Entry] = {
         "The expression after `start =` or `rate =` divides by zero, or takes the root or logarithm of a "
         "negative number, for the parameters of this run.",
     ),
+    "LAG0612": Entry(
+        "the mass matrix is singular at the start",
+        "Nothing has inertia along a speed: a mass or an inertia is zero for the parameters of this run, or "
+        "the start is a posture in which a coordinate moves nothing, as the longitude at a pole.  Give it "
+        "inertia, begin in another posture, or choose coordinates that have no such posture there.",
+        """
+model Bob
+  parameter Mass m = 0;
+  coordinate Length x(start = 1);
+  body bob = Particle(mass = m, at = {x, 0, 0});
+  potential spring = 1[N/m]*x^2;
+end Bob;
+""",
+        """
+model Bob
+  parameter Mass m = 2;
+  coordinate Length x(start = 1);
+  body bob = Particle(mass = m, at = {x, 0, 0});
+  potential spring = 1[N/m]*x^2;
+end Bob;
+""",
+    ),
+    "LAG0613": Entry(
+        "the equations have no finite value at the start",
+        "An expression divides by zero there, or takes the root or logarithm of a negative number, for the "
+        "start values and parameters of this run.  It is named with the values of what it is made of.",
+        """
+model Bead
+  coordinate Length x(start = 0);
+  body bead = Particle(mass = 1[kg], at = {x, 0, 0});
+  potential V = 1[N.m2]/x;
+end Bead;
+""",
+        """
+model Bead
+  coordinate Length x(start = 1);
+  body bead = Particle(mass = 1[kg], at = {x, 0, 0});
+  potential V = 1[N.m2]/x;
+end Bead;
+""",
+    ),
+    "LAG0614": Entry(
+        "constraints contradict each other at the start",
+        "The start meets the constraints and their rates, but no acceleration goes on meeting them: "
+        "in this posture what they ask for depends on each other, and differs.  Let one of them go, or begin "
+        "in another posture.",
+    ),
     "LAG0620": Entry(
         "the simulation failed",
         "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "

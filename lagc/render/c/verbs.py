@@ -171,7 +171,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
 def _linear() -> list[Verb]:
     return [
         Verb(
-            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow, after a success only.",
+            "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow a success.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
             _AFRESH + "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
         Verb(

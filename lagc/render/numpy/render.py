@@ -22,6 +22,7 @@ SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quat
            "integrate.py", "record.py")  # fmt: skip
 START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
          "start.py")  # fmt: skip
+_LATER = ("energies", "outputs")  # asked for by runs
 _IMPORTS = """\
 from __future__ import annotations
 
@@ -44,6 +45,14 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
         parts.append(_start_tables(program.interface))
     support = _support((*SUPPORT, *START) if consistency else SUPPORT)
     return {file: "\n\n".join([*parts, *support, *verbs(program, complete)])}
+
+
+def functions(program: Program) -> str:
+    """The sizes and functions of the model alone, for whoever has the support as modules."""
+    names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
+    parts = [_IMPORTS + ARITHMETIC, _constants(program.interface)]
+    parts += [function_text(f, names) for f in program.functions.values() if f.name not in _LATER]
+    return "\n\n".join(parts)
 
 
 def _banner(interface: Interface, file: str) -> str:

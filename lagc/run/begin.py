@@ -1,0 +1,85 @@
+"""What must be there before the first step: a consistent start at which the motion is determined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.run.names import row_name, speed_name, state_name
+from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
+from lagc.run.request import Request
+from lagc.run.start import Anchor, Start, consistent_start, names
+
+MOST_NAMED = 12  # conditions of a conflict
+
+
+class NoStart(Refused):
+    """There is no first step.  `anchors` are what of the model it hangs on, `x` is the state; `p` the
+    parameters, then the inputs, by name: `lagc.run.blame` finds their places in the text."""
+
+    def __init__(self, fault: Fault, anchors: Sequence[Anchor], x: Sequence[float], system: System):
+        super().__init__([fault])
+        interface = system.interface
+        self.anchors = tuple(anchors)
+        self.x = dict(zip(names(system), x))
+        self.p = dict(zip([f.name for f in (*interface.parameters, *interface.inputs)], system.parameters))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Refused, (self.faults,)
+
+
+def begin(system: System, request: Request) -> Start:
+    """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
+    value that is not finite (LAG0611)."""
+    start = consistent_start(system, 0.0, request.starts)
+    if start.missed:
+        anchors = [*(m.anchor for m in start.missed), *start.anchors]
+        raise NoStart(_conflict(start), anchors, start.x, system)
+    for i, value in enumerate(start.x):
+        if not abs(value) <= 1e300:
+            fault = Fault("LAG0611", f"the start value of {state_name(system, i)} is not a finite number")
+            raise NoStart(
+                fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system
+            )
+    return start
+
+
+def demand(system: System, run: Trajectory) -> None:
+    """Raises NoStart where the motion is not determined at the start of `run`: not even a step was tried."""
+    if run.status in FAILED and run.steps == run.rejected == 0:
+        raise undetermined(system, run.status, run.culprit, run.x)
+
+
+def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoStart:
+    """What the status (one of FAILED) of the equations at the start means, k its culprit."""
+    interface = system.interface
+    if status == SINGULAR_MASS:
+        message = (
+            f"the mass matrix is singular at the start: nothing has inertia along {speed_name(system, k)}"
+        )
+        fault, anchors = Fault("LAG0612", message), [("speed", interface.v_names[k])]
+    elif status == INCONSISTENT:
+        message = f"the constraints contradict each other at the start: {row_name(system, k)}"
+        fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another posture")
+        anchors = [("row", interface.row_labels[k])] if k >= 0 else []
+    else:
+        message = f"the rate of {state_name(system, k)} is not a finite number at the start"
+        fault, anchors = Fault("LAG0613", message), [("state", name) for name in names(system)[k : k + 1]]
+    return NoStart(fault, anchors, x, system)
+
+
+def _conflict(start: Start) -> Fault:
+    missed, held = list(map(str, start.missed)), list(start.held)
+    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{_more(missed)}"
+    if held:
+        verb = "is" if len(held) == 1 else "are"
+        message += f", where {', '.join(held[:MOST_NAMED])}{_more(held)} {verb} held fixed"
+    remedy = "let one of these conditions go" if len(missed) > 1 else None
+    if held:
+        remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
+    return Fault("LAG0610", message, remedy=remedy)
+
+
+def _more(parts: list[str]) -> str:
+    return f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""

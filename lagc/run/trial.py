@@ -1,0 +1,48 @@
+"""Trying the start of a program without a run: what a run would refuse, found as a run finds it.
+
+The functions of the model are those of the NumPy module; the support is not compiled anew but imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from lagc.once import once
+from lagc.optimize.program import Program
+from lagc.render.numpy.render import functions
+from lagc.render.numpy.support.linear import Equations
+from lagc.run.backends.numpy import NumpyModel
+from lagc.run.begin import NoStart, begin, undetermined
+from lagc.run.problem import FAILED
+from lagc.run.request import Request
+
+__all__ = ["NoStart", "try_start"]
+
+
+class _Model(NumpyModel):
+    """The module less what every model shares."""
+
+    def __init__(self, program: Program):
+        super().__init__(program.interface, {})
+        self.program = program
+
+    @once
+    def module(self) -> dict[str, Any]:
+        space: dict[str, Any] = {"__name__": __name__, "Equations": Equations}
+        exec(compile(functions(self.program), self.interface.model, "exec", dont_inherit=True), space)
+        return space
+
+
+def try_start(program: Program, parameters: Sequence[float]) -> None:
+    """Raises Refused as a run with the array p would before its first step: NoStart, or LAG0604."""
+    request = Request().completed(program.interface.simulate)
+    system = _Model(program).bind(parameters)
+    x = begin(system, request).x
+    if request.stop == 0.0:
+        return
+    equations: Equations = system.equations()
+    equations.inspect(0.0, x)
+    status = equations.rhs(0.0, x, [0.0] * system.nx, [0.0] * system.nc)
+    if status in FAILED:
+        raise undetermined(system, status, equations.culprit, x)
