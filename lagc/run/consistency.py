@@ -121,9 +121,7 @@ class _Words:
             rows = [row for row, factor in zip(rows, factors) if abs(factor) > least]
         return tuple([self.rows[row][0] for row in rows])
 
-    def conflict(
-        self, search: Consistency
-    ) -> tuple[tuple[Missed, ...], tuple[str, ...], tuple[Anchor, ...]]:
+    def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...], tuple[Anchor, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
         c = search.evaluate(search.y)[0]
         at_guess = search.evaluate(search.home)[0]

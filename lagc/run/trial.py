@@ -16,6 +16,7 @@ from lagc.run.backends.numpy import NumpyModel
 from lagc.run.begin import NoStart, begin, undetermined
 from lagc.run.problem import FAILED
 from lagc.run.request import Request
+from lagc.run.rest import locked
 
 __all__ = ["NoStart", "try_start"]
 
@@ -39,7 +40,7 @@ def try_start(program: Program, parameters: Sequence[float]) -> None:
     request = Request().completed(program.interface.simulate)
     system = _Model(program).bind(parameters)
     x = begin(system, request).x
-    if request.stop == 0.0:
+    if request.stop == 0.0 or locked(system, x, 0.0):
         return
     equations: Equations = system.equations()
     equations.inspect(0.0, x)
