@@ -166,7 +166,9 @@ ENTRIES: dict[str, Entry] = {
         "`atan2(y, x)` jumps by a turn where `y` passes 0 with `x` below 0.  An energy that jumps with it is "
         "right as long as the motion stays away from there; a run that passes the cut fails, since its "
         "energy is out of balance.  What is the same on both sides, as the square of the angle, may pass.",
-        _on_particle("  potential V = 1 [J]*atan2(y, x);\n"),
-        _on_particle("  potential V = 1 [J]*atan2(y, x)^2;\n"),
+        _on_particle("  potential V = 1 [J]*atan2(y, x);\n").replace("Length x,", "Length x(start = 1 [m]),"),
+        _on_particle("  potential V = 1 [J]*atan2(y, x)^2;\n").replace(
+            "Length x,", "Length x(start = 1 [m]),"
+        ),
     ),
 }
