@@ -233,7 +233,8 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
             return [Fault("LAG0603", f"parameter `{p.name}` has no value: the start was not tried", p.span,
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
     try:
-        try_start(program, values)
+        with stage("trying the start", PER_OPERATION * interface.operations):
+            try_start(program, values)
     except NoStart as found:
         raise placed(equations, found) from None
     return []
