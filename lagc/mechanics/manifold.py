@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.meaning.model import UNSTATED
 from lagc.mechanics.equations import Row
 from lagc.mechanics.linear import Span, dimension, least_norm
 from lagc.mechanics.magnitude import VANISHES, magnitudes
@@ -26,6 +27,7 @@ _NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
 _SHORT, _AWAY = 1e-3, 0.03  # steps by which motions are counted, and how much of one is a motion
 _QUICK, _SLOW = 6, 0.3  # Newton's last steps, each half of that before where surfaces touch
 _TINY, _TURNED = 1e-7, 0.1  # a step of the sizes, and how much a gradient changes that turns in it
+_SPREADS = (0.0, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # sizes of values that nobody stated, from the guess
 _STEPS = 4
 _MANY = 40  # rows with which fewer states will do
 LARGEST = 150  # rows for which states are looked for
@@ -61,7 +63,7 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
     """Consistent states, by steps along random motions that the rows allow."""
     manifold = _Manifold(states, rows)
     for given in samples(states.model, 1, vary=False, spread=0.0):
-        start = manifold.met({**given, states.model.time: 0.0})
+        start = manifold.start({**given, states.model.time: 0.0})
         if start is None:
             break
         few = len(rows) > _MANY
@@ -113,9 +115,26 @@ class _Manifold:
         self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
         self.touching = False  # positions were met so slowly as those of surfaces that touch
 
-    def met(self, given: Mapping[Node, float]) -> State | None:
-        state = dict(given)
-        if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, self.states.q, state):
+    def start(self, given: Mapping[Node, float]) -> State | None:
+        """`given` on the rows, with what was stated where it is, if that can be: from guesses of what nobody
+        stated, or beside them, where they lead to a posture that is met as slowly as where surfaces touch."""
+        states = self.states
+        loose = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
+        slowly: State | None = None
+        for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if loose else ():
+            beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in loose}
+            self.touching = False
+            state = self.met({**given, **beside}, loose)
+            if state is not None and not self.touching:
+                return state
+            slowly = slowly or state
+        self.touching = slowly is not None
+        return slowly or self.met(given)
+
+    def met(self, given: Mapping[Node, float], loose: Sequence[Node] | None = None) -> State | None:
+        """`given` moved onto the rows, by the coordinates `loose` or all."""
+        state, moving = dict(given), loose or self.states.q
+        if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, moving, state):
             return None
         slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
         return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
@@ -186,7 +205,8 @@ class _Manifold:
             if not all(math.isfinite(size) for _, size in values):
                 return False
             entries = iter(values[len(residuals) :])
-            matrix = [dense({place[x]: next(entries) for x in slope}, sizes) for slope in slopes]
+            tables = [{x: next(entries) for x in slope} for slope in slopes]
+            matrix = [dense({place[x]: a for x, a in row.items() if x in place}, sizes) for row in tables]
             reach = [max(map(abs, row), default=0.0) for row in matrix]
             wanted = [-value for value, _ in values[: len(residuals)]]
             if all(
@@ -198,6 +218,8 @@ class _Manifold:
                 return True
             step = least_norm(matrix, wanted)
             lengths.append(max(map(abs, step)))
+            if lengths[-1] == 0.0:
+                return False
             for x, d, size in zip(unknowns, step, sizes):
                 state[x] += d * size
         return False

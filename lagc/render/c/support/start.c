@@ -13,7 +13,7 @@ static int lagc_has(int level, const lagc_start_work *w)
 /* Level after level is let go until there is a start; then as much as possible is held again. */
 static int lagc_ladder(const lagc_params *p, double t, lagc_start_work *w)
 {
-    int i, level;
+    int i, level, n = 0;
     if (lagc_find(p, t, 0, LAGC_SPREADS, w))
         return 1;
     for (level = LAGC_DECLARED; level < LAGC_FIXED; level++) {
@@ -29,6 +29,10 @@ static int lagc_ladder(const lagc_params *p, double t, lagc_start_work *w)
     for (; level > LAGC_UNSTATED; level--)
         if (lagc_has(level, w))
             lagc_choose(p, t, level, w);
+    for (i = 0; i < LAGC_NU; i++)
+        if (w->levels[i] > LAGC_UNSTATED && !w->part[i])
+            w->values[n++] = i;
+    lagc_hold_little(p, t, n, w);
     return 1;
 }
 

@@ -10,8 +10,8 @@
 static int lagc_tries(const lagc_params *p, double t, lagc_start_work *w)
 {
     w->work++;
-    return lagc_find(p, t, 0, 1, w) || lagc_find(p, t, 2, 3, w) ||
-           (w->other != 0 && w->other != 2 && lagc_find(p, t, w->other, w->other + 1, w));
+    return lagc_find(p, t, 0, 1, w) || lagc_find(p, t, LAGC_BESIDE, LAGC_BESIDE + 1, w) ||
+           (w->other != 0 && w->other != LAGC_BESIDE && lagc_find(p, t, w->other, w->other + 1, w));
 }
 
 /* Let the n values move or hold them, a quaternion as a whole. */
@@ -252,7 +252,7 @@ static int lagc_candidates(int n, int k, double slack, lagc_start_work *w)
 static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_start_work *w)
 {
     double bend, slack, count = HUGE_VAL, total = HUGE_VAL;
-    int i, k, sets, set, chosen = 0, still = 0;
+    int i, k, rank, sets, set, chosen = 0;
     lagc_copy(w->now, w->kept);
     for (i = 0; i < m; i++)
         w->now[w->stated[i]] = w->home[w->stated[i]];
@@ -261,7 +261,10 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
     slack = slack > LAGC_NEGLIGIBLE ? slack : LAGC_NEGLIGIBLE;
     for (i = 0; i < LAGC_NU; i++)
         w->best[i] = 0.5 * (w->kept[i] + w->now[i]);
+    rank = lagc_table(p, t, w->kept, w->now, m, w);
     k = lagc_table(p, t, w->best, w->now, m, w);
+    if (rank < k) /* rows that follow from others where they hold, not elsewhere */
+        k = lagc_table(p, t, w->kept, w->now, m, w);
     w->rank = k;
     sets = lagc_candidates(m, k, slack, w);
     lagc_copy(w->held, w->kept);
@@ -299,17 +302,5 @@ static int lagc_predicted(const lagc_params *p, double t, int n, int m, lagc_sta
     }
     lagc_let(w->best_picked, chosen, 1, w);
     lagc_copy(w->y, w->held);
-    if (!(count < HUGE_VAL))
-        return 0;
-    for (i = 0; i < chosen; i++)
-        if (lagc_move(w->best_picked[i], w) <= LAGC_UNMOVED)
-            w->picked[still++] = w->best_picked[i];
-    if (still > 0) {
-        lagc_let(w->picked, still, 0, w);
-        if (!lagc_tries(p, t, w)) {
-            lagc_let(w->picked, still, 1, w);
-            lagc_copy(w->y, w->held);
-        }
-    }
-    return 1;
+    return count < HUGE_VAL;
 }

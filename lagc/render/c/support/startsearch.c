@@ -68,24 +68,87 @@ static void lagc_search(const lagc_params *p, double t, int n, lagc_start_work *
     }
 }
 
+/* Whether the n values w->picked, now held, need not have moved to a start: rows that follow from others
+ * where all hold, and not elsewhere, may have moved them. */
+static int lagc_returned(const lagc_params *p, double t, const double *start, int n, lagc_start_work *w)
+{
+    int i, k;
+    if (lagc_lacking(p, t, start, w))
+        return 0;
+    lagc_copy(w->now, start);
+    for (k = 0; k < n; k++) {
+        i = w->picked[k];
+        do
+            w->now[i] = w->home[i];
+        while (++i < LAGC_NU && w->part[i]);
+    }
+    lagc_attempt(p, t, w->now, w);
+    if (!(lagc_farthest(p, t, w->now, w->ended, w) <= LAGC_ACCEPTED))
+        return 0;
+    lagc_copy(w->y, w->now);
+    return 1;
+}
+
+/* Whether there is a start where none of the n values w->values that were released moves: looked for from
+ * beside the guess where one went far, else from where they led to. */
+static int lagc_unmoved(const lagc_params *p, double t, int n, lagc_start_work *w)
+{
+    double most = 0.0;
+    int k;
+    for (k = 0; k < n; k++) {
+        w->picked[k] = w->values[k];
+        if (w->moves[k] > most)
+            most = w->moves[k];
+    }
+    if (most <= LAGC_WIDE * LAGC_WIDE)
+        return lagc_returned(p, t, w->kept, n, w);
+    if (!lagc_find(p, t, LAGC_BESIDE + 1, LAGC_SPREADS, w))
+        return 0;
+    w->other = w->first;
+    return 1;
+}
+
+/* Hold those of the n values w->values that hardly moved, or did not, if there is a start without. */
+static void lagc_hold_little(const lagc_params *p, double t, int n, lagc_start_work *w)
+{
+    int pass, k;
+    lagc_copy(w->held, w->y);
+    for (pass = 0; pass < 2; pass++) {
+        const double most = pass ? LAGC_UNMOVED : LAGC_WIDE * LAGC_WIDE;
+        int little = 0;
+        for (k = 0; k < n; k++)
+            if (w->loose[w->values[k]] && lagc_move(w->values[k], w) <= most)
+                w->picked[little++] = w->values[k];
+        if (little == 0)
+            continue;
+        lagc_let(w->picked, little, 0, w);
+        if (lagc_returned(p, t, w->held, little, w) || (pass && lagc_tries(p, t, w)))
+            break;
+        lagc_let(w->picked, little, 1, w);
+        lagc_copy(w->y, w->held);
+    }
+}
+
 /* Of the values of a level, which all move in the start w->y, let as few move as possible, and as little:
  * those that linear prediction names, else by trying. */
 static void lagc_choose(const lagc_params *p, double t, int level, lagc_start_work *w)
 {
-    int i, k, n = 0, m = 0;
+    int i, n = 0, m = 0;
     for (i = 0; i < LAGC_NU; i++)
-        if (w->levels[i] == level && w->used[i]) {
-            w->stated[m++] = i;
-            if (!w->part[i]) {
-                w->moves[n] = lagc_move(i, w);
-                w->values[n++] = i;
-            }
+        if (w->levels[i] == level && w->used[i] && !w->part[i]) {
+            w->moves[n] = lagc_move(i, w);
+            w->values[n++] = i;
         }
     lagc_copy(w->kept, w->y);
-    for (k = 0; k < n; k++)
-        lagc_let(w->values + k, 1, 0, w);
-    if (!lagc_predicted(p, t, n, m, w))
-        lagc_search(p, t, n, w);
+    lagc_let(w->values, n, 0, w);
+    if (!lagc_unmoved(p, t, n, w)) {
+        for (i = 0; i < LAGC_NU; i++)
+            if (w->levels[i] == level && w->used[i])
+                w->stated[m++] = i;
+        if (!lagc_predicted(p, t, n, m, w))
+            lagc_search(p, t, n, w);
+        lagc_hold_little(p, t, n, w);
+    }
     if (!(lagc_strayed(w->y, w) <= LAGC_NEAR))
         (void)lagc_find(p, t, 0, LAGC_SPREADS, w);
 }

@@ -5,6 +5,7 @@
 #define LAGC_SHORTEST (1.0 / 16384.0) /* part of a step that is tried at last */
 #define LAGC_OVERSHOT 2.0   /* of what was missed: a step that misses more is too long, whatever part it is */
 #define LAGC_TINIEST 1e-30  /* part of a step, of such a one */
+#define LAGC_BESIDE 2       /* the spread that leaves a singular guess well behind */
 #define LAGC_NEAR 8.0       /* weights from the guess: one farther off is taken if none is nearer */
 #define LAGC_ALIKE 1.01     /* what attempts from near the guess miss: they ended at the same place */
 #define LAGC_SPREADS 8
@@ -341,7 +342,7 @@ static int lagc_find(const lagc_params *p, double t, int begin, int end, lagc_st
         }
         if (nearest <= LAGC_NEAR || !any)
             break;
-        if (k != 2 || k + 1 == end || nearest < HUGE_VAL)
+        if (k != LAGC_BESIDE || k + 1 == end || nearest < HUGE_VAL)
             continue;
 #if LAGC_NPOSITION
         if (lagc_met_alone(p, t, w))

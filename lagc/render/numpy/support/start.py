@@ -98,6 +98,7 @@ class Consistency(Choice):
             if self.has(top):
                 self.choose(top)
             top -= 1
+        self.hold_little([i for i in range(self.n) if self.levels[i] > UNSTATED and not self.part[i]])
         return True
 
     def has(self, level: int) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from lagc.render.numpy.support.startrows import ratio_of
+from lagc.render.numpy.support.startrows import ACCEPTED, ratio_of
 from lagc.render.numpy.support.startsteps import BESIDE, NEAR, SPREADS, Approach
 from lagc.render.numpy.support.starttable import NEGLIGIBLE, moves_of, pivot_on
 
@@ -46,10 +46,38 @@ class Choice(Approach):
         start = self.y
         moves = [self.move(i) for i in values]
         self.set_all(values, False)
-        if not self.predicted(columns, values, start):
-            self.searched(values, moves, start)
+        if not self.unmoved(values, max(moves), start):
+            if not self.predicted(columns, values, start):
+                self.searched(values, moves, start)
+            self.hold_little(values)
         if not self.strayed(self.y) <= NEAR:
             self.solve(0, len(SPREADS))
+
+    def unmoved(self, values: list[int], move: float, start: list[float]) -> bool:
+        """Whether there is a start where none of the `values` that were released moves: looked for from beside
+        the guess where one went far, else from where they led to."""
+        if move <= WIDE * WIDE:
+            return self.returned(values, start)
+        if not self.solve(BESIDE + 1, len(SPREADS)):
+            return False
+        self.other = self.begin
+        return True
+
+    def returned(self, values: list[int], start: list[float]) -> bool:
+        """Whether `values`, now held, need not have moved to `start`: rows that follow from others where all
+        hold, and not elsewhere, may have moved them."""
+        if self.lacking(start):
+            return False
+        y = start[:]
+        for i in values:
+            for j in range(self.n):
+                if self.owner(j) == i:
+                    y[j] = self.home[j]
+        y = self.attempt(y)
+        if not self.worst(y, self.rows)[0] <= ACCEPTED:
+            return False
+        self.y = y
+        return True
 
     def predicted(self, columns: list[int], values: list[int], start: list[float]) -> bool:
         """Free those of `values` that the conditions, linear between the start and the point where the
@@ -60,7 +88,10 @@ class Choice(Approach):
         bend = self.bend(beside, start)
         slack = bend if bend < 0.1 else 0.1
         slack = slack if slack > NEGLIGIBLE else NEGLIGIBLE
+        rank = len(self.table(start, beside, columns)[1])
         table, basis = self.table([0.5 * (a + b) for a, b in zip(start, beside)], beside, columns)
+        if rank < len(basis):  # rows that follow from others where they hold, not elsewhere
+            table, basis = self.table(start, beside, columns)
         best: list[int] = []
         y, least = start, (inf, inf)
         self.rank = len(basis)
@@ -83,15 +114,19 @@ class Choice(Approach):
                 break
         self.set_all(best, True)
         self.y = y
-        if not least[0] < inf:
-            return False
-        still = [i for i in best if self.move(i) <= UNMOVED]
-        if still:
-            self.set_all(still, False)
-            if not self.attempts():
-                self.set_all(still, True)
+        return least[0] < inf
+
+    def hold_little(self, values: list[int]) -> None:
+        """Hold those of `values` that hardly moved, or did not, if there is a start without."""
+        y = self.y
+        for most in (WIDE * WIDE, UNMOVED):
+            little = [i for i in values if self.free[i] and self.move(i) <= most]
+            if little:
+                self.set_all(little, False)
+                if self.returned(little, y) or (most == UNMOVED and self.attempts()):
+                    break
+                self.set_all(little, True)
                 self.y = y
-        return True
 
     def owner(self, j: int) -> int:
         """The value that column j is of: the first part of a quaternion."""
