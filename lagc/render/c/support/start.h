@@ -32,6 +32,7 @@ typedef struct {
     double widths[LAGC_NU];
     double common[LAGC_NU];
     double reach[LAGC_NU];
+    double steepest[LAGC_NU];
     double moves[LAGC_NU];
     double now[LAGC_NU];
     double best[LAGC_NU];
@@ -74,6 +75,7 @@ typedef struct {
     double right[LAGC_NE];
     double J[LAGC_NJ];
     double trial_J[LAGC_NJ];
+    int blurred[LAGC_NJ];   /* 1: a derivative that is rounding */
     double matrix[LAGC_NE * (LAGC_NU + 1)];
     double rests[LAGC_NE * (LAGC_NU + 1)];
 } lagc_start_work;

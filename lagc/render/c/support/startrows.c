@@ -1,6 +1,7 @@
 /* -- a consistent start -- */
 
 #define LAGC_SLIGHT (1.0 / 1024.0) /* of the weights: the least rows are judged against; of stated values */
+#define LAGC_LAST (1.0 / 1125899906842624.0) /* of a position: a change of its last places */
 #define LAGC_ACCEPTED 1e-9 /* scaled residual at which a start is taken, if nothing improves it */
 
 static const int lagc_levels[LAGC_NU] = {LAGC_START_LEVELS};
@@ -54,27 +55,52 @@ static void lagc_meet(const lagc_params *p, double t, const double *y, double *c
 #endif
 }
 
-/* The size of each unknown: its own; that of others of its unit; what changes its rows by the size of
- * their terms; that of a parameter of its unit; 1.  And the size of the largest of its unit. */
+/* w->blurred: 1 for each of the derivatives w->J at y that is rounding: it changes by as much as it is where
+ * positions, of these `sizes`, change in their last places. */
+static void lagc_blur(const lagc_params *p, double t, const double *y, const double *sizes,
+                      lagc_start_work *w)
+{
+    int i, k;
+    lagc_copy(w->trial, y);
+    for (i = 0; i < LAGC_NQ; i++) {
+        const double size = fabs(y[i]) > fabs(sizes[i]) ? fabs(y[i]) : fabs(sizes[i]);
+        w->trial[i] += (i % 2 == 0 ? LAGC_LAST : -LAGC_LAST) * size;
+    }
+    lagc_meet(p, t, w->trial, w->trial_c, w->trial_J, w->trial_sizes);
+    for (k = 0; k < LAGC_NJ; k++)
+        w->blurred[k] = 0.0 < fabs(w->J[k]) && fabs(w->J[k]) <= fabs(w->trial_J[k] - w->J[k]);
+}
+
+/* The size of each unknown: its own; that of others of its unit; what, of the unknown of its unit that its
+ * row depends on most, changes that row by the size of its terms; that of a parameter of its unit; 1.  And
+ * the size of the largest of its unit. */
 static void lagc_weigh(const lagc_params *p, double t, const double *largest, lagc_start_work *w)
 {
-    int i, k = 0;
+    int i, k;
     lagc_meet(p, t, w->home, w->c, w->J, w->sizes);
+    lagc_blur(p, t, w->home, w->home, w);
     for (i = 0; i < LAGC_NU; i++)
         w->common[i] = w->reach[i] = 0.0;
     for (i = 0; i < LAGC_NU; i++)
         if (fabs(w->home[i]) > w->common[lagc_units[i]])
             w->common[lagc_units[i]] = fabs(w->home[i]);
-    for (i = 0; i < LAGC_NE; i++)
-        for (; k < lagc_ends[i]; k++) {
-            const int j = lagc_column[k];
-            const double slope = fabs(w->J[k]);
-            if (0.0 < slope && slope < HUGE_VAL && 0.0 < w->sizes[i] && w->sizes[i] < HUGE_VAL) {
-                const double way = w->sizes[i] / slope;
-                if (w->reach[j] == 0.0 || way < w->reach[j])
-                    w->reach[j] = way;
-            }
+    for (i = 0; i < LAGC_NE; i++) {
+        if (!(0.0 < w->sizes[i] && w->sizes[i] < HUGE_VAL))
+            continue;
+        for (k = lagc_row_begin(i); k < lagc_ends[i]; k++)
+            w->steepest[lagc_units[lagc_column[k]]] = 0.0;
+        for (k = lagc_row_begin(i); k < lagc_ends[i]; k++) {
+            double *steepest = w->steepest + lagc_units[lagc_column[k]];
+            if (*steepest < fabs(w->J[k]) && fabs(w->J[k]) < HUGE_VAL && !w->blurred[k])
+                *steepest = fabs(w->J[k]);
         }
+        for (k = lagc_row_begin(i); k < lagc_ends[i]; k++) {
+            const int j = lagc_column[k];
+            const double slope = w->steepest[lagc_units[j]];
+            if (slope > 0.0 && (w->reach[j] == 0.0 || w->sizes[i] / slope < w->reach[j]))
+                w->reach[j] = w->sizes[i] / slope;
+        }
+    }
     for (i = 0; i < LAGC_NU; i++) {
         double weight = fabs(w->home[i]);
         if (w->levels[i] == LAGC_UNSTATED || weight == 0.0)

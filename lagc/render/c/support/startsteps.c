@@ -31,7 +31,16 @@ static void lagc_loosen(int from, int to, lagc_start_work *w)
         }
 }
 
-/* w->matrix: the derivatives of w->rows[first..end-1] by w->columns, each times its weight. */
+/* Take no derivative for rounding. */
+static void lagc_unblur(lagc_start_work *w)
+{
+    int k;
+    for (k = 0; k < LAGC_NJ; k++)
+        w->blurred[k] = 0;
+}
+
+/* w->matrix: the derivatives of w->rows[first..end-1] by w->columns, each times its weight, 0 where it is
+ * rounding. */
 static void lagc_fill(int first, int end, lagc_start_work *w)
 {
     int j, k;
@@ -41,7 +50,7 @@ static void lagc_fill(int first, int end, lagc_start_work *w)
         for (j = 0; j < w->count; j++)
             row[j] = 0.0;
         for (j = lagc_row_begin(i); j < lagc_ends[i]; j++)
-            if (w->places[lagc_column[j]] >= 0)
+            if (w->places[lagc_column[j]] >= 0 && !w->blurred[j])
                 row[w->places[lagc_column[j]]] = w->J[j] * lagc_weight(w, lagc_column[j]);
     }
 }
@@ -73,6 +82,9 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
     norm = lagc_norm(w->c, first, end, w);
     if (norm <= LAGC_CLOSE)
         return;
+    lagc_unblur(w);
+    if (w->columns[0] >= LAGC_NQ) /* speeds alone: what is rounding of positions stays so */
+        lagc_blur(p, t, y, w->weights, w);
     for (n = 0; n < 60 && LAGC_EXACT < norm && norm < HUGE_VAL; n++) {
         double size = norm;
         int pass, found = 0;
@@ -212,6 +224,7 @@ static void lagc_nearer(const lagc_params *p, double t, double *y, lagc_start_wo
         if (w->count == 0 || end == 0)
             return;
         lagc_meet(p, t, y, w->c, w->J, w->sizes);
+        lagc_unblur(w);
         lagc_fill(0, end, w);
         for (i = 0; i < end; i++) {
             double value = -w->c[w->rows[i]];

@@ -20,6 +20,7 @@ SCENE = 2
 RUN = 3
 FIXED = 4
 ACCEPTED = 1e-9  # scaled residual at which a start is taken, when it can be improved no more
+LAST = 2.0**-50  # of a position: a change of its last places
 SLIGHT = 2.0**-10  # of the weights: what every row is judged against, and how far stated values move
 
 
@@ -116,23 +117,28 @@ class Meeting:
         return c, jacobian, sizes
 
     def weigh(self) -> tuple[list[float], list[float]]:
-        """The size of each unknown: its own; that of others of its unit; what changes its rows by the
-        size of their terms; that of a parameter of its unit; 1.  And the size of the largest of its unit."""
+        """The size of each unknown: its own; that of others of its unit; what, of the unknown of its unit that
+        its row depends on most, changes that row by the size of its terms; that of a parameter of its unit;
+        1.  And the size of the largest of its unit."""
         y, units = self.home, self.conditions.units
         _, jacobian, sizes = self.evaluate(y)
+        blurred = self.blurred(y, jacobian, y)
         common = [0.0] * len(self.largest)
         for i in range(self.n):
             common[units[i]] = max(common[units[i]], abs(y[i]))
         reach = [0.0] * self.n
         k = 0
         for i, end in enumerate(self.conditions.ends):
+            steepest = [0.0] * len(self.largest)
             while k < end:
-                j, slope = self.conditions.columns[k], abs(jacobian[k])
-                if 0.0 < slope < inf and 0.0 < sizes[i] < inf:
-                    way = sizes[i] / slope
-                    if reach[j] == 0.0 or way < reach[j]:
-                        reach[j] = way
+                unit, slope = units[self.conditions.columns[k]], abs(jacobian[k])
+                if steepest[unit] < slope < inf and not blurred[k]:
+                    steepest[unit] = slope
                 k += 1
+            for j in self.columns(i) if 0.0 < sizes[i] < inf else ():
+                slope = steepest[units[j]]
+                if slope > 0.0 and (reach[j] == 0.0 or sizes[i] / slope < reach[j]):
+                    reach[j] = sizes[i] / slope
         weights = [0.0] * self.n
         for i in range(self.n):
             weight = abs(y[i])
@@ -150,6 +156,14 @@ class Meeting:
             for k in self.conditions.quaternions:
                 found[k : k + 4] = [1.0, 1.0, 1.0, 1.0]
         return weights, widths
+
+    def blurred(self, y: list[float], jacobian: list[float], sizes: list[float]) -> list[bool]:
+        """Of each derivative at y, whether it is rounding: it changes by as much as it is where positions,
+        of these `sizes`, change in their last places."""
+        near = y[:]
+        for i in range(self.conditions.nq):
+            near[i] += (LAST if i % 2 == 0 else -LAST) * max(abs(y[i]), abs(sizes[i]))
+        return [0.0 < abs(a) <= abs(b - a) for a, b in zip(jacobian, self.evaluate(near)[1])]
 
     def weight(self, i: int) -> float:
         """How far unknown i moves where others could move instead."""

@@ -112,6 +112,8 @@ class Approach(Alone):
         if norm <= CLOSE:
             return y
         left, longest = 1.0, 1.0
+        speeds = columns[0] >= self.conditions.nq  # alone: what is rounding of positions stays so
+        blurred = self.blurred(y, jacobian, self.weights) if speeds else [False] * len(jacobian)
         for n in range(NEWTON_STEPS):
             if not EXACT < norm < inf:
                 break
@@ -119,7 +121,8 @@ class Approach(Alone):
                 if longest == 1.0 and not left < 0.5:
                     break
                 left = 1.0
-            matrix, found = self.matrix(jacobian, rows, columns), False
+            known = [0.0 if dim else a for a, dim in zip(jacobian, blurred)]
+            matrix, found = self.matrix(known, rows, columns), False
             for dependent in FOLLOWING:
                 self.work += 1
                 step = least_norm(matrix, [-c[i] for i in rows], dependent)
