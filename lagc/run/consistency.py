@@ -19,6 +19,7 @@ from lagc.run.start import Anchor, Change, Missed, Start, names
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
 _MOST_FOUND = 6  # values or conditions that are named in one note
+_COMPARED = 24  # conditions among which the fewest that force a value are looked for
 _PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
 
 
@@ -114,12 +115,11 @@ class _Words:
             for slope in slopes if largest > 0.0 else ():
                 slope[k] /= largest
         right = [1.0 + j / search.n if j in values else 0.0 for j in free]  # weights that hardly cancel
-        factors = least_norm(slopes, right, _SHOWN) if rows else []
-        least = _PART * max(map(abs, factors), default=0.0)
-        missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(slopes, right)]
-        if factors and max(missed) < _PART:
-            rows = [row for row, factor in zip(rows, factors) if abs(factor) > least]
-        return tuple([self.rows[row][0] for row in rows])
+        everything = range(len(rows))
+        kept = _combined(slopes, right, everything) or list(everything)
+        for k in reversed(kept if len(kept) <= _COMPARED else ()):  # of rows that depend on each other one will do
+            kept = (_combined(slopes, right, [i for i in kept if i != k]) if k in kept else None) or kept
+        return tuple([self.rows[rows[k]][0] for k in kept])
 
     def conflict(self, search: Consistency) -> tuple[tuple[Missed, ...], tuple[str, ...], tuple[Anchor, ...]]:
         """The conditions, and the values that are fixed, that contradict each other; none is superfluous."""
@@ -166,6 +166,19 @@ class _Words:
                 return sorted(rows)
             rows |= more
             known |= {j for k in more for j in search.columns(k) if search.free[j]}
+
+
+def _combined(
+    slopes: Sequence[Sequence[float]], right: Sequence[float], rows: Sequence[int]
+) -> list[int] | None:
+    """Those of `rows` (columns of `slopes`) that take part in the combination that is `right`, if there is one."""
+    table = [[slope[k] for k in rows] for slope in slopes]
+    factors = least_norm(table, right, _SHOWN) if rows and slopes else []
+    missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(table, right)]
+    if not factors or not max(missed) < _PART:
+        return None
+    least = _PART * max(map(abs, factors))
+    return [k for k, factor in zip(rows, factors) if abs(factor) > least]
 
 
 def _whole(conditions: Conditions, i: int) -> tuple[int, ...]:

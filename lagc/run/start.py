@@ -9,6 +9,7 @@ from lagc.records import dataclass
 from lagc.run.problem import System
 
 _MOST_FOUND = 6  # values or conditions that are named in one note
+_DIGITS = 6  # of a value, more where it differs from another only behind them
 _SLIGHTLY = 0.01  # of their size: moves such as rounding leaves
 
 
@@ -29,7 +30,10 @@ class Change:
     def __str__(self) -> str:
         place = f" ({self.place})" if self.place else ""
         forced = f", because of {_listed(self.forced)}" if self.forced else ""
-        values = f"{_value(self.used, self.unit)} instead of {_value(self.given, self.unit)}"
+        digits = _DIGITS
+        while digits < 17 and _value(self.used, "", digits) == _value(self.given, "", digits):
+            digits += 1
+        values = f"{_value(self.used, self.unit, digits)} instead of {_value(self.given, self.unit, digits)}"
         return f"`{self.name}` starts at {values}{place}{forced}"
 
 
@@ -112,10 +116,12 @@ def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] 
 
 
 def _listed(parts: Sequence[str]) -> str:
+    if len(parts) > _MOST_FOUND:
+        return f"{', '.join(parts[:_MOST_FOUND])}{_more(parts)}"
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
-def _value(value: float | tuple[float, ...], unit: str) -> str:
+def _value(value: float | tuple[float, ...], unit: str, digits: int = _DIGITS) -> str:
     if isinstance(value, tuple):
-        return "{" + ", ".join(f"{a:.6g}" for a in value) + "}"
-    return f"{value:.6g} {unit}" if unit else f"{value:.6g}"
+        return "{" + ", ".join(f"{a:.{digits}g}" for a in value) + "}"
+    return f"{value:.{digits}g} {unit}" if unit else f"{value:.{digits}g}"
