@@ -117,7 +117,7 @@ class _Words:
         right = [1.0 + j / search.n if j in values else 0.0 for j in free]  # weights that hardly cancel
         everything = range(len(rows))
         kept = _combined(slopes, right, everything) or list(everything)
-        for k in reversed(kept if len(kept) <= _COMPARED else ()):  # of rows that depend on each other one will do
+        for k in reversed(kept if len(kept) <= _COMPARED else ()):  # not all that depend on each other
             kept = (_combined(slopes, right, [i for i in kept if i != k]) if k in kept else None) or kept
         return tuple([self.rows[rows[k]][0] for k in kept])
 
@@ -168,10 +168,8 @@ class _Words:
             known |= {j for k in more for j in search.columns(k) if search.free[j]}
 
 
-def _combined(
-    slopes: Sequence[Sequence[float]], right: Sequence[float], rows: Sequence[int]
-) -> list[int] | None:
-    """Those of `rows` (columns of `slopes`) that take part in the combination that is `right`, if there is one."""
+def _combined(slopes: Sequence[Sequence[float]], right: list[float], rows: Sequence[int]) -> list[int] | None:
+    """Those of `rows`, columns of `slopes`, that take part in a combination that is `right`, if one is."""
     table = [[slope[k] for k in rows] for slope in slopes]
     factors = least_norm(table, right, _SHOWN) if rows and slopes else []
     missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(table, right)]

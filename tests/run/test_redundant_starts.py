@@ -19,21 +19,24 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no 
 
 def cranks(n: int, r: float, d: float, declared: str = "") -> str:
     """Equal cranks c0, c1, .. at distances d, pinned to one bar: 2 n rows of rank n + 2, one motion."""
-    lines = ["model Cranks", "  parameter Length l = 1 [m];", "  coordinate Length x, y;", "  coordinate Angle p;", declared]
+    lines = ["model Cranks", "  parameter Length l = 1 [m];", declared]
+    lines += ["  coordinate Length x, y;", "  coordinate Angle p;"]
     lines += ["  frame P = rotate_z(world, p);", "  point G = {x, y, 0};"]
     lines += ["  body bar = Solid(mass = 2, inertia = {1, 1, 1}, frame = P, com = G);"]
     for k in range(n):
         if f" c{k}(" not in declared:
             lines.append(f"  coordinate Angle c{k};")
         lines.append(f"  frame C{k} = rotate_z(world, c{k});")
-        lines.append(f"  body k{k} = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = C{k}, com = {{{k * d!r}*l, 0, 0}});")
-        lines.append(f"  constraint j{k}: G + {k * d!r}*l*P.x = {{{k * d!r}*l, 0, 0}} + {r!r}*l*C{k}.x;")
+        pin = f"{{{k * d!r}*l, 0, 0}}"
+        lines.append(f"  body k{k} = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = C{k}, com = {pin});")
+        lines.append(f"  constraint j{k}: G + {k * d!r}*l*P.x = {pin} + {r!r}*l*C{k}.x;")
     return "\n".join([*lines, "end Cranks;\n"])
 
 
 def bars(factors: list[float], r: float, d: float) -> str:
     """Two equal cranks a, b, joined by parallel bars at these parts of r."""
-    lines = ["model Bars", "  parameter Length l = 1 [m];", "  coordinate Angle a(start = 1 [rad], rate = 3 [rad/s]), b;"]
+    lines = ["model Bars", "  parameter Length l = 1 [m];"]
+    lines += ["  coordinate Angle a(start = 1 [rad], rate = 3 [rad/s]), b;"]
     lines += ["  frame A = rotate_z(world, a);", "  frame B = rotate_z(world, b);"]
     lines += ["  body m = Solid(mass = 1, inertia = {1, 1, 1}, frame = B, com = {0, 0, 0});"]
     for k, part in enumerate(factors):
@@ -210,7 +213,7 @@ end Crank;
 
 @pytest.mark.parametrize("turns", (-1.5, -0.5, 0.5, 1.5, 10.5))
 def test_rounding_is_no_lever(turns: float) -> None:
-    """Where cos(a) is zero but for the rounding of a, a' moves nothing: b' does all, or h', or nothing can."""
+    """Where cos(a) is zero but for rounding, a' moves nothing: b' does all, or h', or nothing can."""
     angle = turns * math.pi
     for other, name, value in (("r*der(b)", "der(b)", 5.0), ("3*der(h)", "der(h)", 0.5 / 3)):
         system = system_of(CRANK.format(angle=angle, other=other))
@@ -233,7 +236,7 @@ def test_a_move_behind_the_digits_that_are_shown_is_shown() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_one_motion_is_told_from_any_stated_crank(seed: int) -> None:
-    """Of what `explain` says: n cranks and a bar have n + 2 rows that count, parallel bars one each and one."""
+    """What `explain` says: n cranks and a bar have n + 2 rows that count, parallel bars one each and one."""
     dice = random.Random(seed)
     for degrees in (10, 50, 80, 110, 140, 170):
         declared = f"  coordinate Angle c0(start = {degrees} [deg]);"

@@ -71,9 +71,9 @@ static void lagc_blur(const lagc_params *p, double t, const double *y, const dou
         w->blurred[k] = 0.0 < fabs(w->J[k]) && fabs(w->J[k]) <= fabs(w->trial_J[k] - w->J[k]);
 }
 
-/* The size of each unknown: its own; that of others of its unit; what, of the unknown of its unit that its
- * row depends on most, changes that row by the size of its terms; that of a parameter of its unit; 1.  And
- * the size of the largest of its unit. */
+/* The size of each unknown: its own; that of others of its unit; what changes a row by the size of its terms,
+ * of the unknown of its unit that the row depends on most; that of a parameter of its unit; 1.  And the size
+ * of the largest of its unit. */
 static void lagc_weigh(const lagc_params *p, double t, const double *largest, lagc_start_work *w)
 {
     int i, k;

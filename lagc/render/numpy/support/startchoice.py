@@ -54,8 +54,8 @@ class Choice(Approach):
             self.solve(0, len(SPREADS))
 
     def unmoved(self, values: list[int], move: float, start: list[float]) -> bool:
-        """Whether there is a start where none of the `values` that were released moves: looked for from beside
-        the guess where one went far, else from where they led to."""
+        """Whether there is a start where none of the `values` that were released moves: looked for from
+        beside the guess where one went far, else from where they led to."""
         if move <= WIDE * WIDE:
             return self.returned(values, start)
         if not self.solve(BESIDE + 1, len(SPREADS)):

@@ -117,8 +117,8 @@ class Meeting:
         return c, jacobian, sizes
 
     def weigh(self) -> tuple[list[float], list[float]]:
-        """The size of each unknown: its own; that of others of its unit; what, of the unknown of its unit that
-        its row depends on most, changes that row by the size of its terms; that of a parameter of its unit;
+        """The size of each unknown: its own; that of others of its unit; what changes a row by the size of
+        its terms, of the unknown of its unit that the row depends on most; that of a parameter of its unit;
         1.  And the size of the largest of its unit."""
         y, units = self.home, self.conditions.units
         _, jacobian, sizes = self.evaluate(y)
