@@ -121,15 +121,16 @@ class _Manifold:
         states = self.states
         loose = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
         slowly: State | None = None
-        for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if loose else ():
-            beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in loose}
-            self.touching = False
-            state = self.met({**given, **beside}, loose)
-            if state is not None and not self.touching:
-                return state
-            slowly = slowly or state
+        for moving in (loose, list(states.q)):
+            for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if moving else ():
+                beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in moving}
+                self.touching = False
+                state = self.met({**given, **beside}, moving)
+                if state is not None and not self.touching:
+                    return state
+                slowly = slowly or state
         self.touching = slowly is not None
-        return slowly or self.met(given)
+        return slowly
 
     def met(self, given: Mapping[Node, float], loose: Sequence[Node] | None = None) -> State | None:
         """`given` moved onto the rows, by the coordinates `loose` or all."""
