@@ -216,7 +216,7 @@ class Disturber:
             process = self._start(folder, disturbance.command, shim=False)
             time.sleep(disturbance.at)
             process.send_signal(int(disturbance.by))
-        out, err = process.communicate(timeout=20)
+        out, err = process.communicate(timeout=50)
         return subprocess.CompletedProcess(disturbance.command, process.returncode, out, err)
 
     def _afterwards(self, folder: Path, command: tuple[str, ...], whole: dict[str, bytes]) -> Iterator[str]:
