@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING
 
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
-from lagc.optimize.program import Interface
 from lagc.records import dataclass, field
-from lagc.run.distance import Sizes, difference, sizes, spread
+from lagc.run.distance import Sizes, difference, moving, sizes, spread
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 
 if TYPE_CHECKING:
@@ -63,6 +62,7 @@ class Verified:
     drift: float = 0.0
     balance: Balance | None = None
     beside: Trajectory | None = None  # the next finest run
+    still: dict[int, float] = field(default_factory=dict)  # see `lagc.run.still`
 
 
 def method_for(accuracy: float) -> str:
@@ -84,16 +84,18 @@ def verified_run(
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
-            strays = _strays(trajectory, remembered.end, system.interface)
+            still = dict(remembered.still)
+            strays = _strays(trajectory, remembered.end, moving(sizes(trajectory, system.interface), still))
             if strays <= remembered.estimated:
-                return Verified(trajectory, options, remembered.estimated, None, search.tried)
+                return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
     found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
-        answer = _Remembered(found.options.rtol, found.estimated, found.trajectory.states[-1])
+        last = found.trajectory.states[-1]
+        answer = _Remembered(found.options.rtol, found.estimated, last, [*found.still.items()])
         cache.store("accuracy", name, json.dumps(vars(answer)).encode())
     return found
 
@@ -112,6 +114,7 @@ class _Search:
     scales: dict[float, Sizes] = field(default_factory=dict)  # by tolerance
     balance: Balance | None = None
     along: Rounding | None = None  # the motion
+    still: dict[int, float] = field(default_factory=dict)  # kinds that rounding alone moves, and how far
 
     @property
     def method(self) -> str:
@@ -166,12 +169,18 @@ class _Search:
     def _pilots(self) -> Verified | None:
         """The first runs.  The coarse one begins displaced; at the start itself, where that would not do."""
         from lagc.run.growth import Rounding  # where there is no answer yet
+        from lagc.run.rounding import quick_look
+        from lagc.run.still import still_kinds
 
         stopped = self._stopped(FINE)
         if stopped is not None:
             return stopped
         tol = min(self.runs)
-        self.along = Rounding(self.system, self.runs[tol], self._sizes(tol), COARSE, self._integrate)
+        system, run, groups = self.system, self.runs[tol], self._sizes(tol)
+        look = quick_look(system, run, groups)
+        self.still = still_kinds(system, run, groups, look[0])
+        self.scales.clear()
+        self.along = Rounding(system, run, self._sizes(tol), look, COARSE, self._integrate)
         if self._interrupted:
             return self._kept()
         if not self.along.hides(self.accuracy / SAFETY):
@@ -258,8 +267,14 @@ class _Search:
 
     def _sizes(self, tol: float) -> Sizes:
         if tol not in self.scales:
-            self.scales[tol] = sizes(self.runs[tol], self.system.interface)
+            run = self.runs[tol]
+            self.scales[tol] = moving(sizes(run, self.system.interface), self._rounded_away(run))
         return self.scales[tol]
+
+    def _rounded_away(self, run: Trajectory) -> dict[int, float]:
+        """How far rounding alone moves some kinds in a run; whatever they do where it began displaced."""
+        displaced = self.along is not None and run is self.along.beside
+        return dict.fromkeys(self.still, inf) if displaced else self.still
 
     def truncation(self) -> float:
         """The error of the finest run that its steps bring."""
@@ -334,17 +349,19 @@ class _Search:
         others = [r for r in self.tried if r is not done and len(r.states) >= len(done.states)]
         if not others or len(done.states) < 2:
             return inf, None
-        return difference(done, others[-1], self.system.interface, self.accuracy)
+        return difference(done, others[-1], self.system.interface, self.accuracy, self.still)
 
     def _result(self) -> Verified:
         tols = sorted(self.runs)
         found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
+        found.still = self.still
         if len(tols) > 1:
             found.rounding, found.drift = self.rounding(), self.drift()
             found.balance, found.beside = self.balance, self.runs[tols[1]]
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
-                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY)
+                noise = self._rounded_away(found.beside)
+                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY, noise)
                 if found.horizon is not None and self.along is not None:
                     found.horizon = min(found.horizon, self.along.until(found.drift, self.accuracy))
         return found
@@ -362,24 +379,24 @@ def _memory_name(
     interface = system.interface
     values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
-    return cache.key("accuracy 7", tool, interface.model_hash, method, system.backend, *values)
+    return cache.key("accuracy 8", tool, interface.model_hash, method, system.backend, *values)
 
 
 @dataclass
 class _Remembered:
-    """`end`: the last state, which the same run reaches again."""
+    """`end`: the last state, which the same run reaches again.  `still`: see `lagc.run.still`."""
 
     rtol: float
     estimated: float
     end: list[float]
+    still: list[tuple[int, float]]
 
 
 def _recall(name: str) -> _Remembered | None:
     return cache.load("accuracy", name, lambda body: _Remembered(**json.loads(body)))
 
 
-def _strays(trajectory: Trajectory, end: Sequence[float], interface: Interface) -> float:
+def _strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
     """The scaled distance between the last state and `end`."""
     last = trajectory.states[-1]
-    groups = sizes(trajectory, interface)
     return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)

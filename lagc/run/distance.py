@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf, isfinite
 from operator import sub
 
@@ -19,6 +19,11 @@ def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int],
             for group in kinds(interface)]  # fmt: skip
 
 
+def moving(groups: Sizes, still: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:
+    """`groups`, with size 0 for the kinds (by place) that are no larger than rounding makes them."""
+    return [(group, 0.0 if size <= still.get(k, 0.0) else size) for k, (group, size) in enumerate(groups)]
+
+
 def kinds(interface: Interface) -> list[list[int]]:
     """The indices of the coordinates and speeds that share a scale."""
     groups: dict[int, list[int]] = {}
@@ -28,23 +33,29 @@ def kinds(interface: Interface) -> list[list[int]]:
 
 
 def difference(
-    a: Trajectory, b: Trajectory, interface: Interface, target: float
+    a: Trajectory,
+    b: Trajectory,
+    interface: Interface,
+    target: float,
+    still: Mapping[int, float] | None = None,
 ) -> tuple[float, float | None]:
     """The largest scaled difference over the common times, and the last time up to which it stays below
     `target` by the sizes of the motion until there (None where that is the end): a motion that runs
-    away later makes nothing before it more exact."""
+    away later makes nothing before it more exact.  `still`: how far rounding may move some kinds (by
+    place), of which less than that tells nothing."""
     alike = [True] * min(len(a.states), len(b.states))
     largest = 0.0
-    for group in kinds(interface):
+    for place, group in enumerate(kinds(interface)):
         size = apart = 0.0
+        noise = still.get(place, 0.0) if still else 0.0
         for k, (x, y) in enumerate(zip(a.states, b.states)):
             for i in group:
                 size = max(size, abs(x[i]), abs(y[i]))
                 if not abs(x[i] - y[i]) <= apart:
                     apart = abs(x[i] - y[i])
-            if not apart <= target * size:
+            if not (apart <= target * size or size <= noise):
                 alike[k] = False
-        if not apart <= largest * size:
+        if not (apart <= largest * size or size <= noise):
             largest = apart / size if apart < inf else inf
     if not alike or alike[-1]:
         return largest, None

@@ -16,7 +16,7 @@ from math import inf, sqrt
 
 from lagc.run.distance import Sizes, spread
 from lagc.run.problem import FAILED, INTERRUPTED, OK, System, Trajectory
-from lagc.run.rounding import ULP, close_look, quick_look
+from lagc.run.rounding import ULP, Quick, close_look, quick_bound
 
 LITTLE = 10.0  # of growth: a distance that tells no more may be all displacement
 DISPLACED = 1e-7  # of the sizes: less than the errors of the coarse pilot in most motions
@@ -30,14 +30,17 @@ Integrate = Callable[[float, Sequence[float], float], Trajectory]  # tolerance, 
 
 
 class Rounding:
-    """Of the motion `run`, whose states have the sizes `groups`; `coarse` is the tolerance of the pilot.
+    """Of the motion `run`, whose states have the sizes `groups`; `look` is the quick one at it, `coarse` the
+    tolerance of the pilot.
 
     `beside` is the displaced pilot; `bound` of the growth is infinite where it tells none.
     """
 
-    def __init__(self, system: System, run: Trajectory, groups: Sizes, coarse: float, integrate: Integrate):
+    def __init__(self, system: System, run: Trajectory, groups: Sizes, look: Quick, coarse: float,
+                 integrate: Integrate):  # fmt: skip
         self.system, self.run, self.groups, self.integrate = system, run, groups, integrate
-        self.quick, self.way = quick_look(system, run, groups)
+        changes, self.way = look
+        self.quick = quick_bound(run, groups, changes)
         self.beside = self._displaced(coarse, DISPLACED)
         self.bound = self.bounded(run)
         self.measured: list[float] | None = None  # at the recorded times

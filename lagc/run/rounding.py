@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from math import inf
 
 from lagc.run.distance import Sizes
 from lagc.run.problem import FAILED, System, Trajectory
@@ -20,48 +21,55 @@ ULP = 2.0**-52
 SAMPLES = 12  # of the recorded states
 UNSEEN = 10.0  # what a quick look may miss
 
+Quick = tuple[list[float], list[float]]
 Look = tuple[int, list[float], list[float]]  # where, what each rate changes by, the rates
 
 
-def _picked(trajectory: Trajectory) -> list[int]:
+def picked(trajectory: Trajectory) -> list[int]:
+    """A dozen of the recorded states."""
     n = len(trajectory.states)
     return sorted({k * (n - 1) // SAMPLES for k in range(SAMPLES + 1)}) if n else []
 
 
-def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> tuple[float, list[float]]:
-    """How far rounding moves the states at most, relative to their sizes, where differences do not grow
-    (infinite where that is not told), and the way in which it moves them, at the start.
+def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> Quick:
+    """What rounding changes each rate by (infinite where that is not told), and the way in which it moves
+    the states, at the start.
 
     `groups`: the indices of the states of each kind, and their size.  From the first state, the last and
     the fastest between.
     """
     states, times = trajectory.states, trajectory.times
-    picked = _picked(trajectory)
-    moving = [(group, size) for group, size in groups if size > 0.0]
-    speeds = [(group, size) for group, size in moving if group[-1] >= system.nq]
+    chosen = picked(trajectory)
+    speeds = [(group, size) for group, size in groups if size > 0.0 and group[-1] >= system.nq]
 
     def pace(k: int) -> float:
         return sum(abs(states[k][i]) / size for group, size in speeds for i in group)
 
-    where = sorted({0, max(picked, key=pace), picked[len(picked) // 2], picked[-1]})
-    plain = [_rates(system, times[k], states[k]) for k in where]
+    where = sorted({0, max(chosen, key=pace), chosen[len(chosen) // 2], chosen[-1]})
+    plain = [rates_at(system, times[k], states[k]) for k in where]
     at = [times[k] for k in where], [_shifted(states[k], k) for k in where]
-    worst, span = float("inf") if trajectory.fallbacks else 0.0, abs(times[-1] - times[0])
-    way = [ULP * _generic(i) * a for i, a in enumerate(states[0])]
+    worst, span = [inf if trajectory.fallbacks else 0.0] * system.nx, abs(times[-1] - times[0])
+    way = [ULP * generic(i) * a for i, a in enumerate(states[0])]
     for k, one, up, down in zip(where, plain, rounded_rates(system, *at, 1), rounded_rates(system, *at, -1)):
         if one is None or up is None or down is None:
-            worst = float("inf")
+            worst = [inf] * system.nx
             continue
-        changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(one, up, down)]
-        worst = max([worst, *(changes[i] / size for group, size in moving for i in group)])
-        a, b = span * _generic(k), span * _generic(-k - 1)
+        worst = [max(w, abs(u - r), abs(d - r)) for w, r, u, d in zip(worst, one, up, down)]
+        a, b = span * generic(k), span * generic(-k - 1)
         way = [w + a * (u - r) + b * (d - r) for w, r, u, d in zip(way, one, up, down)]
     soon = span / max(trajectory.steps, 1)  # what moves the speeds moves the coordinates then
     moved = system.displace(times[0], states[0], way[system.nq : system.nq + system.nv])
-    return UNSEEN * worst * span, [w + soon * m for w, m in zip(way, moved)] + way[system.nq :]
+    return worst, [w + soon * m for w, m in zip(way, moved)] + way[system.nq :]
 
 
-def _generic(k: int) -> float:
+def quick_bound(trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
+    """How far rounding moves the states at most, relative to their sizes, where differences do not grow."""
+    span = abs(trajectory.times[-1] - trajectory.times[0])
+    worst = max((changes[i] / size for group, size in groups if size > 0.0 for i in group), default=0.0)
+    return UNSEEN * worst * span
+
+
+def generic(k: int) -> float:
     """A number of magnitude 1/2 to 3/2, by a rule without pattern."""
     return (0.5 + 0.6180339887498949 * k % 1.0) * (1.0 if (k * 0x9E3779B1) & 0x4000 else -1.0)
 
@@ -83,7 +91,7 @@ def rounded_rates(
 
     def work() -> list[list[float] | None]:
         with directed(way):
-            return [_rates(system, t, x) for t, x in zip(times, states)]
+            return [rates_at(system, t, x) for t, x in zip(times, states)]
 
     return apart(work)
 
@@ -94,7 +102,8 @@ def _shifted(x: Sequence[float], k: int) -> list[float]:
             for i, a in enumerate(x)]  # fmt: skip
 
 
-def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:
+def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
+    """None where they cannot be told."""
     xdot, lam = [0.0] * system.nx, [0.0] * system.nc
     return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
 
@@ -131,13 +140,13 @@ def _looks(system: System, trajectory: Trajectory) -> list[Look]:
     from lagc.run.directed import directed
 
     looks = []
-    for k in _picked(trajectory):
+    for k in picked(trajectory):
         found = []
         for way in (0, 1, -1):
             x = trajectory.states[k]
             moved = [a * (1.0 + (way if i % 2 else -way) * ULP) for i, a in enumerate(x)]
             with directed(way):
-                found.append(_rates(system, trajectory.times[k], moved))
+                found.append(rates_at(system, trajectory.times[k], moved))
         told = [f for f in found if f is not None]
         if len(told) == 3:
             changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(*told)]

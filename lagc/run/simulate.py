@@ -62,6 +62,10 @@ def simulate(
         demand(system, tried[0])
         told = judge(counted, found, request.accuracy, times[-1])
         trajectory = told.trajectory
+        if found.still:
+            from lagc.run.still import told as still_told
+
+            notes += still_told(system, trajectory, found.still)
     if trajectory.redundant_rows and told.status == "ok":
         notes.append(redundancy(system, trajectory))
     return Solution(

@@ -204,6 +204,7 @@ class Solution:
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
                      "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s},
             "warnings": list(interface.warnings), "dropped": list(interface.dropped),
+            "notes": list(self.notes),
         }  # fmt: skip
 
     def to_pandas(self) -> object:

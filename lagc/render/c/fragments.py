@@ -55,7 +55,8 @@ def definitions(program: Program, complete: bool) -> list[str]:
     parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
     parts += [c_parts(DOP853)] if interface.nh else []
     parts.append(resolve(_read("check.c"), interface, complete))
-    parts += [resolve(_read(name), interface) for name in ("weights.c", "integrate.c", "record.c")]
+    names = ["weights.c", "listening.c", "integrate.c", "record.c"]
+    parts += [resolve(_read(name), interface) for name in names]
     return [part for part in parts if part]
 
 

@@ -19,7 +19,7 @@ from lagc.render.numpy.verbs import verbs
 
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quaternions.py", "projection.py",
-           "integrate.py", "record.py")  # fmt: skip
+           "listening.py", "integrate.py", "record.py")  # fmt: skip
 START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
          "start.py")  # fmt: skip
 _LATER = ("energies", "outputs")  # asked for by runs

@@ -59,6 +59,9 @@ void lagc_begin(lagc_state *s, double t, const double *x)
     s->lost = 0;
 #endif
     s->listening = 0;
+    s->recalled = 0.0;
+    for (i = 0; i < LAGC_NX; i++)
+        s->noise[i] = 0.0;
     s->longest = 0.0;
     s->culprit = -1;
 }
@@ -142,109 +145,6 @@ static int lagc_arrive(const lagc_params *p, lagc_state *s, double t, const lagc
     return lagc_rhs_(p, t, s->y, rate, w->lam, w);
 }
 
-#if LAGC_NH
-/* The norm of an error with such parts; see lagc_dop853_error. */
-static double lagc_parts_norm(double h, double parts[2][LAGC_NX], const lagc_work *w)
-{
-    const int n = LAGC_NQ + LAGC_NV;
-    double sums[2], e, total;
-    int i, k;
-    for (k = 0; k < 2; k++) {
-        sums[k] = 0.0;
-        for (i = 0; i < n; i++) {
-            e = parts[k][i] / w->weights[i];
-            sums[k] += e * e;
-        }
-    }
-    total = sums[0] + 0.01 * sums[1];
-    if (total == 0.0)
-        return 0.0;
-    return fabs(h) * sums[0] * sqrt(1.0 / (n * total));
-}
-
-/* Whether rows are all but dependent within the way of the step over h that was tried, or a thousandth of
- * the way that the coordinates have to where they are zero.  Coordinates of a kind that have moved by no
- * more than what projection leaves are rounding: w->noise. */
-static int lagc_all_but_dependent(const lagc_params *p, const lagc_state *s, double h, lagc_work *w)
-{
-    double moved[LAGC_KINDS], left[LAGC_KINDS];
-    int i, k;
-    if (!lagc_nudge(p, s->t, s->x, s->sizes, w))
-        return 0;
-    for (k = 0; k < LAGC_KINDS; k++) {
-        moved[k] = 0.0;
-        left[k] = 0.0;
-    }
-    for (i = 0; i < LAGC_NQ; i++) {
-        k = lagc_kinds[i];
-        if (fabs(s->y[i] - s->x[i]) > moved[k])
-            moved[k] = fabs(s->y[i] - s->x[i]);
-        if (fabs(w->nudged[i] - s->x[i]) > left[k])
-            left[k] = fabs(w->nudged[i] - s->x[i]);
-    }
-    for (i = 0; i < LAGC_NQ; i++)
-        if (left[lagc_kinds[i]] > w->reached[lagc_kinds[i]])
-            w->noise[i] = left[lagc_kinds[i]] / fabs(h);
-    for (k = 0; k < LAGC_KINDS; k++) {
-        const double reach = k == 0 && w->reached[k] > 1.0 ? 1.0 : w->reached[k];
-        if (left[k] > reach)
-            continue;
-        if (left[k] * moved[k] > 3e-15 * reach * reach || left[k] > 1e-12 * reach)
-            return 1;
-    }
-    return 0;
-}
-
-/* There, a step of DOP853 to t, rejected because of `error`, once more from a state moved by what
- * projection leaves.  Where the error changes by it, it tells of rounding: near postures where rows
- * are all but dependent their multipliers are little else, and no step would be small enough.  Then
- * only what projection does not take from the error counts. */
-static double lagc_second_look(const lagc_params *p, lagc_state *s, double t, double h, double error,
-                               lagc_work *w)
-{
-    double change;
-    int i, k, status;
-    lagc_dop853_parts(s, w);
-    for (k = 0; k < 2; k++)
-        for (i = 0; i < LAGC_NX; i++)
-            w->other[k][i] = w->parts[k][i];
-    s->rhs += 11;
-    status = lagc_dop853_stages(p, s->t, w->nudged, h, s, w);
-    if (LAGC_FAILED(status))
-        return error;
-    lagc_dop853_parts(s, w);
-    for (k = 0; k < 2; k++)
-        for (i = 0; i < LAGC_NX; i++)
-            w->other[k][i] -= w->parts[k][i];
-    change = lagc_parts_norm(h, w->other, w);
-    if (!(change > 0.1 * lagc_parts_norm(h, w->parts, w)))
-        return error;
-    s->rhs += 11;
-    (void)lagc_dop853_stages(p, s->t, s->x, h, s, w); /* the step as it was */
-    lagc_dop853_parts(s, w);
-    if (!lagc_tangents(p, t, s->y, w))
-        return error;
-    return lagc_parts_norm(h, w->parts, w);
-}
-#endif
-
-/* An error that rejects a step the second time, or after a step that went by this, less what rounding
- * contributes. */
-static double lagc_reconsider(const lagc_params *p, lagc_state *s, double t, double h,
-                              const lagc_options *o, double error, lagc_work *w)
-{
-#if LAGC_NH
-    if (lagc_all_but_dependent(p, s, h, w))
-        return o->method != LAGC_DOPRI5 && o->project ? lagc_second_look(p, s, t, h, error, w) : error;
-#else
-    (void)t;
-#endif
-    lagc_listen(p, s, w);
-    lagc_weights(s, o, h, w);
-    error = o->method == LAGC_DOPRI5 ? lagc_dopri5_error(h, s, w) : lagc_dop853_error(h, s, w);
-    return error;
-}
-
 /* The size of the next step. */
 static void lagc_adapt(lagc_state *s, int method, double size, double error, int lands, int rejected)
 {
@@ -281,6 +181,7 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
     if (change) {
         if (change == 2) {
             s->stride = 0.0;
+            s->recalled = 0.0;
             lagc_enlarge(s->x, s->sizes);
 #if LAGC_NC
             w->lost = 0;
@@ -313,14 +214,16 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
         s->grid = s->t;
         s->on_grid = 0;
     }
-    for (i = 0; i < LAGC_NX; i++)
-        w->noise[i] = 0.0;
+    lagc_forget(s, w);
     size = s->h;
     if (o->max_step > 0.0 && size > o->max_step)
         size = o->max_step;
     for (;;) {
-        if (o->max_steps > 0 && s->steps + s->rejected - s->entered >= o->max_steps)
+        if (o->max_steps > 0 && s->steps + s->rejected - s->entered >= o->max_steps) {
+            if (rejected)
+                s->h = size;
             return LAGC_MAX_STEPS;
+        }
         lands = size * 1.01 >= rest;
         t_new = t1;
         if (o->step > 0.0) {
@@ -352,9 +255,9 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
             status = lagc_arrive(p, s, t_new, o, s->k[last], w);
         if (!LAGC_FAILED(status) && !(o->step > 0.0)) {
             error = method == LAGC_DOPRI5 ? lagc_dopri5_error(h, s, w) : lagc_dop853_error(h, s, w);
-            heard = error > 1.0 && (rejected || s->listening);
+            heard = error > 1.0 && (rejected || s->listening || s->recalled > 0.0);
             if (heard)
-                error = lagc_reconsider(p, s, t_new, h, o, error, w);
+                error = lagc_reconsider(p, s, t_new, h, o, error, rejected, w);
             if (error != error) {
                 status = LAGC_NOT_FINITE;
                 w->culprit = lagc_not_finite(s->y, LAGC_NX);
@@ -375,7 +278,7 @@ static int lagc_step_(const lagc_params *p, lagc_state *s, double t1, const lagc
             cause = LAGC_OK;
             size /= factor < most ? factor : most;
         }
-        rejected = 1;
+        rejected++;
         s->rejected++;
     }
     if (o->step > 0.0) {

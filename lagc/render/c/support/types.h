@@ -14,7 +14,8 @@ typedef struct {
     double reached[LAGC_KINDS]; /* sizes of the kinds of states, with the one that is tried */
     double weights[LAGC_NX];
     double longest; /* that of the trajectory, in a second attempt at a step */
-    double noise[LAGC_NX]; /* rounding of the first rates, where it was asked for */
+    double play[LAGC_NX]; /* rates that what projection leaves of coordinates is over a step */
+    double kept[13][LAGC_NX]; /* rates and end of a step that is tried once more */
     double qdot[LAGC_NQ];
     double M[LAGC_NV * (LAGC_NV + 1) / 2]; /* packed by rows of the lower triangle */
     double force[LAGC_NV];
@@ -99,6 +100,8 @@ typedef struct {
     double sizes[LAGC_KINDS]; /* of coordinates, and speeds, of one unit: the largest so far */
     double longest; /* step that was tried at first */
     int listening; /* the error of the last step was judged with its rounding */
+    double recalled; /* 1 where rounding made a step good, and less the longer ago that is; 0: forgotten */
+    double noise[LAGC_NX]; /* that rounding, of the rates */
     long entered; /* steps and attempts before this call */
     int called; /* from here on for the functions below: no step was made since the caller had it */
     int method; /* of the last step */

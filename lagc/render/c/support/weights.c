@@ -19,7 +19,7 @@ static void lagc_departing(const lagc_state *s, const lagc_options *o, double h,
 }
 
 /* w->reached, those of the trajectory with its new state s->y, and what errors of a step over h are
- * measured in; w->noise is the rounding of rates, where it is known.  An angle that winds does not make
+ * measured in; s->noise is the rounding of rates, where it is known.  An angle that winds does not make
  * others less telling. */
 static void lagc_weights(const lagc_state *s, const lagc_options *o, double h, lagc_work *w)
 {
@@ -37,35 +37,9 @@ static void lagc_weights(const lagc_state *s, const lagc_options *o, double h, l
         double size = departing[kind] > w->reached[kind] ? departing[kind] : w->reached[kind], weight;
         if (kind == 0 && size > 1.0)
             size = fabs(s->y[i]) > 1.0 ? fabs(s->y[i]) : 1.0;
-        weight = o->atol + o->rtol * size + 10.0 * fabs(h) * w->noise[i];
+        weight = o->atol + o->rtol * size + 10.0 * fabs(h) * (s->noise[i] + w->play[i]);
         w->weights[i] = weight > LAGC_TINY ? weight : LAGC_TINY;
     }
-}
-
-/* Raise w->noise to what rounding may change in the rates s->k[0] at (t, x): to what changes when
- * time, state and parameters change by four units of their last place, another way in each call. */
-static void lagc_listen(const lagc_params *p, lagc_state *s, lagc_work *w)
-{
-    const double way[2] = {1.0 + 8.881784197001252e-16, 1.0 - 8.881784197001252e-16};
-    const long turn = 2 * s->rejected + 3;
-    const size_t count = sizeof(lagc_params) / sizeof(double);
-    double x[LAGC_NX];
-    lagc_params other = *p;
-    double *values = (double *)&other; /* it holds nothing else */
-    size_t j;
-    int i, n = LAGC_NQ + LAGC_NV;
-    for (i = 0; i < LAGC_NX; i++)
-        x[i] = s->x[i];
-    for (i = 0; i < n; i++)
-        x[i] *= way[((i + 1) * turn >> 1) & 1];
-    for (j = 0; j < count; j++)
-        values[j] *= way[((n + (long)j + 1) * turn >> 1) & 1];
-    s->rhs++;
-    if (LAGC_FAILED(lagc_rhs_(&other, s->t * way[turn >> 1 & 1], x, w->xdot, w->lam, w)))
-        return;
-    for (i = 0; i < n; i++)
-        if (fabs(w->xdot[i] - s->k[0][i]) > w->noise[i])
-            w->noise[i] = fabs(w->xdot[i] - s->k[0][i]);
 }
 
 /* The shortest of the times in which the kinds change by their own size, as their rates and the

@@ -7,7 +7,7 @@ there.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, pow, sqrt
+from math import inf, pow
 from typing import Any, NamedTuple
 
 from lagc.render.numpy.support.base import (
@@ -20,6 +20,7 @@ from lagc.render.numpy.support.base import (
     Options,
 )
 from lagc.render.numpy.support.linear import not_finite
+from lagc.render.numpy.support.listening import FADING, FORGOTTEN, LOST, listen, parts_norm
 from lagc.render.numpy.support.problem import Problem
 from lagc.render.numpy.support.projection import nudge, project
 from lagc.render.numpy.support.sizes import departing, enlarge, first_step, sizes_of, weigh
@@ -102,6 +103,7 @@ class Integrator:
         self.entered = 0  # steps and attempts before this call
         self.culprit = -1
         self.constrained = options.project and (problem.nc > 0 or len(problem.quaternions) > 0)
+        self.shaken = getattr(problem, "shaken", None)
         self.tangents = getattr(problem, "tangents", None) if problem.nh > 0 else None
         self.sizes = sizes_of(problem.kinds, self.x)  # the largest so far
         self.reached = self.sizes  # the same with the state that is tried
@@ -109,7 +111,9 @@ class Integrator:
         self.longest = 0.0  # step that was tried at first
         self.departing = False  # this attempt at a step is not the first
         self.listening = False  # the error of the last step was judged with its rounding
-        self.noise = [0.0] * (problem.nq + problem.nv)  # rounding of k[0]
+        self.recalled = 0.0  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
+        self.noise = [0.0] * (problem.nq + problem.nv)  # that rounding, of the rates
+        self.play = self.noise  # rates that what projection leaves of coordinates is over a step
 
     def step(self, t1: float) -> int:
         """One accepted step towards `t1`, at most to it, and then exactly; a status."""
@@ -137,15 +141,7 @@ class Integrator:
         if not (t == self.t or -1e-9 <= part <= 1.0 + 1e-9):
             raise ValueError(f"the time {t!r} is not within the last step")
         self.enter()
-        problem: Any = self.problem
-        if self.p is None:
-            found = self.at_(t)
-        else:
-            now, problem.p = problem.p, self.p
-            try:
-                found = self.at_(t)
-            finally:
-                problem.p = now
+        found = self.at_(t) if self.p is None else self._with(self.p, self.at_, t)
         if self.memory is not None:
             self.lost = self.memory.lost
         if found[0] == OK and not_finite(found[1]) >= 0:
@@ -204,14 +200,16 @@ class Integrator:
             self._choose(t1, direction)
         if options.step > 0.0 and self.stride != options.step * direction:  # the grid begins here
             self.stride, self.grid, self.on_grid = options.step * direction, t, 0
-        self.noise = [0.0] * len(self.noise)
+        self._forget()
         rest = abs(t1 - t)
-        cause, rejected, heard = OK, False, False
+        cause, rejected, heard = OK, 0, False
         size = self.h
         if options.max_step > 0.0 and size > options.max_step:
             size = options.max_step
         while True:
             if options.max_steps > 0 and self.steps + self.rejected - self.entered >= options.max_steps:
+                if rejected:
+                    self.h = size
                 return self._stop(MAX_STEPS)
             lands = size * 1.01 >= rest
             if options.step > 0.0:
@@ -227,7 +225,7 @@ class Integrator:
                     t_new = t + h
             if not rejected and size > self.longest:
                 self.longest = size
-            self.departing = rejected
+            self.departing = rejected > 0
             if (rejected or not lands) and 0.1 * size <= 2.3e-16 * abs(t) + 1e-40 * rest:
                 return self._stop(cause if cause != OK else STEP_UNDERFLOW)
             status, y = method.stages(self.problem, t, x, h, k, self.lam)
@@ -239,9 +237,9 @@ class Integrator:
                 status = self._arrive(t_new, y)
             if status not in FAILED and options.step == 0.0:
                 error = method.error(h, self.weights, k)
-                heard = error > 1.0 and (rejected or self.listening)
+                heard = error > 1.0 and (rejected > 0 or self.listening or self.recalled > 0.0)
                 if heard:
-                    error, y = self._reconsider(t_new, h, y, error)
+                    error, y = self._reconsider(t_new, h, y, error, rejected)
                 if error != error:
                     status = NOT_FINITE
                     self.problem.culprit = not_finite(y)
@@ -258,13 +256,13 @@ class Integrator:
                 cause = OK
                 factor = pow(error, method.exponent) / SAFETY
                 size /= factor if factor < 1.0 / method.shrink else 1.0 / method.shrink
-            rejected = True
+            rejected += 1
             self.rejected += 1
         if options.step > 0.0:
             self.grid, self.on_grid = (t1, 0) if lands else (self.grid, self.on_grid + 1)
         else:
             self.stride = 0.0
-            self._adapt(size, error, lands, rejected)
+            self._adapt(size, error, lands, rejected > 0)
         if self.called:
             p = getattr(self.problem, "p", None)
             self.p = None if p is None else p[:]
@@ -326,7 +324,7 @@ class Integrator:
     def _evaluate(self, moved: bool) -> int:
         """The rate at (t, x), which is `moved` by the caller or the first."""
         if moved:
-            self.stride = 0.0
+            self.stride, self.recalled = 0.0, 0.0
             enlarge(self.problem.kinds, self.x, self.sizes)
             if self.memory is not None:
                 self.memory.lost = False
@@ -359,18 +357,35 @@ class Integrator:
         if self.departing:
             moved = [b - a for a, b in zip(self.x, y)]
             sizes = departing(kinds, self.sizes, self.reached, self.options, moved, self.longest / abs(h))
-        self.weights = weigh(kinds, sizes, self.options, h, y, self.noise)
+        self.weights = weigh(kinds, sizes, self.options, h, y, [a + b for a, b in zip(self.noise, self.play)])
 
-    def _listen(self) -> None:
-        """Raise `noise` to what rounding may change in the rates k[0]: see `Equations.nearby`."""
-        nearby = getattr(self.problem, "nearby", None)
-        if nearby is None:
+    def _forget(self) -> None:
+        """Before a step: what is left of the rounding that was heard, after the step before."""
+        left = 1.0 - (1.0 - FADING) * abs(self.h_old) / self.longest if self.longest > 0.0 else 0.0
+        self.recalled *= left
+        if self.recalled < FORGOTTEN:
+            self.recalled = 0.0
+        self.noise = [left * a if self.recalled > 0.0 else 0.0 for a in self.noise]
+        self.play = [0.0] * len(self.noise)
+
+    def _listen(self, h: float = 0.0) -> None:
+        """Raise `noise` to what rounding may change in the rates k[0], or in all along a step over h."""
+        if self.shaken is None:
             return
-        self.rhs += 1
-        status, rates = nearby(self.t, self.x, self.rejected)
-        if status not in FAILED:
-            changes = [abs(a - b) for a, b in zip(rates, self.k[0])]
-            self.noise = [b if b > a else a for a, b in zip(self.noise, changes)]
+        t, x, p = self.shaken(self.t, self.x, self.rejected)
+        rates = self.method.rates if h else 1
+        self.rhs += rates
+        self._with(p, listen, self.problem, self.method.stages if h else None, t, x, h, self.k[:rates],
+                   self.noise)  # fmt: skip
+
+    def _with(self, p: list[float], function: Callable[..., Any], *given: Any) -> Any:
+        """What a function returns where the parameters are p."""
+        problem: Any = self.problem
+        now, problem.p = problem.p, p
+        try:
+            return function(*given)
+        finally:
+            problem.p = now
 
     def _arrive(self, t: float, y: list[float]) -> int:
         """Project the new state and evaluate there."""
@@ -385,17 +400,33 @@ class Integrator:
         self.rhs += 1
         return self.problem.rhs(t, y, self.k[self.method.rates], self.lam)
 
-    def _reconsider(self, t: float, h: float, y: list[float], error: float) -> tuple[float, list[float]]:
-        """An error that rejects a step to t the second time, or after a step that went by this, less what
-        rounding contributes; and the state reached."""
+    def _reconsider(
+        self, t: float, h: float, y: list[float], error: float, rejected: int
+    ) -> tuple[float, list[float]]:
+        """An error that rejects a step to t another time, or after steps that went by this, less what
+        rounding contributes, and the state reached.  It is told at the start, and, where that tells too
+        little, along the step."""
         if self.tangents is not None:
             nudged = self._all_but_dependent(h, y)
             if nudged:
                 judged = self.options.project and not self.method.uses_new
                 return self._second_look(t, h, y, error, nudged) if judged else (error, y)
-        self._listen()
+        before = error
+        if self.recalled == 0.0:
+            self._listen()
+            error = self._error(h, y)
+        lost = rejected > 1 and error * self.options.rtol > LOST
+        if error > 1.0 and (self.recalled > 0.0 or lost or (rejected > 2 and not rejected & (rejected - 1))):
+            self._listen(h)
+            error = self._error(h, y)
+        if error <= 1.0 or error < 0.5 * before:
+            self.recalled = 1.0
+        return error, y
+
+    def _error(self, h: float, y: list[float]) -> float:
+        """That of the step over h to y, with the rounding that was heard."""
         self._weigh(h, y)
-        return self.method.error(h, self.weights, self.k), y
+        return self.method.error(h, self.weights, self.k)
 
     def _all_but_dependent(self, h: float, y: list[float]) -> list[float]:
         """A state beside x that is not empty where rows are all but dependent within the way of the step
@@ -407,7 +438,7 @@ class Integrator:
         left = sizes_of(kinds, [c - a for a, c in zip(self.x, nudged)])
         for i, kind in enumerate(kinds):
             if left[kind] > self.reached[kind]:
-                self.noise[i] = left[kind] / abs(h)
+                self.play[i] = left[kind] / abs(h)
         for kind, (a, b, reach) in enumerate(zip(moved, left, self.reached)):
             if kind == 0 and reach > 1.0:
                 reach = 1.0
@@ -436,29 +467,15 @@ class Integrator:
         parts = dop853_parts(self.k)
         for row, new in zip(other, parts):
             row[:] = [a - b for a, b in zip(row, new)]
-        change = self._parts_norm(other, h)
-        if not change > 0.1 * self._parts_norm(parts, h):
+        change = parts_norm(other, self.weights, h)
+        if not change > 0.1 * parts_norm(parts, self.weights, h):
             return error, z
         self.rhs += 11
         status, y = dop853_stages(self.problem, self.t, self.x, h, self.k, self.lam)  # the step as it was
         parts = dop853_parts(self.k)
         if not self.tangents(t, y, parts):
             return error, y
-        return self._parts_norm(parts, h), y
-
-    def _parts_norm(self, parts: list[list[float]], h: float) -> float:
-        """The norm of an error with such parts; see `dop853_error`."""
-        sums = []
-        for part in parts:
-            total = 0.0
-            for weight, a in zip(self.weights, part):
-                e = a / weight
-                total += e * e
-            sums.append(total)
-        total = sums[0] + 0.01 * sums[1]
-        if total == 0.0:
-            return 0.0
-        return abs(h) * sums[0] * sqrt(1.0 / (len(self.weights) * total))
+        return parts_norm(parts, self.weights, h), y
 
     def _adapt(self, size: float, error: float, lands: bool, rejected: bool) -> None:
         """The size of the next step."""

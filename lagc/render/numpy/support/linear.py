@@ -104,16 +104,13 @@ class Equations:
         self._functions["reaches"](self.p, t, x, sizes, values)
         return values
 
-    def nearby(self, t: float, x: Sequence[float], count: int) -> tuple[int, list[float]]:
-        """A status and the rates where time, state and parameters differ by four units of their last
-        place, another way for each `count`."""
-        turn, n, p = 2 * count + 3, self.nq + self.nv, self.p
+    def shaken(self, t: float, x: Sequence[float], count: int) -> tuple[float, list[float], list[float]]:
+        """Time, state and parameters changed by four units of their last place, another way for each
+        `count`."""
+        turn, n = 2 * count + 3, self.nq + self.nv
         y = [a * NEARLY[(i + 1) * turn >> 1 & 1] for i, a in enumerate(x[:n])]
-        rates = [0.0] * self.nx
-        self.p = [a * NEARLY[(n + i + 1) * turn >> 1 & 1] for i, a in enumerate(p)]
-        status = self.rhs(t * NEARLY[turn >> 1 & 1], [*y, *x[n:]], rates, [0.0] * self.nc)
-        self.p = p
-        return status, rates
+        p = [a * NEARLY[(n + i + 1) * turn >> 1 & 1] for i, a in enumerate(self.p)]
+        return t * NEARLY[turn >> 1 & 1], [*y, *x[n:]], p
 
     def assemble(self, t: float, x: Sequence[float]) -> int:
         """Factors of [M G^T; G 0] at (t, x) for `solve`; a status."""

@@ -15,7 +15,7 @@ class Problem(Protocol):
     One that counts its `fallbacks` and knows its `redundant_rows` may have them as attributes; so may
     one whose parameters `p` may change between steps, or that remembers that rows were `lost` at the
     last state.  One with a method `tangents` (see `Equations`) has errors of steps judged without what
-    projection removes, one with a method `nearby` without what is rounding.
+    projection removes, one with a method `shaken` without what is rounding.
     """
 
     nq: int
