@@ -14,7 +14,7 @@ from lagc.run.names import state_name
 from lagc.run.problem import System, Trajectory
 from lagc.run.rounding import ULP, generic, picked, rates_at
 
-FAINT = 1e4  # times the rounding of its rates over the time: a kind that goes farther moves
+FAINT = 1e4  # times the rounding of its rates over the time: a kind that goes farther soon moves
 SEVERAL = 10.0  # times what is seen at a few states is rounding
 LITTLE = 1e-3  # of its rates is left where speeds are put back to zero: a kind that moves by these alone
 MOST_NAMED = 6  # states of a kind
@@ -26,13 +26,19 @@ Bounds = dict[int, float]  # by kind (place in the groups): how far rounding may
 def still_kinds(system: System, run: Trajectory, groups: Sizes, changes: Sequence[float]) -> Bounds:
     """Those that rounding alone moves.  `groups`: the indices of the states of each kind, and their size;
     `changes`: of each rate, where arithmetic is rounded otherwise."""
+    if len(run.states) < 2:
+        return {}
     span, first, nq = abs(run.times[-1] - run.times[0]), run.states[0], system.nq
     fresh = [k for k, (group, _) in enumerate(groups) if not any(first[i] for i in group)]
     noise = [span * max(changes[i] for i in group) for group, _ in groups]
-    speeds = [k for k in fresh if groups[k][0][0] >= nq and noise[k] > 0.0 and groups[k][1] <= FAINT * noise[k]]
+    # later, rounding may have grown: that is not looked at
+    soon = run.states[: picked(run)[1] + 1]
+    speeds = [k for k in fresh if groups[k][0][0] >= nq and noise[k] > 0.0
+              and max(abs(x[i]) for x in soon for i in groups[k][0]) <= FAINT * noise[k]]  # fmt: skip
     if not speeds:
         return {}
-    states = [(run.times[k], run.states[k]) for k in picked(run)]
+    states = [(run.times[k], run.states[k]) for k in picked(run)
+              if all(abs(run.states[k][i]) <= SEVERAL * noise[s] for s in speeds for i in groups[s][0])]  # fmt: skip
     before = _largest(system, states, ())
     after = _largest(system, states, [i for k in speeds for i in groups[k][0]])
     places = [k for k in fresh if groups[k][0][0] < nq

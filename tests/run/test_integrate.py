@@ -89,6 +89,19 @@ def test_the_number_of_steps_may_be_limited() -> None:
     assert run.times == [0.1] and run.t < 100.0 and run.x[0] == pytest.approx(cos(run.t), abs=1e-7)
 
 
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_one_attempt_a_call_gets_on(method: str) -> None:
+    """Also where each first step is far too long: what was learned from a rejection is kept."""
+    run = Integrator(Oscillator(), Options(method, first_step=50.0), 0.0, [1.0, 0.0])
+    calls = 0
+    while run.t < 10.0 and calls < 1000:
+        calls += 1
+        run.options.max_steps = 1
+        assert run.advance(10.0) in (OK, MAX_STEPS)
+    assert run.t == 10.0 and run.steps + run.rejected == calls
+    assert run.x[0] == pytest.approx(cos(10.0), abs=1e-6)
+
+
 def test_an_interruption_keeps_what_was_computed() -> None:
     def progress(t: float) -> None:
         if t > 3.0:

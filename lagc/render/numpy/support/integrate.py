@@ -111,7 +111,7 @@ class Integrator:
         self.longest = 0.0  # step that was tried at first
         self.departing = False  # this attempt at a step is not the first
         self.listening = False  # the error of the last step was judged with its rounding
-        self.recalled = 0.0  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
+        self.recalled = 0.0  # 1 where rounding made a step good, less the longer ago that is; 0: forgotten
         self.noise = [0.0] * (problem.nq + problem.nv)  # that rounding, of the rates
         self.play = self.noise  # rates that what projection leaves of coordinates is over a step
 
