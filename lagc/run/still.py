@@ -8,6 +8,7 @@ off as rounding brings them.  What it moves by is rounding summed up, of no size
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import isfinite
 
 from lagc.run.distance import Sizes, sizes
 from lagc.run.names import state_name
@@ -26,19 +27,20 @@ Bounds = dict[int, float]  # by kind (place in the groups): how far rounding may
 def still_kinds(system: System, run: Trajectory, groups: Sizes, changes: Sequence[float]) -> Bounds:
     """Those that rounding alone moves.  `groups`: the indices of the states of each kind, and their size;
     `changes`: of each rate, where arithmetic is rounded otherwise."""
-    if len(run.states) < 2:
+    if len(run.states) < 2 or not all(map(isfinite, changes)):
         return {}
     span, first, nq = abs(run.times[-1] - run.times[0]), run.states[0], system.nq
     fresh = [k for k, (group, _) in enumerate(groups) if not any(first[i] for i in group)]
     noise = [span * max(changes[i] for i in group) for group, _ in groups]
-    # later, rounding may have grown: that is not looked at
-    soon = run.states[: picked(run)[1] + 1]
+    where = picked(run)
+    soon = run.states[: where[1] + 1]  # later, rounding may have grown: that is not looked at
     speeds = [k for k in fresh if groups[k][0][0] >= nq and noise[k] > 0.0
               and max(abs(x[i]) for x in soon for i in groups[k][0]) <= FAINT * noise[k]]  # fmt: skip
     if not speeds:
         return {}
-    states = [(run.times[k], run.states[k]) for k in picked(run)
-              if all(abs(run.states[k][i]) <= SEVERAL * noise[s] for s in speeds for i in groups[s][0])]  # fmt: skip
+    small = [(i, SEVERAL * noise[k]) for k in speeds for i in groups[k][0]]
+    states = [(run.times[k], run.states[k]) for k in where
+              if all(abs(run.states[k][i]) <= limit for i, limit in small)]  # fmt: skip
     before = _largest(system, states, ())
     after = _largest(system, states, [i for k in speeds for i in groups[k][0]])
     places = [k for k in fresh if groups[k][0][0] < nq
