@@ -175,6 +175,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     if choice.scene is not None:
         return [*_faults(tree, choice, roots, known).values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
+    models: set[str | None] = set()
     for v in variants(tree, choice.model, roots):
         each = replace(
             choice,
@@ -183,14 +184,30 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             with_effects=(*choice.with_effects, *v.with_effects),
             without_effects=(*choice.without_effects, *v.without_effects),
         )
-        found = _faults(tree, each, roots, known)
+        # The first look at a model tells what is wrong between its scenes.
+        file = _with_scene(tree, v.scene) if v.scene and v.model in models else tree
+        models.add(v.model)
+        found = _faults(file, each, roots, known)
         if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
-            without = _faults(tree, alone, roots, known)
+            without = _faults(file, alone, roots, known)
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
     return [*faults.values(), *_unknown(choice, known)]
+
+
+def _with_scene(tree: Tree, name: str) -> Tree:
+    """`tree` without the other scenes of its models: of n scenes, each is looked at n times else."""
+    from lagc.frontend.tree import Declaration, ModelDeclaration, Package, Scene
+
+    def left(declarations: Sequence[Declaration]) -> tuple[Declaration, ...]:
+        kept = [d for d in declarations if not isinstance(d, Scene) or d.name == name]
+        return tuple(
+            [replace(d, body=left(d.body)) if isinstance(d, ModelDeclaration | Package) else d for d in kept]
+        )
+
+    return replace(tree, declarations=left(tree.declarations))
 
 
 def _faults(

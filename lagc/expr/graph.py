@@ -54,6 +54,7 @@ BINARY: dict[str, Callable[[float, float], float]] = {
 Number: TypeAlias = "float | int"
 
 
+MOST_FACTORS = 16  # of one product; more are products of products
 _ROUNDING = 2.0**-51  # of the terms: what is left of decimal numbers that cancel
 
 
@@ -318,11 +319,19 @@ class Graph:
                 items.append((b.index, b, e))
         if len(items) > 1:
             items.sort()
+            if len(items) > MOST_FACTORS:
+                return self._nested(items)
         elif not items:
             return self.one
         elif items[0][2] == 1:
             return items[0][1]
         return self._intern("mul", tuple([b for _, b, _ in items]), tuple([e for _, _, e in items]))
+
+    def _nested(self, items: list[tuple[int, Node, int]]) -> Node:
+        """A product of products, so that its derivatives are not as many products of as many factors."""
+        first, rest = items[:MOST_FACTORS], items[MOST_FACTORS:]
+        inner = self._intern("mul", tuple([b for _, b, _ in first]), tuple([e for _, _, e in first]))
+        return self._monomial({inner: 1, **{b: e for _, b, e in rest}})
 
     def _without_roots(self, powers: dict[Node, int]) -> Node:
         """sqrt(u)^2 = u wherever sqrt(u) is a number."""

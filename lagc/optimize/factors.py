@@ -5,7 +5,7 @@ Only what keeps the value up to rounding and is certain to pay: nothing is distr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from heapq import heappop, heappush
 
 from lagc.expr.graph import Graph, Node
@@ -208,7 +208,7 @@ class _Pairs:
     def __init__(self, rows: list[list[int]]) -> None:
         self.rows = rows
         self.counts: dict[tuple[int, int], int] = {}
-        self.heap: list[tuple[int, tuple[int, int]]] = []  # stale entries are dropped when met
+        self.heap: list[tuple[int, tuple[int, int]]] = []  # a count may be too large: it is put right when met
         self.holders: dict[tuple[int, int], dict[int, None]] = {}  # rows, as an ordered set
         for number in range(len(rows)):
             self._add(number, 1)
@@ -216,10 +216,13 @@ class _Pairs:
     def most_common(self) -> tuple[int, int] | None:
         """The pair that most rows hold (or one row twice), at least two."""
         while self.heap:
-            count, pair = self.heap[0]
-            if -count == self.counts[pair]:
+            known, pair = self.heap[0]
+            count = self.counts[pair]
+            if -known == count:
                 return pair
             heappop(self.heap)
+            if 1 < count < -known:
+                heappush(self.heap, (-count, pair))
         return None
 
     def replace(self, pair: tuple[int, int], by: int) -> None:
@@ -227,28 +230,30 @@ class _Pairs:
         for number in sorted(self.holders[pair]):
             row = self.rows[number]
             if i in row and (row.count(i) > 1 if i == j else j in row):
-                self._add(number, -1)
+                self._add(number, -1, pair)
                 while i in row and (row.count(i) > 1 if i == j else j in row):
                     row.remove(i)
                     row.remove(j)
                     row.append(by)
-                self._add(number, 1)
+                self._add(number, 1, (*pair, by))
 
-    def _add(self, number: int, sign: int) -> None:
+    def _add(self, number: int, sign: int, changing: Iterable[int] | None = None) -> None:
+        """Count the pairs of a row, or those with the factors `changing` alone."""
         held: dict[int, int] = {}
         for k in self.rows[number]:
             held[k] = held.get(k, 0) + 1
-        keys = sorted(held)
-        for n, i in enumerate(keys):
+        left = sorted(held)
+        for i in left[:] if changing is None else sorted({k for k in changing if k in held}):
+            left.remove(i)
             if held[i] > 1:
                 self._count(number, (i, i), sign * (held[i] // 2))
-            for j in keys[n + 1 :]:
-                self._count(number, (i, j), sign * min(held[i], held[j]))
+            for j in left:
+                self._count(number, (i, j) if i < j else (j, i), sign * min(held[i], held[j]))
 
     def _count(self, number: int, pair: tuple[int, int], change: int) -> None:
         count = self.counts[pair] = self.counts.get(pair, 0) + change
         self.holders.setdefault(pair, {})[number] = None
-        if count > 1:
+        if change > 0 and count > 1:
             heappush(self.heap, (-count, pair))
 
 
