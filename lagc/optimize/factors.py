@@ -208,7 +208,7 @@ class _Pairs:
     def __init__(self, rows: list[list[int]]) -> None:
         self.rows = rows
         self.counts: dict[tuple[int, int], int] = {}
-        self.heap: list[tuple[int, tuple[int, int]]] = []  # a count may be too large: it is put right when met
+        self.heap: list[tuple[int, tuple[int, int]]] = []  # counts, perhaps too large
         self.holders: dict[tuple[int, int], dict[int, None]] = {}  # rows, as an ordered set
         for number in range(len(rows)):
             self._add(number, 1)

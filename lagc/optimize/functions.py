@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
@@ -14,27 +15,44 @@ from lagc.optimize.kinds import kinds, rates
 from lagc.optimize.kkt import applied_forces, row_comments
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
+from lagc.records import replace
 
 _MOST_TERMS = 1000
+_MOST_ZEROS = 3000  # that are stored one by one
 _TINY = 1e-300  # stands for zero where it divides zero
 _BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be rounding of theirs
 
 
 def system(places: Places, seldom: bool) -> Function:
     """M, r = tau - h, G and gamma for a dense solve; zeros of M and G are stored too."""
-    equations, zero = places.equations, places.graph.zero
-    n = len(equations.v)
-    packed = [equations.mass_matrix.get((i, j), zero) for i in range(n) for j in range(i + 1)]
-    jacobian = [row.jacobian.get(j, zero) for row in equations.rows for j in range(n)]
+    equations, n = places.equations, len(places.equations.v)
+    packed = {i * (i + 1) // 2 + j: node for (i, j), node in equations.mass_matrix.items()}
+    jacobian = {k * n + j: node for k, row in enumerate(equations.rows) for j, node in row.jacobian.items()}
     return _function(
         places, "system", STATE,
         (
-            ("qdot", equations.qdot), ("M", packed), ("r", applied_forces(equations)),
-            ("G", jacobian), ("gamma", [row.gamma for row in equations.rows]),
+            ("qdot", equations.qdot), ("M", _matrix(places, packed, n * (n + 1) // 2)),
+            ("r", applied_forces(equations)), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
+            ("gamma", [row.gamma for row in equations.rows]),
         ),
         "mass matrix, forces and constraint rows",
         seldom=seldom,
     )  # fmt: skip
+
+
+class Sparse(NamedTuple):
+    """An array of `length` with few `entries`."""
+
+    length: int
+    entries: dict[int, Node]
+
+
+def _matrix(places: Places, entries: Mapping[int, Node], length: int) -> Sparse | list[Node]:
+    """All entries of a matrix or, where zeros are very many, the others."""
+    found = {k: node for k, node in sorted(entries.items()) if not node.is_zero}
+    if length - len(found) > _MOST_ZEROS:
+        return Sparse(length, found)
+    return [found.get(k, places.graph.zero) for k in range(length)]
 
 
 def displace(places: Places) -> Function | None:
@@ -267,7 +285,7 @@ def _function(
     places: Places,
     name: str,
     inputs: tuple[str, ...],
-    outputs: tuple[tuple[str, Sequence[Node]], ...],
+    outputs: tuple[tuple[str, Sequence[Node] | Sparse], ...],
     description: str,
     comments: Sequence[str] = (),
     seldom: bool = False,
@@ -277,11 +295,15 @@ def _function(
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
         following = iter(lower(places, block, nodes)[1])
-        for number, (array, length) in enumerate(lengths):
-            for k in range(length):
+        for number, (array, indices) in enumerate(stored):
+            for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""
                 block.store(array, k, next(following), comment)
         return block.function(name, inputs, lengths, description)
 
-    lengths = tuple([(array, len(part)) for array, part in outputs])
-    return cheapest(places.graph, [node for _, part in outputs for node in part], make, seldom)
+    sparse = {array: part for array, part in outputs if isinstance(part, Sparse)}
+    dense = {array: part for array, part in outputs if not isinstance(part, Sparse)}
+    lengths = tuple([(a, sparse[a].length if a in sparse else len(dense[a])) for a, _ in outputs])
+    stored = [(a, sparse[a].entries if a in sparse else range(len(dense[a]))) for a, _ in outputs]
+    nodes = [node for a, _ in outputs for node in (sparse[a].entries.values() if a in sparse else dense[a])]
+    return replace(cheapest(places.graph, nodes, make, seldom), cleared=tuple(sparse))

@@ -169,7 +169,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
                 value = sorted(value.items())
             digest.update(f"{name}={value!r}\n".encode())
     for name, function in functions.items():
-        digest.update(f"{name} {function.inputs} {function.outputs}\n".encode())
+        digest.update(f"{name} {function.inputs} {function.outputs}{function.cleared or ''}\n".encode())
         lines = [f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]
         lines += [f"{s.array}[{s.index}]={s.value}" for s in function.stores]
         digest.update("\n".join(lines).encode())

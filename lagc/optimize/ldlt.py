@@ -13,6 +13,7 @@ matrices*, SIAM J. Optim. 5 (1995), for the signs of the pivots.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from heapq import heapify, heappop, heappush
 
 from lagc.optimize.block import Block
 from lagc.records import dataclass
@@ -44,21 +45,24 @@ def eliminate(speeds: int, multipliers: int, entries: Iterable[Entry]) -> Elimin
     """Choose the order; None where no order without pivoting exists (a massless speed that no
     constraint gives a mass, a row that touches no speed)."""
     size = speeds + multipliers
-    kept = tuple(sorted(set(entries)))
+    there = set(entries)
+    kept = tuple(sorted(there))
     near: list[set[int]] = [set() for _ in range(size)]
     for i, j in kept:
         if i != j:
             near[i].add(j)
             near[j].add(i)
-    massive = [(k, k) in set(kept) for k in range(size)]
-    left = set(range(size))
+    massive = [(k, k) in there for k in range(size)]
     order: list[int] = []
     lower: list[Entry] = []
-    while left:
-        pivot = _choose(left, near, massive, speeds)
-        if pivot is None:
-            return None
-        left.discard(pivot)
+    heap = [rank for k in range(size) if (rank := _rank(k, near, massive, speeds)) is not None]
+    heapify(heap)
+    while heap:
+        rank = heappop(heap)
+        pivot = rank[-1]
+        if rank != _rank(pivot, near, massive, speeds):
+            continue  # it has another by now, or is gone
+        massive[pivot] = False
         order.append(pivot)
         around = sorted(near[pivot])
         for i in around:
@@ -67,24 +71,22 @@ def eliminate(speeds: int, multipliers: int, entries: Iterable[Entry]) -> Elimin
             near[i].update(around)
             near[i].discard(i)
             massive[i] = True
+        for i in around:
+            new = _rank(i, near, massive, speeds)
+            if new is not None:
+                heappush(heap, new)
+    if len(order) < size:
+        return None
     return Elimination(speeds, multipliers, tuple(order), kept, tuple(lower))
 
 
-def _choose(left: set[int], near: Sequence[set[int]], massive: Sequence[bool], speeds: int) -> int | None:
-    best: int | None = None
-    best_rank: tuple[int, int, int] | None = None
-    for k in sorted(left):
-        if not massive[k]:
-            continue
-        ready = 1
-        if k >= speeds:
-            if any(j < speeds and massive[j] for j in near[k]):
-                continue
-            ready = 0
-        rank = (ready, len(near[k]), k)
-        if best_rank is None or rank < best_rank:
-            best, best_rank = k, rank
-    return best
+def _rank(
+    k: int, near: Sequence[set[int]], massive: Sequence[bool], speeds: int
+) -> tuple[int, int, int] | None:
+    """How soon unknown k is eliminated; None where it cannot be now."""
+    if not massive[k] or (k >= speeds and any(j < speeds and massive[j] for j in near[k])):
+        return None
+    return int(k < speeds), len(near[k]), k
 
 
 def flops(plan: Elimination) -> int:

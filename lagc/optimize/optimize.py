@@ -16,6 +16,7 @@ from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
+SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 
 
 def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
@@ -54,15 +55,17 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
 
 
 def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
-    """The elimination, where the right-hand side stays within `LARGEST` operations."""
-    if len(entries) > LARGEST:
+    """The elimination, where the right-hand side stays within `LARGEST` operations, or as many for each
+    unknown as where little is coupled."""
+    most = max(LARGEST, SPARSE * (len(equations.v) + len(equations.rows)))
+    if len(entries) > most:
         return None
     right = [*kkt.applied_forces(equations), *(row.gamma for row in equations.rows)]
     size = len(reachable([*entries.values(), *right]))
-    if size > 2 * LARGEST:
+    if size > 2 * most:
         return None
     plan = kkt.order_of(equations, entries)
-    return plan if plan and size + flops(plan) <= LARGEST else None
+    return plan if plan and size + flops(plan) <= most else None
 
 
 def _functions(

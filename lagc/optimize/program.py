@@ -55,6 +55,7 @@ class Function:
     stores: tuple[Store, ...]
     description: str = ""
     comments: dict[int, str] = field(default_factory=dict)
+    cleared: tuple[str, ...] = ()  # outputs that are zero but for what is stored
 
     @property
     def cost(self) -> int:

@@ -52,7 +52,9 @@ def function_text(
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
     )
-    body = lines(function, dialect, locals_)
+    size = dict(function.outputs)
+    body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
+    body += lines(function, dialect, locals_)
     name = f"lagc_fn_{function.name}"
     about = f"/* {comment(function.description)} */\n" if function.description else ""
     if len(body) <= LONGEST:

@@ -143,7 +143,9 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) ->
     outputs = [name for name, _ in function.outputs]
     inputs = [name for name in function.inputs if name not in outputs]
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
-    body = lines(function, DIALECT, locals_) or ["pass"]
+    size = dict(function.outputs)
+    body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
+    body += lines(function, DIALECT, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
     text = [f"def fn_{function.name}({', '.join(order)}):"]
     if description:

@@ -1,0 +1,136 @@
+"""What compiling costs grows with the model, no faster, where nothing couples its parts.
+
+Work is counted, not timed: calls of functions, and elements that lists are extended by.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from types import FrameType
+from typing import Any
+
+import pytest
+
+from lagc import compiler
+from lagc.compiler import Choice
+from lagc.diagnostics.faults import Source
+from lagc.frontend.format import format_source
+
+POINT = """  parameter Mass m = 1 [kg];
+  parameter Length L = 1 [m];
+  parameter Energy E = 1 [J];
+  coordinate Length x(start = 1), y;
+  body b = Particle(mass = m, at = {x, y, 0});
+"""
+
+
+def model(lines: Callable[[int], str], n: int, first: str = POINT, last: str = "") -> str:
+    return f"model M\n{first}" + "".join(lines(k) for k in range(n)) + last + "end M;\n"
+
+
+def parameters(n: int) -> str:
+    return model(lambda k: f"  parameter Real p{k} = {k};\n", n)
+
+
+def constants(n: int) -> str:
+    first = f"{POINT}  constant Real c0 = 1;\n"
+    return model(lambda k: f"  constant Real c{k + 1} = c{k} + 1/{k + 1};\n", n, first)
+
+
+def outputs(n: int) -> str:
+    return model(lambda k: f"  output Length o{k} = {k}*x + y;\n", n)
+
+
+def effects(n: int) -> str:
+    used = ", ".join(f"e{k}" for k in range(n))
+    return model(
+        lambda k: f"  effect e{k}\n    force f{k} = {{{k} [N], 0, 0}} at b;\n  end e{k};\n", n,
+        last=f"  scene s uses {used};\n",
+    )  # fmt: skip
+
+
+def scenes(n: int) -> str:
+    one = POINT + "  effect g\n    Gravity field;\n  end g;\n"
+    return model(lambda k: f"  scene s{k} uses g\n    start x = {k} [m];\n  end s{k};\n", n, one)
+
+
+def a_sum(n: int) -> str:
+    terms = " + ".join(f"sin({k + 1}*x/L)" for k in range(n))
+    return model(lambda _: "", 0, last=f"  potential V = E*({terms});\n")
+
+
+def a_product(n: int) -> str:
+    factors = "*".join(f"(1 + x/L/{k + 2})" for k in range(n))
+    return model(lambda _: "", 0, last=f"  potential V = E*{factors};\n")
+
+
+def instances(n: int) -> str:
+    ball = (
+        "model Ball\n  coordinate Length x(start = 1);\n  body b = Particle(mass = 3 [kg], at = {x, 0, 0});\n"
+        "  potential V = 1/2*(1 [N/m])*x^2;\nend Ball;\n"
+    )
+    return f"{ball}model M\n  Ball a[{n}];\nend M;\n"
+
+
+def through(text: str) -> None:
+    source = Source("m.lag", text)
+    equations = compiler.derive(compiler.resolve(compiler.parse(source), Choice()))
+    program = compiler.optimize(equations, work=True)
+    compiler.render(program, "c")
+    compiler.render(program, "numpy")
+
+
+def checked(text: str) -> None:
+    assert compiler.check(Source("m.lag", text), Choice()) == []
+
+
+def formatted(text: str) -> None:
+    format_source(Source("m.lag", text))
+
+
+def work(job: Callable[[str], None], text: str) -> int:
+    """Calls, and elements that lists are extended by."""
+    count, before = 0, 0
+
+    def look(frame: FrameType, event: str, called: Any) -> None:
+        nonlocal count, before
+        count += event in ("call", "c_call")
+        if event[0] == "c" and getattr(called, "__name__", "") == "extend" and type(called.__self__) is list:
+            if event == "c_call":
+                before = len(called.__self__)
+            elif event == "c_return":
+                count += len(called.__self__) - before
+
+    sys.setprofile(look)
+    try:
+        job(text)
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+CASES = [
+    (through, parameters, 200), (through, constants, 100), (through, outputs, 100), (through, effects, 100),
+    (through, a_sum, 100), (through, a_product, 50), (checked, scenes, 10), (formatted, parameters, 100),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("job", "make", "n"), CASES, ids=[f"{c[1].__name__}-{c[0].__name__}" for c in CASES])
+def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[int], str], n: int) -> None:
+    job(make(2))  # what is loaded once
+    one, two, four = (work(job, make(k * n)) for k in (1, 2, 4))
+    assert four - two < 2.4 * (two - one)  # twice as much, where it is linear
+
+
+def test_coordinates_that_nothing_couples_are_solved_one_by_one() -> None:
+    """The operations of a right-hand side, and the text of the generated code."""
+    sizes = []
+    for n in (250, 500, 1000):
+        equations = compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", instances(n))), Choice()))
+        program = compiler.optimize(equations, work=True)
+        assert program.interface.solve == "straight"
+        texts = [compiler.render(program, target) for target in ("c", "numpy")]
+        sizes.append((program.interface.operations, *(sum(map(len, t.values())) for t in texts)))
+    for one, two, four in zip(*sizes):
+        assert four - two < 2.4 * (two - one)
