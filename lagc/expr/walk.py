@@ -38,6 +38,18 @@ def missing(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
     return sorted(seen, key=_index)
 
 
+def linked(nodes: Iterable[Node], links: Mapping[Node, Sequence[Node]]) -> list[Node]:
+    """Every node that `links` lead to from `nodes`, they included, arguments before users."""
+    seen = set(nodes)
+    stack = list(seen)
+    while stack:
+        for node in links[stack.pop()]:
+            if node not in seen:
+                seen.add(node)
+                stack.append(node)
+    return sorted(seen, key=_index)
+
+
 def symbols(nodes: Iterable[Node]) -> set[Node]:
     """The symbols that `nodes` are made of."""
     return {node for node in reachable(nodes) if node.op == "symbol"}

@@ -20,7 +20,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, add, cross, matvec, scale
-from lagc.expr.walk import depends, reachable
+from lagc.expr.walk import depends, linked
 from lagc.meaning.model import Body
 from lagc.mechanics.states import States, seeds
 from lagc.records import dataclass
@@ -77,17 +77,29 @@ def mass_matrix(states: States, parts: Sequence[Moving]) -> dict[tuple[int, int]
     graph = states.graph
     flat = [x for part in parts for x in part.velocity]
     moving = depends(flat, states.v)
-    within = [node for node in reachable(flat) if node in moving]
+    arguments = {node: [a for a in node.args if a in moving] for node in moving}
+    users: dict[Node, list[Node]] = {node: [] for node in moving}
+    for node, below in arguments.items():
+        for a in below:
+            users[a].append(node)
+    carried: dict[Node, list[int]] = {}
+    for k, part in enumerate(parts):
+        for node in part.velocity:
+            carried.setdefault(node, []).append(k)
     index = {v: i for i, v in enumerate(states.v)}
     matrix: dict[tuple[int, int], Node] = {}
     for i, speed in enumerate(states.v):
-        partial = tangent(graph, flat, {speed: graph.one}, within)
+        # Only what this speed changes, and what that depends on, is looked at.
+        changed = linked([speed], users) if speed in moving else []
+        driven = [parts[k] for k in sorted({k for node in changed for k in carried.get(node, ())})]
+        partial = tangent(graph, [x for part in driven for x in part.velocity], {speed: graph.one}, changed)
         pairs: list[tuple[Node, Node]] = []
-        for k, part in enumerate(parts):
-            x, y, z = partial[3 * k : 3 * k + 3]
-            if not (x.is_zero and y.is_zero and z.is_zero):
-                pairs.extend(zip(part.velocity, part.momentum((x, y, z))))
-        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1], within)
+        for part, rate in zip(driven, _triples(partial)):
+            if not all(x.is_zero for x in rate):
+                pairs.extend(zip(part.velocity, part.momentum(rate)))
+        within = linked([node for node, _ in pairs if node in moving], arguments)
+        wrt = [node for node in within if index.get(node, i + 1) <= i]
+        row = gradient(graph, seeds(graph, pairs), sorted(wrt, key=index.__getitem__), within)
         matrix.update(((i, index[v]), node) for v, node in row.items())
     return matrix
 

@@ -16,6 +16,7 @@ from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.frontend.format import format_source
+from lagc.meaning.instantiate import Builder
 
 POINT = """  parameter Mass m = 1 [kg];
   parameter Length L = 1 [m];
@@ -81,10 +82,6 @@ def through(text: str) -> None:
     compiler.render(program, "numpy")
 
 
-def checked(text: str) -> None:
-    assert compiler.check(Source("m.lag", text), Choice()) == []
-
-
 def formatted(text: str) -> None:
     format_source(Source("m.lag", text))
 
@@ -112,7 +109,7 @@ def work(job: Callable[[str], None], text: str) -> int:
 
 CASES = [
     (through, parameters, 200), (through, constants, 100), (through, outputs, 100), (through, effects, 100),
-    (through, a_sum, 100), (through, a_product, 50), (checked, scenes, 10), (formatted, parameters, 100),
+    (through, a_sum, 100), (through, a_product, 30), (formatted, parameters, 100),
 ]  # fmt: skip
 
 
@@ -120,13 +117,36 @@ CASES = [
 def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[int], str], n: int) -> None:
     job(make(2))  # what is loaded once
     one, two, four = (work(job, make(k * n)) for k in (1, 2, 4))
-    assert four - two < 2.4 * (two - one)  # twice as much, where it is linear
+    most = 2.6 if make is a_product else 2.25  # twice as much, where it is linear
+    assert four - two < most * (two - one)
+
+
+def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[int] = []
+    one = Builder._one
+
+    def counting(self: Builder, *arguments: Any) -> None:
+        seen[-1] += 1
+        one(self, *arguments)
+
+    monkeypatch.setattr(Builder, "_one", counting)
+    for n in (5, 10, 20):
+        seen.append(0)
+        assert compiler.check(Source("m.lag", scenes(n)), Choice()) == []
+    assert seen[2] - seen[1] < 2.25 * (seen[1] - seen[0])
+
+
+def test_scenes_are_compared_where_they_are_checked_one_by_one() -> None:
+    """What is wrong with two scenes together, in each of two models."""
+    text = scenes(3) + scenes(3).replace("model M", "model N").replace("end M", "end N").replace("s1", "s2")
+    faults = compiler.check(Source("m.lag", text), Choice())
+    assert [(f.code, f.span.line > 12) for f in faults if f.span] == [("LAG0202", True)]
 
 
 def test_coordinates_that_nothing_couples_are_solved_one_by_one() -> None:
     """The operations of a right-hand side, and the text of the generated code."""
     sizes = []
-    for n in (250, 500, 1000):
+    for n in (200, 400, 800):
         equations = compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", instances(n))), Choice()))
         program = compiler.optimize(equations, work=True)
         assert program.interface.solve == "straight"
