@@ -6,29 +6,52 @@ import os
 import shutil
 import subprocess
 import sys
+import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+HATCH = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]
+SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]["include"]]
+
+
+def checkout(target: Path) -> Path:
+    """What the repository has under version control, as far as it is shipped, in a folder of its own."""
+    leave = shutil.ignore_patterns("__pycache__", "tables.json", "*.pyc")
+    target.mkdir(parents=True)
+    for pattern in SHIPPED:
+        for path in ROOT.glob(pattern.removeprefix("/")):
+            if path.is_dir():
+                shutil.copytree(path, target / path.name, ignore=leave)
+            else:
+                shutil.copy(path, target / path.name)
+    return target
+
+
+def build(source: Path, **environment: str) -> Path:
+    """The folder of the sdist and the wheel of `source`."""
+    pytest.importorskip("hatchling")
+    kept = {name: value for name, value in os.environ.items() if name != "SOURCE_DATE_EPOCH"}
+    command = [sys.executable, "-m", "hatchling", "build", "-d", "dist"]
+    subprocess.run(
+        command, cwd=source, env={**kept, **environment}, check=True, capture_output=True, timeout=120
+    )
+    return source / "dist"
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(checkout(tmp_path_factory.mktemp("built") / "source"), PYTHONHASHSEED="0")
+
+
+@pytest.fixture(scope="module")
+def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as `pip install` lays it out, outside of the checkout."""
-    pytest.importorskip("hatchling")
-    folder = tmp_path_factory.mktemp("wheel")
-    source = folder / "source"
-    for name in ("lagc", "grammar", "models"):
-        leave = shutil.ignore_patterns("__pycache__", "tables.json")
-        shutil.copytree(ROOT / name, source / name, ignore=leave)
-    for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, source / name)
-    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
-    subprocess.run(build, cwd=source, check=True, capture_output=True, timeout=120)
-    site = folder / "site"
-    with zipfile.ZipFile(next(folder.glob("*.whl"))) as archive:
+    site = tmp_path_factory.mktemp("wheel") / "site"
+    with zipfile.ZipFile(next(built.glob("*.whl"))) as archive:
         archive.extractall(site)
     return site
 
@@ -63,3 +86,44 @@ def test_nothing_is_left_behind(installed: Path) -> None:
     for path in (ROOT / "lagc").rglob("*"):
         if path.suffix in (".py", ".c", ".h"):
             assert (installed / "lagc" / path.relative_to(ROOT / "lagc")).is_file(), path
+
+
+def test_two_builds_have_the_same_bytes(built: Path, tmp_path: Path) -> None:
+    """Elsewhere, with other rights, times, locale and order of hashes; and from what the sdist holds."""
+    other = checkout(tmp_path / "a longer name" / "of a folder")
+    for path in [other, *other.rglob("*")]:
+        path.chmod(0o700 if path.is_dir() else 0o600)
+        os.utime(path, (1_000_000_000, 1_000_000_000))
+    again = build(other, PYTHONHASHSEED="77", LC_ALL="C", TZ="Asia/Tokyo", LAGC_CACHE="")
+    with tarfile.open(next(again.glob("*.tar.gz"))) as archive:
+        archive.extractall(tmp_path, filter="data")
+    third = build(next(tmp_path.glob("lagc-*")))
+    for first in built.iterdir():
+        assert {path.read_bytes() for path in (first, again / first.name, third / first.name)} == {
+            first.read_bytes()
+        }
+    assert len(list(built.iterdir())) == 2
+
+
+def test_the_sdist_holds_what_tests_and_licence_need(built: Path) -> None:
+    with tarfile.open(next(built.glob("*.tar.gz"))) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+        owners = {(member.uid, member.gid, member.uname) for member in archive.getmembers()}
+    assert {
+        "LICENSE",
+        "SECURITY.md",
+        "requirements-dev.lock",
+        "docs/embedding.md",
+        "tests/conftest.py",
+    } <= names
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    tracked = {name for name in listed.stdout.splitlines() if not name.startswith(".ci/")}
+    assert tracked <= names and len(owners) == 1
+
+
+def test_the_wheel_holds_its_licence_and_bounds(installed: Path) -> None:
+    (folder,) = installed.glob("lagc-*.dist-info")
+    assert (folder / "licenses" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()
+    text = (folder / "METADATA").read_text(encoding="utf-8")
+    assert "License-Expression: MIT" in text and "Requires-Dist: numpy<3,>=" in text
+    assert str(ROOT) not in text

@@ -145,7 +145,7 @@ def _in_order(automaton: dict[str, Any]) -> list[int]:
 
 
 def _rule(rule: Any) -> tuple[str, int, str | None, Recipe]:
-    origin: str = rule.origin.name
+    origin = str(rule.origin.name)  # in Lark 1.2 a token
     recipe: list[int] = []
     written = rule.options.empty_indices or (False,) * len(rule.expansion)
     position = 0
@@ -157,7 +157,7 @@ def _rule(rule: Any) -> tuple[str, int, str | None, Recipe]:
         if rule.options.keep_all_tokens or not (symbol.is_term and symbol.filter_out):
             recipe.append(position)
         position += 1
-    callback: str | None = rule.alias or origin
+    callback: str | None = str(rule.alias or origin)
     if rule.alias is None and (origin.startswith("_") or (rule.options.expand1 and len(recipe) == 1)):
         callback = None
     return origin, len(rule.expansion), callback, tuple(recipe)

@@ -79,7 +79,7 @@ static void lagc_listen_along(const lagc_params *p, lagc_state *s, double h, int
 
 #if LAGC_NH
 /* The norm of an error with such parts; see lagc_dop853_error. */
-static double lagc_parts_norm(double h, double parts[2][LAGC_NX], const lagc_work *w)
+static double lagc_parts_norm(double h, double (*parts)[LAGC_NX], const lagc_work *w)
 {
     const int n = LAGC_NQ + LAGC_NV;
     double sums[2], e, total;
