@@ -97,18 +97,17 @@ def scales(places: Places) -> Function:
 
 
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
-    """`sizes`, where all terms of a row may vanish at least a share of those of the other rows of its unit:
-    what holds a point at the origin is judged by more than the rounding it is left with."""
+    """`sizes`, where all terms of a row may vanish at least a share of the largest of its unit: what holds
+    a point at the origin is judged by more than the rounding it is left with."""
     graph, found = places.graph, list(sizes)
     moving = {*places.equations.q, *places.equations.v}
+    largest: dict[str, Node] = {}
+    for row, size in zip(rows, sizes):
+        largest[row.unit] = graph.binary("max", largest[row.unit], size) if row.unit in largest else size
     for i, row in enumerate(rows):
-        if all(moving & symbols([part]) for part in terms(graph, row.residual)):
-            largest = graph.zero
-            for j, other in enumerate(rows):
-                if j != i and other.unit == row.unit:
-                    largest = graph.binary("max", largest, sizes[j])
-            if largest is not graph.zero:
-                found[i] = graph.binary("max", sizes[i], _BESIDE * largest)
+        alone = largest[row.unit] is sizes[i]
+        if not alone and all(moving & symbols([part]) for part in terms(graph, row.residual)):
+            found[i] = graph.binary("max", sizes[i], _BESIDE * largest[row.unit])
     return found
 
 

@@ -48,6 +48,12 @@ _HEADERS = """
     wchar wctype memory malloc unistd new con aux nul prn
 """
 _TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r)\d+")
+# What constants of some header begin with, as F_OK or FE_INVALID, that those of a model may be called too.
+_FAMILIES = """
+    backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap lc lmem map mb mm pc prsec pwr
+    r reg regs s sc sem si siid status stock tcp w wait wm wn x
+"""
+FAMILIES = frozenset(_FAMILIES.split())
 HEADERS = frozenset(_HEADERS.split())  # names that a model's files must not take
 
 
@@ -99,8 +105,9 @@ class Names:
 
 def prefix(model: str) -> str:
     """What every public symbol of the generated C begins with, less the underscore: FourBar's is
-    `four_bar`."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
+    `four_bar`, F's `f_model`, as F_OK is a constant of POSIX."""
+    name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
+    return f"{name}_model" if name in FAMILIES else name
 
 
 def stem(model: str) -> str:

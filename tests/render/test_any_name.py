@@ -18,7 +18,7 @@ import pytest
 from lagc import compiler
 from lagc.api import CompiledModel
 from lagc.diagnostics.faults import Refused, Source
-from lagc.render.names import Names, is_reserved
+from lagc.render.names import Names, is_reserved, prefix
 from lagc.view.equations import write as equations_as
 from tests.render.tools import COMPILERS, call, present, write
 
@@ -197,3 +197,17 @@ def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> 
         assert run.status == "ok" and abs(run[words[3]][-1] - math.cos(0.5)) < 1e-5
         built += 1
     assert built > 0
+
+
+def test_no_constant_of_a_model_is_one_of_a_header() -> None:
+    """FE_INVALID is of fenv.h, and would be of a model FE."""
+    source = Source("any.lag", MODEL.format("Zyxw", *"abcdefghijk"))
+    header = compiler.render(compiler.program(source, compiler.Choice()), "c")["zyxw.h"]
+    endings = {word.removeprefix("ZYXW_") for word in re.findall(r"ZYXW_\w+", header)}
+    taken = set(of_headers())
+    heads = {word.rpartition(f"_{ending}")[0] for word in taken for ending in endings
+             if word.endswith(f"_{ending}")}  # fmt: skip
+    assert heads or not taken
+    for head in (head for head in heads if "_" not in head):
+        own = prefix(head.capitalize())
+        assert not {f"{own.upper()}_{ending}" for ending in endings} & taken
