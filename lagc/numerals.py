@@ -10,7 +10,7 @@ _WHOLE = r"[+-]?[0-9]{1,4000}"
 _NONE = r"(?i)[+-]?(?:nan|inf|infinity)"
 _SIZE = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*([KMG]?)B?"
 _SECONDS = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
-_TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*\[?(s|min|h|d|)\]?"
+_TIME = r"([0-9]{1,18}(?:\.[0-9]{1,18})?)\s*(?:(s|min|h|d)|\[(s|min|h|d)\])?"
 
 
 def number(text: str) -> float | None:
@@ -28,7 +28,7 @@ def size(text: str) -> float | None:
 def seconds(text: str) -> float | None:
     """The seconds that `text`, as `90`, `10min` or `2h`, stands for; None where it is none."""
     found = re.fullmatch(_TIME, text.strip(), re.ASCII)
-    return None if found is None else float(found[1]) * _SECONDS[found[2]]
+    return None if found is None else float(found[1]) * _SECONDS[found[2] or found[3] or ""]
 
 
 def whole(text: str) -> int | None:

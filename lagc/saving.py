@@ -3,7 +3,8 @@
 What is written goes into a file of its own beside the target, is flushed to the disk, and takes the
 target's name when all of it is there: whoever opens the target finds what it was before, or all of what
 it is now, whatever happened in between.  Links are followed to the file that they name.  What is no
-regular file (a pipe, a device, the standard output) is written straight.
+regular file (a pipe, a device, the standard output) is written straight; a pipe only where somebody reads
+it, or comes to within `READER`.
 """
 
 from __future__ import annotations
@@ -11,38 +12,42 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedWriter
+from time import monotonic, sleep
 from types import TracebackType
-from typing import IO
 
-LONGEST = 60  # characters of the target's name in that of the file beside it, which has to stay a name
+LONGEST = 60  # bytes of a file's name in that of another one, which has to stay a name
+READER = 5.0  # s in which the reader of a pipe has to come
 _NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # by file systems that cannot
 
 
 class Files:
     """Files that take their names one after the other, in the order in which they were opened, when each
-    of them is whole; none does where one fails.
+    of them is whole; none does where one cannot be written.
 
         with Files() as files:
             files.open("a.csv").write(data)
 
     With an exception in the block, or where one cannot be written, every target stays as it was and
-    nothing is left beside it.  Without `sync` a target is still never half a file while the machine runs.
+    nothing is left beside it.  Where a name is refused to what is written, those that were taken before
+    are not given back.  Without `sync` a target is still never half a file while the machine runs.
     """
 
     def __init__(self, sync: bool = True):
         self.sync = sync
         self._drafts: list[_Draft] = []
 
-    def open(self, path: str, fresh: bool = False) -> IO[bytes]:
+    def open(self, path: str, fresh: bool = False) -> BufferedWriter:
         """What is written to it becomes the file `path`.  An old one keeps its mode and owner; `fresh`
         demands that there is none.  Raises OSError, FileExistsError among them."""
         straight = None if fresh else _straight(path)
         if straight is not None:
             self._drafts.append(_Draft(straight))
             return straight
-        target = path if fresh else os.path.realpath(path)
+        target = os.path.realpath(path) if os.path.islink(path) and not fresh else path
         old = _status(target)
         if old is not None and fresh:
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), path)
@@ -51,7 +56,7 @@ class Files:
         if old is not None and not os.access(target, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
         folder, base = os.path.split(target)
-        beside = os.path.join(folder, f".{base[:LONGEST]}.{os.urandom(6).hex()}.lagc-tmp")
+        beside = os.path.join(folder, f".{shortened(base)}.{os.urandom(6).hex()}.lagc-tmp")
         draft = _Draft(None, beside, target, fresh)
         self._drafts.append(draft)  # before there is such a file: a signal may come at any time
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -84,6 +89,37 @@ def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> Non
     """Make `data` the content of the file `path`.  Raises OSError, and then it is as it was."""
     with Files(sync) as files:
         files.open(path, fresh).write(data)
+
+
+def shortened(name: str) -> str:
+    """What stands for the name of a file in that of another one: as much of it as any folder takes."""
+    return os.fsencode(name)[:LONGEST].decode(sys.getfilesystemencoding(), "ignore")
+
+
+def obstacle(path: str) -> str:
+    """Why `path` cannot be written, as far as that shows before; empty where nothing is in the way."""
+    folder = os.path.dirname(os.path.realpath(path) if os.path.islink(path) else path) or "."
+    if not os.path.isdir(folder):
+        return f"there is no folder `{folder}`"
+    try:
+        old = _status(path)
+    except OSError as error:  # no name for a file, links in a circle
+        return os.strerror(error.errno or 0)
+    if old is not None and stat.S_ISDIR(old.st_mode):
+        return "it is a folder"
+    needed = [path] if old is not None else []
+    if old is None or stat.S_ISREG(old.st_mode):
+        needed.append(folder)
+    return "" if all(os.access(each, os.W_OK) for each in needed) else "permission denied"
+
+
+def may_wait(path: str) -> bool:
+    """Whether writing `path` may last as long as another process likes."""
+    try:
+        old = _status(path)
+    except OSError:
+        return False
+    return old is not None and not stat.S_ISREG(old.st_mode)
 
 
 @contextmanager
@@ -119,7 +155,7 @@ def _temporary_folder() -> str:
 class _Draft:
     """A file that is being written: `beside` its `target`, or straight where it has none."""
 
-    def __init__(self, file: IO[bytes] | None, beside: str = "", target: str = "", fresh: bool = False):
+    def __init__(self, file: BufferedWriter | None, beside: str = "", target: str = "", fresh: bool = False):
         self.file, self.beside, self.target, self.fresh = file, beside, target, fresh
 
     def finish(self, sync: bool) -> None:
@@ -141,13 +177,13 @@ class _Draft:
         """Nothing is left of it but what took its place."""
         if self.file is not None:
             with suppress(OSError):
-                self.file.close()
+                self.file.raw.close()  # what it still holds is not wanted, and might wait for a reader
         if self.beside:
             with suppress(OSError):
                 os.unlink(self.beside)
 
 
-def _straight(path: str) -> IO[bytes] | None:
+def _straight(path: str) -> BufferedWriter | None:
     """`path` opened, where it is no regular file, or one that is our own output already."""
     old = _status(path)
     if old is None or stat.S_ISDIR(old.st_mode):
@@ -158,7 +194,24 @@ def _straight(path: str) -> IO[bytes] | None:
                 return os.fdopen(os.dup(own), "wb")
     if stat.S_ISREG(old.st_mode):
         return None
-    return os.fdopen(os.open(path, os.O_WRONLY | getattr(os, "O_BINARY", 0)), "wb")
+    return os.fdopen(_unwaiting(path) if hasattr(os, "O_NONBLOCK") else os.open(path, os.O_WRONLY), "wb")
+
+
+def _unwaiting(path: str) -> int:
+    """`path`, a pipe or a device, opened without waiting for ever; its descriptor."""
+    end = monotonic() + READER
+    while True:
+        try:
+            number = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError as error:
+            if error.errno != errno.ENXIO:
+                raise
+            if monotonic() > end:
+                raise OSError(errno.ENXIO, "nobody reads it", path) from None
+            sleep(0.02)
+        else:
+            os.set_blocking(number, True)
+            return number
 
 
 def _status(path: str) -> os.stat_result | None:
@@ -170,13 +223,20 @@ def _status(path: str) -> os.stat_result | None:
 
 
 def _like(path: str, old: os.stat_result) -> None:
-    """Give `path` the mode of `old` and, where that is allowed, its owner."""
+    """Give `path` the mode of `old` and, as far as that is allowed, its owner and group.  What is granted
+    to a group that it does not get is granted to no other."""
+    mode = stat.S_IMODE(old.st_mode)
     if hasattr(os, "chown"):
+        for field, wanted in (("st_gid", (-1, old.st_gid)), ("st_uid", (old.st_uid, -1))):
+            if getattr(os.stat(path), field) != getattr(old, field):
+                with suppress(OSError):
+                    os.chown(path, *wanted)
         own = os.stat(path)
-        if (own.st_uid, own.st_gid) != (old.st_uid, old.st_gid):
-            with suppress(OSError):
-                os.chown(path, old.st_uid, old.st_gid)
-    os.chmod(path, stat.S_IMODE(old.st_mode))
+        if own.st_gid != old.st_gid:
+            mode &= ~(stat.S_IRWXG | stat.S_ISGID)
+        if own.st_uid != old.st_uid:
+            mode &= ~stat.S_ISUID
+    os.chmod(path, mode)
 
 
 def _link(beside: str, target: str) -> None:

@@ -13,7 +13,7 @@ from lagc.cli.exits import Usage
 from lagc.cli.options import assignments, quantity
 from lagc.frontend.lexer import _PATTERN as TOKEN
 from lagc.meaning.units import UnknownUnit, unit
-from lagc.numerals import number, whole
+from lagc.numerals import number, seconds, whole
 
 DIGITS = [chr(c) for c in range(128, 0x20000) if unicodedata.category(chr(c)) in ("Nd", "No")]
 
@@ -52,6 +52,17 @@ def test_digits_of_other_scripts_are_none() -> None:
             quantity(digit, "s", "--stop")
         with pytest.raises(UnknownUnit):
             unit(f"m{digit}")
+
+
+def test_a_time_is_a_number_with_one_unit_of_time_bare_or_in_brackets() -> None:
+    units = {"s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+    for name, factor in units.items():
+        for form in (f"2.5{name}", f" 2.5 {name} ", f"2.5[{name}]", f"2.5 [{name}]"):
+            assert seconds(form) == 2.5 * factor
+        for form in (f"2.5[{name}", f"2.5{name}]", f"2.5[[{name}]]", f"2.5]{name}[", f"2.5[{name}]]", name):
+            assert seconds(form) is None, form
+    assert seconds("2.5") == 2.5
+    assert all(seconds(form) is None for form in ("2.5[", "2.5]", "2.5[]", "2.5[m]", "-1", "1e3", "1_0"))
 
 
 def test_python_takes_text_no_less_strictly() -> None:

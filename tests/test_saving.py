@@ -5,10 +5,12 @@ from __future__ import annotations
 import errno
 import os
 import random
+import signal
 import stat
 import sys
 import threading
 from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 from typing import IO, Any
 
@@ -149,6 +151,43 @@ def test_an_old_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Path) 
         os.umask(old)
 
 
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="other users")
+def test_no_group_gets_what_was_granted_to_another(tmp_path: Path) -> None:
+    """Written by each user, in the group of the file or not, what is granted stays granted to the same
+    group, or to none."""
+    ours, secret, user, other = 40_001, 40_002, 40_003, 40_004
+    folder = tmp_path / "all"
+    folder.mkdir()
+    folder.chmod(0o777)
+    path = str(folder / "file")
+    for owner, mode, groups in product((user, other), (0o640, 0o666, 0o2770, 0o4762), ([secret], [])):
+        (folder / "file").write_bytes(OLD)
+        os.chown(path, owner, secret)
+        os.chmod(path, mode)
+        child = os.fork()
+        if child == 0:
+            os.chdir(folder)  # which those above need not let them see
+            os.setgroups(groups)
+            os.setgid(ours)
+            os.setuid(user)
+            try:
+                saving.write("file", NEW)
+            except PermissionError:
+                os._exit(1)
+            os._exit(0)
+        done = os.waitpid(child, 0)[1] == 0
+        allowed = owner == user or mode & 0o002 or (groups and mode & 0o020)
+        found = os.stat(path)
+        kept = stat.S_IMODE(found.st_mode)
+        case = owner, oct(mode), groups
+        assert done == bool(allowed), case
+        if done:
+            assert found.st_uid == user and (found.st_gid == secret) == bool(groups), case
+            lost = (0 if groups else 0o2070) | (0 if owner == user else 0o4000)
+            assert kept & 0o777 == mode & ~lost & 0o777 and not kept & lost, (case, oct(kept))
+        os.unlink(path)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="links")
 def test_links_are_followed(tmp_path: Path) -> None:
     (tmp_path / "far").mkdir()
@@ -191,7 +230,87 @@ def test_a_fresh_file_replaces_none(tmp_path: Path) -> None:
     assert path.read_bytes() == OLD and [p.name for p in tmp_path.iterdir()] == ["x"]
 
 
-def test_the_longest_name_that_a_folder_takes_is_written(tmp_path: Path) -> None:
-    for name in ("x" * 255, "\N{SNOWMAN}" * 85):
+@pytest.mark.parametrize("letter", ["x", "\N{LATIN SMALL LETTER E WITH ACUTE}", "\N{SNOWMAN}", "\U0001f600"])
+def test_whatever_name_a_folder_takes_is_written(letter: str, tmp_path: Path) -> None:
+    most, size = os.pathconf(tmp_path, "PC_NAME_MAX"), len(letter.encode())
+    for before in range(size):  # so that names are cut within every byte of a letter
+        for length in (saving.LONGEST, saving.LONGEST + 8, most):
+            name = "a" * before + letter * ((length - before) // size)
+            assert saving.obstacle(str(tmp_path / name)) == ""
+            saving.write(str(tmp_path / name), NEW)
+            assert (tmp_path / name).read_bytes() == NEW
+        assert saving.obstacle(str(tmp_path / (name + letter))) == os.strerror(errno.ENAMETOOLONG)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names that are no text")
+def test_names_that_are_no_text_are_written(tmp_path: Path) -> None:
+    chance = random.Random(2)
+    for length in (1, 59, 60, 61, 255):
+        name = os.fsdecode(bytes(chance.choice(range(128, 256)) for _ in range(length)))
         saving.write(str(tmp_path / name), NEW)
         assert (tmp_path / name).read_bytes() == NEW
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="the longest path")
+def test_the_longest_path_is_written_relative_to_where_one_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for _ in range(20):  # a current folder whose name alone is longer than a path may be
+        os.mkdir("x" * 255)
+        os.chdir("x" * 255)
+    saving.write("here", NEW)
+    with open("here", "rb") as file:
+        assert file.read() == NEW
+
+
+def test_what_is_in_the_way_shows_before(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_bytes(OLD)
+    for name in ("folder", "file/x", "nowhere/x", "x" * 300):
+        assert saving.obstacle(str(tmp_path / name)), name
+        with pytest.raises(OSError):
+            saving.write(str(tmp_path / name), NEW)
+    for name in ("file", "new"):
+        assert saving.obstacle(str(tmp_path / name)) == "", name
+
+
+pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+
+
+@pipes
+def test_a_pipe_waits_for_its_reader_but_not_for_ever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pipe, found = tmp_path / "pipe", []
+    os.mkfifo(pipe)
+    late = threading.Timer(0.3, lambda: found.append(pipe.read_bytes()))
+    late.start()
+    saving.write(str(pipe), NEW)
+    late.join()
+    assert found == [NEW]
+    monkeypatch.setattr(saving, "READER", 0.1)
+    with pytest.raises(OSError, match="nobody reads it"):
+        saving.write(str(pipe), NEW)
+
+
+@pipes
+def test_a_pipe_whose_reader_reads_nothing_is_given_up_by_an_interrupt(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    before = signal.signal(signal.SIGALRM, lambda *_: interrupt())
+    try:
+        for size in (70_000, 1 << 20):  # more than a pipe holds
+            signal.setitimer(signal.ITIMER_REAL, 0.2)
+            with pytest.raises(KeyboardInterrupt), saving.Files() as files:
+                files.open(str(tmp_path / "beside")).write(NEW)
+                file = files.open(str(pipe))
+                for _ in range(0, size, 1000):
+                    file.write(bytes(1000))
+                file.flush()
+            assert [path.name for path in tmp_path.iterdir()] == ["pipe"]
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+        os.close(reader)

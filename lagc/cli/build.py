@@ -56,7 +56,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def write(files: dict[str, str], folder: str) -> list[str]:
-    """Write each text, all or none; the paths.  Raises Usage or Unwritten where that cannot be done."""
+    """Write each text whole, none where one cannot be written; the paths.  Raises Usage or Unwritten."""
     paths = {name: os.path.join(folder, name) for name in files}
     try:
         os.makedirs(folder, exist_ok=True)

@@ -74,16 +74,25 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
 
 def kept(path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...]) -> str | None:
     """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
-    folder or in that of temporary files, and say so; the name of what was written."""
+    folder or in that of temporary files, and say so; the name of what was written.  What waits for others
+    is given up where a signal comes."""
+    from lagc.saving import may_wait, shortened
+
+    waiting = may_wait(path)
     try:
-        write(path)
+        with SIGNALS.patience(not waiting):
+            write(path)
         return path
     except failures as error:
         say(f"lagc: {_reason(path, error)}")
+    except KeyboardInterrupt:
+        if not waiting:
+            raise
+        say(f"lagc: `{path}` is not written: interrupted")
     import tempfile
 
     stem, ending = os.path.splitext(os.path.basename(path))
-    name = f"{stem}-{os.urandom(4).hex()}{ending}"
+    name = f"{shortened(stem)}-{os.urandom(4).hex()}{ending}"
     for folder in (os.getcwd, tempfile.gettempdir):
         try:
             other = os.path.join(folder(), name)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
     from lagc.limits import Limits
     from lagc.run.request import Quantity
 
-_ASSIGNMENT = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*", re.ASCII)
+_SPACES = " \t\n\r\f\v"
 
 
 def add_general_options(parser: argparse.ArgumentParser, json: bool = True) -> None:
@@ -117,12 +116,23 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
     """
     found: dict[str, tuple[float, str | None]] = {}
     for word in words:
-        match = _ASSIGNMENT.fullmatch(word)
-        value = number(match[2]) if match else None
-        if match is None or value is None:
+        name, _, quantity = word.partition("=")
+        name = name.strip(_SPACES)
+        value = _valued(quantity)
+        if not name or value is None or any(space in name for space in _SPACES):
             raise Usage(f"`{option} {word}` is not of the form name=value or name=value[unit]")
-        found[match[1]] = (value, match[3])
+        found[name] = value
     return found
+
+
+def _valued(word: str) -> tuple[float, str | None] | None:
+    """`value` or `value[unit]`; None where it is neither."""
+    digits, bracket, rest = word.strip(_SPACES).partition("[")
+    value = number(digits.rstrip(_SPACES))
+    unit = rest[:-1] if bracket else None
+    if value is None or (unit is not None and (rest[-1:] != "]" or "[" in unit or "]" in unit)):
+        return None
+    return value, None if unit is None else unit.strip(_SPACES)
 
 
 def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
@@ -136,11 +146,10 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     """A number with an optional unit, `20`, `20[s]`, `20 [ms]`, in SI; None stays None."""
     if word is None:
         return None
-    match = _ASSIGNMENT.fullmatch(f"value={word}")
-    value = number(match[2]) if match else None
-    if match is None or value is None:
+    found = _valued(word)
+    if found is None:
         raise Usage(f"`{option} {word}` is not a number" + (", or a number with a [unit]" if unit else ""))
-    given = match[3]
+    value, given = found
     if given is None:
         return value
     from lagc.meaning.units import UnknownUnit, to_si

@@ -48,10 +48,11 @@ class Signals:
         self.noted = True
 
     @contextmanager
-    def patience(self) -> Iterator[None]:
-        """What is done inside is finished, though a signal comes."""
+    def patience(self, wanted: bool = True) -> Iterator[None]:
+        """What is done inside is finished, though a signal comes; where it is not `wanted`, also inside of
+        such a block, the first one ends it."""
         before = self.patient
-        self.patient, self.noted = True, False
+        self.patient, self.noted = wanted, False
         try:
             yield
         finally:

@@ -112,12 +112,15 @@ def check_files(options: argparse.Namespace) -> None:
         if find_spec("matplotlib") is None:
             raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'")
     if options.plot:
+        from lagc.saving import obstacle
+
         ending = os.path.splitext(options.plot)[1].lower()
         if ending not in PICTURES:
             known = " ".join(PICTURES)
             raise Usage(f"`{options.plot}` cannot be drawn: the ending says the format; there are {known}")
-        if not os.path.isdir(os.path.dirname(options.plot) or "."):
-            raise Usage(f"`{options.plot}` cannot be drawn: there is no such folder")
+        reason = obstacle(options.plot)
+        if reason:
+            raise Usage(f"`{options.plot}` cannot be drawn: {reason}")
 
 
 def request_of(options: argparse.Namespace) -> Request:

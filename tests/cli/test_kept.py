@@ -114,6 +114,22 @@ def test_where_nothing_can_be_written_the_result_is_printed(
     assert not [p for p in here.rglob("*") if p.is_file()]
 
 
+@pytest.mark.parametrize("letter", ["x", "\N{LATIN SMALL LETTER E WITH ACUTE}", "\N{SNOWMAN}", "\U0001f600"])
+def test_a_long_name_is_written_or_kept_or_refused_before(
+    letter: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    most, size = os.pathconf(here, "PC_NAME_MAX"), len(letter.encode())
+    name = letter * ((most - len(".csv.json")) // size) + ".csv"
+    assert main([*SIM, "-o", str(here / "far" / name)]) == 0
+    content = (here / "far" / name).read_bytes()
+    assert main([*SIM, "-o", str(here / "far" / f"xxxx{name}")]) == 2  # what is beside it has no name
+    assert main([*SIM, "--plot", str(here / "far" / f"xxxxxxxxx{name[:-4]}.svg")]) == 2
+    after_the_run(monkeypatch, lambda: shutil.rmtree(here / "far"))
+    capsys.readouterr()
+    assert main([*SIM, "-o", str(here / "far" / name)]) == 74
+    assert kept(here, capsys.readouterr().err).read_bytes() == content
+
+
 def test_what_shows_before_is_wrong_usage(here: Path, capsys: Capture) -> None:
     (here / "far" / "run.csv.json").mkdir()
     for path in ("nowhere/run.csv", "far/run.csv", "../far/run.csv", "run"):

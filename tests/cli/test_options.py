@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import random
+import re
+import time
+from contextlib import suppress
+
 import pytest
 
 from lagc.cli.exits import Usage
 from lagc.cli.main import COMMANDS, main
-from lagc.cli.options import assignments
+from lagc.cli.options import assignments, quantity
+from lagc.numerals import number, seconds, size
 
 
 @pytest.mark.parametrize(
@@ -28,6 +34,39 @@ def test_an_assignment_is_read(word: str, name: str, value: float, unit: str | N
 def test_what_is_no_assignment_is_wrong_usage(word: str) -> None:
     with pytest.raises(Usage, match="name=value"):
         assignments([word], "-p")
+
+
+FORM = re.compile(r"\s*([^=\s]+)\s*=\s*([^\[\]]+?)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*", re.ASCII)
+
+
+def test_words_of_every_kind_are_read_as_the_form_says() -> None:
+    chance, taken = random.Random(3), 0
+    for _ in range(30_000):
+        word = "".join(chance.choice("a=1[]. \t\N{NO-BREAK SPACE}") for _ in range(chance.randrange(1, 9)))
+        word = chance.choice(("", "a=", "a=1", "a=1[")) + word
+        match = FORM.fullmatch(word)
+        value = number(match[2]) if match else None
+        if match is None or value is None:
+            with pytest.raises(Usage):
+                assignments([word], "-p")
+        else:
+            taken += 1
+            assert assignments([word], "-p") == {match[1]: (value, match[3])}, repr(word)
+    assert taken > 1000
+
+
+@pytest.mark.parametrize("long", [" ", "x ", "1", "1 ", "[", "]", "[ ", " ]", "=", "= ", "e", ".", "-", "m."])
+def test_a_long_word_is_read_at_once(long: str) -> None:
+    began = time.process_time()
+    for before, after in [("", ""), ("a", ""), ("a=", ""), ("a=1", "x["), ("a=1[", ""), ("a=1[", "x"),
+                          ("a", "=1"), ("a=", "1[m"), ("a=1[", "]"), (" ", "=")]:  # fmt: skip
+        word = before + long * (100_000 // len(long)) + after
+        with suppress(Usage):
+            assignments([word], "-p")
+        with suppress(Usage):
+            quantity(word, "s", "--stop")
+        assert seconds(word) is None and size(word) is None
+    assert time.process_time() - began < 5.0  # a quadratic reader takes minutes
 
 
 def test_every_command_has_help(capsys: pytest.CaptureFixture[str]) -> None:

@@ -127,11 +127,10 @@ def _has(package: str) -> bool:
     return find_spec(package) is not None
 
 
-def started(words: list[str], **more: str) -> subprocess.Popen[str]:
+def started(words: list[str], folder: Path | None = None, **more: str) -> subprocess.Popen[str]:
     command = [sys.executable, "-m", "lagc", *words]
-    return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment(**more)
-    )
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=folder,
+                            env=environment(**more))  # fmt: skip
 
 
 LONG = ["sim", "simple_pendulum", "--backend", "numpy", "--stop", "1e5", "--rtol", "1e-12", "--every", "1"]
@@ -174,3 +173,27 @@ def test_the_compiler_goes_too_with_all_that_it_started(tmp_path: Path) -> None:
     assert not list((tmp_path / "tmp").iterdir())
     state = Path(f"/proc/{pid.read_text().strip()}/stat")
     assert not state.exists() or state.read_text().split()[2] in "ZX"
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("reader", [False, True])
+def test_a_pipe_that_nobody_reads_is_given_up_and_its_content_kept(
+    name: str, reader: bool, tmp_path: Path
+) -> None:
+    pipe, number = tmp_path / "run.csv", getattr(signal, name)
+    os.mkfifo(pipe)
+    reads = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK) if reader else None
+    words = ["sim", "simple_pendulum", "-q", "--backend", "numpy", "--points", "5001", "-o", "run.csv"]
+    process = started(words, tmp_path)
+    end = time.monotonic() + 30.0
+    while not list(tmp_path.glob(".run.csv.json.*")) and time.monotonic() < end:
+        time.sleep(0.01)
+    time.sleep(0.3)  # it waits for somebody to read, or to read on
+    process.send_signal(number)
+    said = process.communicate(timeout=30)[1]
+    if reads is not None:
+        os.close(reads)
+    assert process.returncode == 128 + number and "interrupted" in said and "Traceback" not in said
+    kept = [path.name for path in tmp_path.iterdir() if path != pipe]
+    assert len(kept) == 2 and all(name in said or name.endswith(".csv.json") for name in kept), kept
+    assert all(is_whole(tmp_path / name) for name in kept)

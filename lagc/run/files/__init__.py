@@ -7,6 +7,8 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from lagc.saving import obstacle
+
 if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
@@ -19,7 +21,8 @@ class CannotSave(Exception):
 
 
 def check_path(path: str) -> str:
-    """The format's module name.  Raises CannotSave where the ending is unknown, or the folder is absent."""
+    """The format's module name.  Raises CannotSave where the ending is unknown, or something is
+    in the way."""
     ending = os.path.splitext(path)[1].lower()
     if ending not in FORMATS:
         known = " ".join(FORMATS)
@@ -28,23 +31,10 @@ def check_path(path: str) -> str:
     if ending == ".parquet" and find_spec("pyarrow") is None:
         raise CannotSave(f"`{path}` needs the package pyarrow: pip install 'lagc[parquet]'")
     for each in (path, f"{path}.json") if ending == ".csv" else (path,):
-        reason = _obstacle(each)
+        reason = obstacle(each)
         if reason:
             raise CannotSave(f"`{each}` cannot be written: {reason}")
     return FORMATS[ending]
-
-
-def _obstacle(path: str) -> str:
-    """Why `path` cannot be written, as far as can be seen; empty where nothing is in the way."""
-    folder = os.path.dirname(path if not os.path.islink(path) else os.path.realpath(path)) or "."
-    if not os.path.isdir(folder):
-        return f"there is no folder `{folder}`"
-    if os.path.isdir(path):
-        return "it is a folder"
-    beside = [] if os.path.exists(path) and not os.path.isfile(path) else [folder]
-    if not all(os.access(each, os.W_OK) for each in (path, *beside) if os.path.exists(each)):
-        return "permission denied"
-    return ""
 
 
 def save(solution: Solution, path: str, units: bool = False) -> None:
