@@ -79,7 +79,8 @@ class Rounding:
         return max((t for t, g in zip(times, grown) if drift * g <= accuracy), default=times[0])
 
     def _measure(self, runs: Mapping[float, Trajectory], drift: float) -> list[float]:
-        """Of differences from the start, at each recorded time; none, where no displaced run arrives."""
+        """Of differences from the start, at each recorded time: by one side where the other does not arrive,
+        without end where neither does; none where displaced runs cannot even begin."""
         fine = back = runs[min(runs)]
         tol = max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
         near, by = self.bound < inf, FAR  # where the first displacement grew large, a larger one is vain
@@ -88,14 +89,20 @@ class Rounding:
             # kinds that rest but for the displacement would choose their first step by rounding
             step = 0.1 * abs(self.run.times[-1] - self.run.times[0]) / max(self.run.steps, 1)
             by = MAGNIFIED * max(drift, ULP)
-            there = self._displaced(tol, by, step)
-            back = self._displaced(tol, -by, step) if there.status == OK else there
-            by *= 2.0
-        if not there.status == back.status == OK:
+            sides = [self._displaced(tol, side, step) for side in (by, -by)]
+            if any(run.status != OK for run in sides):
+                sides = [self._displaced(tol, 0.0, step), *sorted(sides, key=lambda run: -len(run.states))]
+                there, back = sides[:2]
+            else:
+                there, back = sides
+                by *= 2.0
+        known = min(len(there.states), len(back.states))
+        if known < 2:
             return [1.0] * len(fine.states)
         moving = [(group, by * size) for group, size in self.groups if size > 0.0]
-        return [max([1.0, *(abs(x[i] - y[i]) / size for group, size in moving for i in group)])
-                for x, y in zip(there.states, back.states)]  # fmt: skip
+        grown = [max([1.0, *(abs(x[i] - y[i]) / size for group, size in moving for i in group)])
+                 for x, y in zip(there.states, back.states)]  # fmt: skip
+        return grown + [inf] * (len(fine.states) - known)
 
     def _displaced(self, tol: float, by: float, step: float = 0.0) -> Trajectory:
         """From the start moved in the way of rounding by that much of the sizes."""

@@ -44,6 +44,16 @@ def test_down_a_saddle(way: float) -> None:
         assert way < 26.0 or run.status == "failed"
 
 
+@pytest.mark.parametrize("way", [8.0, 14.0, 18.0, 20.0, 22.0, 26.0])
+@pytest.mark.parametrize("term", ["sqrt(x/(1 [m]))", "log(x/(1 [m]))", "(x/(1 [m]))^1.5"])
+def test_down_a_saddle_with_nothing_beyond(way: float, term: str) -> None:
+    """A term too small to move anything is undefined there: displaced to one side, a run does not arrive."""
+    for w in (0.7, 1.4):
+        text = saddle(w).replace(";\nend", f" + (1e-60 [J])*{term};\nend")
+        run = told(text, way / w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
+        assert way > 14.0 or run.status == "ok", run.message
+
+
 @pytest.mark.parametrize("seed", range(10))
 def test_a_saddle_among_oscillators(seed: int) -> None:
     """Of which the errors of the method tell nothing, with the coordinates mixed."""
