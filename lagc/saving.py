@@ -96,6 +96,16 @@ def shortened(name: str) -> str:
     return os.fsencode(name)[:LONGEST].decode(sys.getfilesystemencoding(), "ignore")
 
 
+def fitting(name: str) -> str:
+    """`name` where any folder takes it, and an ending; else its beginning with a checksum."""
+    data = os.fsencode(name)
+    if len(data) <= 2 * LONGEST:
+        return name
+    from binascii import crc32
+
+    return f"{shortened(name)}_{crc32(data):08x}"
+
+
 def obstacle(path: str) -> str:
     """Why `path` cannot be written, as far as that shows before; empty where nothing is in the way."""
     folder = os.path.dirname(os.path.realpath(path) if os.path.islink(path) else path) or "."
@@ -103,8 +113,10 @@ def obstacle(path: str) -> str:
         return f"there is no folder `{folder}`"
     try:
         old = _status(path)
-    except OSError as error:  # no name for a file, links in a circle
+    except OSError as error:  # a name that is too long, links in a circle
         return os.strerror(error.errno or 0)
+    except ValueError:  # with a NUL, or a surrogate
+        return "no file can have that name"
     if old is not None and stat.S_ISDIR(old.st_mode):
         return "it is a folder"
     needed = [path] if old is not None else []

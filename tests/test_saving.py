@@ -271,6 +271,8 @@ def test_what_is_in_the_way_shows_before(tmp_path: Path) -> None:
         assert saving.obstacle(str(tmp_path / name)), name
         with pytest.raises(OSError):
             saving.write(str(tmp_path / name), NEW)
+    for name in ("a\0b", "\ud800"):
+        assert saving.obstacle(name) and saving.obstacle(str(tmp_path / name))
     for name in ("file", "new"):
         assert saving.obstacle(str(tmp_path / name)) == "", name
 

@@ -6,6 +6,8 @@ import re
 import unicodedata
 from collections.abc import Collection, Iterable
 
+from lagc.saving import fitting
+
 # Of C, C++ and Python.
 _KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int
@@ -113,7 +115,7 @@ def prefix(model: str) -> str:
 def stem(model: str) -> str:
     """The name of the generated files, less their ending."""
     name = prefix(model)
-    return f"{name}_model" if name in HEADERS or name in RESERVED else name
+    return f"{name}_model" if name in HEADERS or name in RESERVED else fitting(name)
 
 
 def comment(text: str) -> str:

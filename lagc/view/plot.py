@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.once import RLock
 from lagc.printable import printable
-from lagc.saving import Files
+from lagc.saving import Files, fitting
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -74,7 +74,7 @@ def show(solution: Solution) -> str | None:
 def path_beside(solution: Solution) -> str:
     """The file of a picture that is given none."""
     interface = solution.system.interface
-    return f"{interface.model}_{interface.scene}.png"
+    return f"{fitting(f'{interface.model}_{interface.scene}')}.png"
 
 
 def has_display() -> bool:

@@ -155,3 +155,35 @@ def test_a_full_disk_is_no_wrong_usage(
     assert "No space left" in capsys.readouterr().err
     assert Path("ugly.lag").read_text() == ugly
     assert {p.name for p in Path().iterdir()} <= {"ugly.lag", "out"} and not list(Path().glob("out/*"))
+
+
+def test_files_that_are_named_after_a_model_have_a_name_however_long_that_is(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    pytest.importorskip("matplotlib")
+    monkeypatch.setattr("lagc.view.plot.has_display", lambda: False)
+    before: set[Path] = set()
+    for length in (59, 61, 120, 121, 254, 1000):
+        for last in "ab":  # models that differ in the end only
+            name = "A" * length + last
+            Path("m.lag").write_text(
+                f"model {name}\n  coordinate Length x;\n"
+                f"  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});\nend {name};\n",
+                encoding="utf-8",
+            )
+            words = ["sim", "m.lag", "-q", "--backend", "numpy", "--stop", "1"]
+            if length == 254:
+                words.append("--plot")
+            for each in (["build", "m.lag"], ["build", "m.lag", "--target", "numpy"], words):
+                assert main(each) == 0, (each, capsys.readouterr().err)
+            found = {path for path in Path().iterdir() if path.name != "m.lag"}
+            assert len(found - before) == (4 if length == 254 else 3)
+            before = found
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="a C compiler")
+def test_a_model_of_a_long_name_is_compiled(here: Path, capsys: Capture) -> None:
+    name = "A" * 300
+    text = f"model {name}\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});\n"
+    Path("m.lag").write_text(f"{text}end {name};\n")
+    assert main(["sim", "m.lag", "-q", "--backend", "c", "--stop", "1"]) == 0, capsys.readouterr().err
