@@ -12,7 +12,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.cli.deliver import deliver
-from lagc.cli.exits import Usage
+from lagc.cli.exits import Unwritten, Usage
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
@@ -93,7 +93,8 @@ def run(options: argparse.Namespace) -> int:
             progress = Forecast(bar, stop) if options.max_time is None else bar
             found = model.run(request, parameters, progress)
         except CannotCompile as error:
-            raise Usage(f"{error}; --backend numpy needs no compiler") from None
+            wrong = Unwritten if error.full else Usage
+            raise wrong(f"{error}; --backend numpy needs no compiler") from None
     return deliver(found, options)
 
 

@@ -14,6 +14,7 @@ import pytest
 
 from lagc.api import CompiledModel, Run
 from lagc.cli.main import main
+from lagc.run.backends.compile import compiler
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 Capture = pytest.CaptureFixture[str]
@@ -187,3 +188,27 @@ def test_a_model_of_a_long_name_is_compiled(here: Path, capsys: Capture) -> None
     text = f"model {name}\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});\n"
     Path("m.lag").write_text(f"{text}end {name};\n")
     assert main(["sim", "m.lag", "-q", "--backend", "c", "--stop", "1"]) == 0, capsys.readouterr().err
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a compiler that is a script")
+def test_a_full_disk_while_compiling_is_no_wrong_usage(
+    here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    """Also where it is the compiler that tells of it; any other fault of a compiler is one of usage."""
+    words, full = ["sim", "simple_pendulum", "-q", "--backend", "c", "--stop", "1"], os.strerror(errno.ENOSPC)
+    for said, code in ((f"cc: fatal error: writing: {full}", 74), ("cc: error: syntax", 2)):
+        compiler.cache_clear()
+        Path("cc").write_text(f"#!/bin/sh\necho '{said}' >&2\nexit 1\n")
+        Path("cc").chmod(0o755)
+        monkeypatch.setenv("LAGC_CC", str(here / "here" / "cc"))
+        assert main(words) == code
+        assert full in capsys.readouterr().err or code == 2
+    for number, code in ((errno.ENOSPC, 74), (errno.EDQUOT, 74), (errno.ENOEXEC, 2)):
+
+        def fails(*_: object, number: int = number) -> None:
+            raise OSError(number, os.strerror(number))
+
+        monkeypatch.setattr("lagc.run.backends.compile._compile", fails)
+        assert main(words) == code
+        assert os.strerror(number) in capsys.readouterr().err
+    compiler.cache_clear()

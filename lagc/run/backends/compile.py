@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Mapping, Sequence
@@ -23,7 +24,12 @@ SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
 class CannotCompile(Exception):
-    """There is no C compiler, or it does not take the generated code; the message says which."""
+    """There is no C compiler, or it does not take the generated code, or the disk is `full`; the message
+    says which."""
+
+    def __init__(self, message: str, full: bool = False):
+        super().__init__(message)
+        self.full = full
 
 
 @lru_cache(maxsize=1)
@@ -71,7 +77,8 @@ def build_library(sources: Mapping[str, str]) -> bytes:
         ):
             built = file.read()
     except OSError as error:
-        raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}") from None
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}", full) from None
     if not _is_whole(built):
         raise CannotCompile(f"`{os.path.basename(words[0])}` left half a library behind")
     return built
@@ -107,7 +114,10 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
     except subprocess.TimeoutExpired:
         raise CannotCompile(f"`{words[0]}` took longer than {LONGEST:g} s") from None
     if done.returncode != 0:
-        lines = (done.stderr or done.stdout).strip().splitlines()
+        said = done.stderr or done.stdout
+        if os.strerror(errno.ENOSPC) in said:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
+        lines = said.strip().splitlines()
         first = next((line for line in lines if "error" in line), lines[0] if lines else "it said nothing")
         raise CannotCompile(f"`{os.path.basename(words[0])}` failed (exit code {done.returncode}): {first}")
     return target
