@@ -270,8 +270,7 @@ class CompiledModel:
 
         system = self._loaded.system(backend).bind(parameters)
         try:
-            with running(progress) as asked:
-                found = simulate(system, request, self.compile_s, asked)
+            found = simulate(system, request, self.compile_s, running(progress))
         except NoStart as none:
             raise self._placed(none) from None
         found.backend_reason = reason

@@ -11,6 +11,7 @@ system gives no more (`RLIMIT_AS`); where it knows no such limit there is none.
 
 from __future__ import annotations
 
+import sys
 from _thread import _local as Local
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -23,6 +24,8 @@ from lagc.diagnostics.faults import Fault, Refused
 
 ALLOWED = 60.0  # s of a stage whatever the model
 GRACE = 5.0  # s that something may take to come to an end where its results are kept
+SOON = 1e-3  # s to the next ring where one comes at a bad moment
+LONGEST = 86400.0  # s to the next ring: any timer can count that
 COMMON = 4e9  # bytes that every machine can address
 
 Progress = Callable[[float], None]
@@ -37,27 +40,33 @@ class Limits:
 
     Where `careful`, stages (`stage`) have limits of their own as long as no time is given.  At its end
     Refused is raised (LAG0801, LAG0802) where a limit ended the work.  Blocks may be inside one another:
-    the inner one counts as long as it lasts.
+    the limits of the outer ones hold in the inner ones too.
     """
 
     def __init__(self, time: float | None = None, memory: float | None = None, careful: bool = False):
         if any(limit is not None and not limit > 0.0 for limit in (time, memory)):
             raise ValueError("a limit is positive")
         self.time, self.memory, self.careful = time, memory, careful
-        self.end = inf if time is None else monotonic() + time
+        self.end = inf
+        self.limit = ""  # what ends then, in words
         self.doing = "the work"
-        self.told = ""  # what the limit is, where one was reached
+        self.told = ""  # the limit that was reached
         self.patient = False  # a ring is answered when it is asked for
         self.timer: Any = None
         self.outer: Limits | None = None
+        self.most = inf  # bytes, with what the system itself allows
         self.room: tuple[int, int] | None = None  # RLIMIT_AS before
 
     def __enter__(self) -> Limits:
         self.outer, _inside.block = _inside.block, self
-        if self.memory is not None and self.memory < inf:
+        self.told = ""
+        if self.outer is not None:
+            self.end, self.limit = self.outer.end, self.outer.limit
+        if self.time is not None:
+            self._bound_time(self.time, f"the {time_text(self.time)} that were given")
+        if self.memory is not None:
             self._bound_memory(self.memory)
-        if self.end < inf:
-            self._set(self.end)
+        self._set()
         return self
 
     def __exit__(
@@ -69,22 +78,27 @@ class Limits:
             import resource
 
             resource.setrlimit(resource.RLIMIT_AS, self.room)
-        if kind is Exhausted:
+        if self.outer is not None:
+            self.outer._set()
+        if isinstance(error, Exhausted):
             message, remedy = (
                 f"{self.doing} took longer than {self.told}",
                 "give it more: `--max-time 1h`, or `none`",
             )
             raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
-        if kind is MemoryError and self.memory is not None:
-            message = f"{self.doing} needs more memory than {size_text(self.memory)}, the limit"
+        if isinstance(error, MemoryError) and self.memory is not None:
+            most, more = "there is", None
+            if self.most < inf:
+                most = f"{size_text(self.most)}, the limit"
+                more = "allow more: `--max-memory 8G`, or `none`"
             raise Refused(
-                [Fault("LAG0802", message, remedy="allow more: `--max-memory 8G`, or `none`")]
+                [Fault("LAG0802", f"{self.doing} needs more memory than {most}", remedy=more)]
             ) from None
 
     def ask(self) -> None:
         """Raises Exhausted where the time is up."""
         if monotonic() >= self.end:
-            self.told = self.told or f"the {time_text(self.time or 0.0)} that were given"
+            self.told = self.limit
             raise Exhausted
 
     def rest(self) -> None:
@@ -95,8 +109,16 @@ class Limits:
             self.timer[0].signal(self.timer[0].SIGALRM, self.timer[1])
             self.timer = None
 
-    def _set(self, end: float) -> None:
-        """Let the timer ring at `end`, where there is one."""
+    def _bound_time(self, allowed: float, limit: str) -> None:
+        """Nothing takes longer than `allowed` s from now on, where it may so far."""
+        end = monotonic() + allowed
+        if end < self.end:
+            self.end, self.limit = end, limit
+
+    def _set(self, soonest: float = SOON) -> None:
+        """Let the timer ring at the end, or now and then before it, where there are an end and a timer."""
+        if self.end == inf:
+            return
         import signal
 
         if not hasattr(signal, "setitimer"):
@@ -106,14 +128,17 @@ class Limits:
         except ValueError:  # not the first thread
             return
         self.timer = self.timer or (signal, before)
-        signal.setitimer(signal.ITIMER_REAL, max(end - monotonic(), 1e-6))
+        signal.setitimer(signal.ITIMER_REAL, min(max(self.end - monotonic(), soonest), LONGEST))
 
     def _rang(self, number: int, frame: FrameType | None) -> None:
-        if self.patient:
+        if self.end == inf:
+            return
+        if _at_an_edge(frame) or monotonic() < self.end:
+            self._set()
+        elif self.patient:
             self.patient = False
-            self._set(monotonic() + GRACE)
+            self._set(GRACE)
         else:
-            self.end = min(self.end, monotonic())
             self.ask()
 
     def _bound_memory(self, most: float) -> None:
@@ -122,9 +147,10 @@ class Limits:
         except ImportError:
             return
         now, hard = resource.getrlimit(resource.RLIMIT_AS)
-        lower = [a for a in (now, hard) if a != resource.RLIM_INFINITY]
-        resource.setrlimit(resource.RLIMIT_AS, (int(min([most, *lower])), hard))
-        self.room = now, hard
+        self.most = min([most, *(a for a in (now, hard) if a != resource.RLIM_INFINITY)])
+        if self.most < sys.maxsize:  # else there are no addresses for more
+            resource.setrlimit(resource.RLIMIT_AS, (int(self.most), hard))
+            self.room = now, hard
 
     @contextmanager
     def stage(self, doing: str, size: float) -> Iterator[None]:
@@ -133,15 +159,29 @@ class Limits:
         if not self.careful or self.time is not None:
             yield
             return
+        before = self.end, self.limit
         allowed = ALLOWED + size
-        self.end = monotonic() + allowed
-        self.told = f"{time_text(allowed)}, which is enough for most models of this size"
-        self._set(self.end)
+        self._bound_time(allowed, f"{time_text(allowed)}, which is enough for most models of this size")
+        self._set()
         try:
             yield
         finally:
             self.rest()
-        self.told = ""
+            if not self.told:
+                self.end, self.limit = before
+                self._set()
+
+
+def _at_an_edge(frame: FrameType | None) -> bool:
+    """Whether a block begins or ends: nobody would answer there."""
+    while frame is not None:
+        if frame.f_code in _EDGES:
+            return True
+        frame = frame.f_back
+    return False
+
+
+_EDGES = (Limits.__enter__.__code__, Limits.__exit__.__code__)
 
 
 class _Inside(Local):
@@ -165,13 +205,11 @@ def stage(doing: str, size: float = 0.0) -> Iterator[None]:
             yield
 
 
-@contextmanager
-def running(progress: Progress | None) -> Iterator[Progress | None]:
+def running(progress: Progress | None) -> Progress | None:
     """`progress` for a run, which ends in time with what it computed."""
     block = _inside.block
     if block is None or block.end == inf:
-        yield progress
-        return
+        return progress
     block.doing = "the run"
 
     def asked(t: float) -> None:
@@ -180,10 +218,7 @@ def running(progress: Progress | None) -> Iterator[Progress | None]:
         if progress is not None:
             progress(t)
 
-    try:
-        yield asked
-    finally:
-        block.patient = False
+    return asked
 
 
 def reached() -> str:

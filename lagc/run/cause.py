@@ -157,7 +157,7 @@ def _fastest(system: System, run: Trajectory, t: float, x: list[float], rates: l
     norm, products = 0.0, []
     for _ in range(20):
         moved = _rates(system, t, [a + 1e-7 * w * d for a, w, d in zip(x, weights, way)])
-        if moved is None:
+        if moved is None or 0.0 in (1e-7 * w for w in weights):
             return 0.0
         change = [(b - a) / (1e-7 * w) for a, b, w in zip(rates, moved, weights)][:n]
         norm = sqrt(sum(a * a for a in change))
@@ -173,12 +173,12 @@ def growth(system: System, run: Trajectory, other: Trajectory, until: float) -> 
     """The time in which differences of two runs grow tenfold, where they grow exponentially until then:
     by as much in each part of the motion, and better so than by a power of the time.  None where not."""
     found: list[tuple[float, float]] = []
-    largest = 0.0
+    largest, span = 0.0, until - run.times[0]
     groups = [(group, size) for group, size in sizes(run, system.interface) if size > 0.0]
     for t, x, y in zip(run.times, run.states, other.states):
         largest = max([largest, *(abs(x[i] - y[i]) / size for group, size in groups for i in group)])
         if largest > 0.0 and run.times[0] < t <= until:
-            found.append((t - run.times[0], log(largest)))
+            found.append(((t - run.times[0]) / span, log(largest)))
     if len(found) < 8 or found[-1][1] - found[0][1] < 2.0 * TENFOLD:
         return None
     late = found[len(found) // 10 :]
@@ -186,7 +186,7 @@ def growth(system: System, run: Trajectory, other: Trajectory, until: float) -> 
     _, power = _line([(log(t), d) for t, d in late])
     parts = [late[k * (len(late) - 1) // 4][1] for k in range(5)]
     steady = max(b - a for a, b in pairwise(parts)) < 0.7 * (parts[-1] - parts[0])
-    return TENFOLD / slope if slope > 0.0 and rest < power and steady else None
+    return TENFOLD / slope * span if slope > 0.0 and rest < power and steady else None
 
 
 def _line(points: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -10,7 +10,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any, TypeVar
+from weakref import ref
 
+LOOK = 1.0  # s after which it is looked whether a thread has begun at all
 T = TypeVar("T")
 # FE_UPWARD and FE_DOWNWARD of <fenv.h>: x86, ARM, Microsoft's library, POWER and MIPS and s390, RISC-V
 MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100), (2, 3), (3, 2))
@@ -34,7 +36,8 @@ def directed(way: int) -> Iterator[None]:
 
 def apart(work: Callable[[], T]) -> T:
     """What `work` returns, in a thread of its own, where neither signals are handled nor objects finalised;
-    the rounding mode is a thread's own.  In this thread where the machine gives no other."""
+    the rounding mode is a thread's own.  In this thread where the machine gives no other.  Raises
+    MemoryError where the other has not enough to begin."""
     done: list[T] = []
     failed: list[BaseException] = []
     ended = allocate_lock()
@@ -55,7 +58,11 @@ def apart(work: Callable[[], T]) -> T:
             start_new_thread(run, ())
         except RuntimeError:
             run()
-        ended.acquire()
+        begun = ref(run)
+        del run
+        while not ended.acquire(timeout=LOOK):
+            if begun() is None and not ended.acquire(blocking=False):
+                raise MemoryError
     finally:
         if collecting:
             gc.enable()

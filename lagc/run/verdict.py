@@ -26,6 +26,7 @@ from lagc.run.problem import (
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
 
+STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
 UNKNOWN = "the cause is not known"
 
 
@@ -87,6 +88,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
     from lagc.run.cause import cause  # where something failed
 
+    if status == STEP_UNDERFLOW and trajectory.steps == trajectory.rejected == 0:
+        return "failed", f"the run to {stop:g} s would take more than {STEPS:g} steps: ask for a shorter one"
     own = _own_share(system, trajectory, trajectory.redundant_rows)
     why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
     if own is not None:

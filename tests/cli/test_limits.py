@@ -123,6 +123,98 @@ def test_more_memory_than_allowed_is_told_and_the_limit_goes() -> None:
     bytearray(1 << 26)
 
 
+@pytest.mark.parametrize(
+    ("outer", "inner", "ended"),
+    [
+        (0.3, 0.1, None), (0.3, None, None), (0.3, 5.0, None),  # the inner is done in time
+        (0.3, 5.0, "inner"), (5.0, 0.3, "inner"), (0.3, None, "inner"), (None, 0.3, "inner"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("careful", [False, True])
+def test_limits_hold_inside_and_after_others(
+    outer: float | None, inner: float | None, ended: str | None, careful: bool
+) -> None:
+    """The outer limit ends what the inner block does, and what comes after it."""
+    before, began, seen = signal.getsignal(signal.SIGALRM), monotonic(), ""
+    with pytest.raises(Refused, match=r"LAG0801: .* than the 0[.]3 s that were given"), lagc.Limits(outer):
+        try:
+            with lagc.Limits(inner, careful=careful), limits.stage("a stage"):
+                if ended:
+                    endless()
+        except Refused:
+            seen = "inner"
+            raise
+        endless()
+    assert seen == (ended or "")
+    assert 0.3 <= monotonic() - began < 3.0
+    assert signal.getsignal(signal.SIGALRM) == before
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_a_ring_at_any_moment_is_answered_once_and_nothing_is_left() -> None:
+    """Also while a block or a stage begins or ends: it is done, or refused, and never interrupted."""
+    rng, before, refused = random.Random(3), signal.getsignal(signal.SIGALRM), 0
+    for _ in range(3000):
+        try:
+            with lagc.Limits(10.0), lagc.Limits(10.0 ** rng.uniform(-6.5, -3.5)):
+                for name in "abc":
+                    with limits.stage(name):
+                        pass
+        except Refused as error:
+            assert error.faults[0].code == "LAG0801"
+            refused += 1
+        assert signal.getsignal(signal.SIGALRM) == before
+        assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+        assert limits._inside.block is None
+    assert 300 < refused < 2900
+
+
+def test_a_timer_that_rings_too_early_is_set_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "LONGEST", 0.01)
+    began = monotonic()
+    with pytest.raises(Refused, match="LAG0801"), lagc.Limits(time=0.3):
+        endless()
+    assert 0.3 <= monotonic() - began < 3.0
+
+
+@pytest.mark.parametrize("exponent", range(-18, 18, 3))
+def test_limits_of_any_size(spring: str, exponent: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each is kept or reached; a timer and a system count to less than what can be written."""
+    word = str(10**exponent) if exponent >= 0 else f"{10.0**exponent:.18f}"
+    given_ones = [["--max-time", word + "d"], *([["--max-memory", word + "G"]] if exponent > 0 else [])]
+    for given in given_ones:
+        code = main(["sim", spring, "--backend", "numpy", *given])
+        said = capsys.readouterr().err
+        assert code == 0 or (code == 4 and exponent < 0 and "error[LAG080" in said), said
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--stop", "1e300"], ["--stop", "1e100"], ["-p", "m=1e-300"], ["-p", "k=1e300"], ["--step", "1e-320"]],
+)
+def test_a_run_of_more_steps_than_any_says_so(
+    spring: str, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A time, or a frequency, whose product is 1e99 or more: no cause is to be looked for in the model."""
+    assert main(["sim", spring, "--backend", "numpy", *words, "--json"]) == 3
+    assert "would take more than 1e+38 steps" in json.loads(capsys.readouterr().out)["message"]
+
+
+@pytest.mark.parametrize("start", ["1e-320", "-5e-324", "1e-310", "1e-303"])
+def test_states_that_leave_no_digits_are_no_internal_error(spring: str, start: str) -> None:
+    assert main(["sim", spring, "--backend", "numpy", "--start", f"x={start}", "--json"]) in (0, 3)
+
+
+@pytest.mark.parametrize("kind", [MemoryError, type("ArrayMemoryError", (MemoryError,), {})])
+def test_memory_of_any_kind_is_told(kind: type[MemoryError]) -> None:
+    with pytest.raises(Refused, match="LAG0802: the work needs more memory than 1 GB"):  # noqa: SIM117
+        with lagc.Limits(memory=1e9), lagc.Limits(memory=2e9):
+            raise kind("of arrays")
+    with pytest.raises(Refused, match="LAG0802: the work needs more memory than there is"):  # noqa: SIM117
+        with lagc.Limits(memory=math.inf):
+            raise kind("of arrays")
+
+
 @pytest.mark.parametrize("word", ["0", "-1", "nan", "inf", "2 weeks", "1e3", "", "٣"])
 @pytest.mark.parametrize("option", ["--max-time", "--max-memory"])
 def test_limits_that_are_none(spring: str, option: str, word: str) -> None:

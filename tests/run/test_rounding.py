@@ -6,6 +6,7 @@ from _thread import allocate_lock, start_new_thread
 from collections.abc import Callable
 from math import cos, sin
 from random import Random
+from time import sleep
 from typing import Any
 
 import mpmath
@@ -109,6 +110,19 @@ def test_hilbert_mass_matrices(n: int, nonlinear: bool) -> None:
     runs = honest(text, exact, 2.0)
     assert runs[0].status == "ok"
     assert (runs[-1].status == "failed") == (n == 4)
+
+
+@pytest.mark.parametrize("begins", [False, True])
+def test_a_thread_that_ends_before_it_begins_is_not_waited_for(
+    begins: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where there is no memory for its first call; one that works for long is waited for."""
+    monkeypatch.setattr("lagc.run.directed.LOOK", 0.01)
+    if not begins:
+        monkeypatch.setattr("lagc.run.directed.start_new_thread", lambda *_: 0)
+        with pytest.raises(MemoryError):
+            apart(lambda: 1)
+    assert not begins or apart(lambda: sleep(0.1) or 1) == 1
 
 
 @pytest.mark.parametrize("apart", [1e-1, 1e-2, 1e-3, 1e-4])
