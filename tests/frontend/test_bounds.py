@@ -50,9 +50,9 @@ def test_no_break_spaces_are_blanks() -> None:
 
 
 def test_ten_thousand_terms() -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     read = parse(model(" + ".join(f"a{i}*b" for i in range(10_000))))
-    assert time.perf_counter() - begin < 5
+    assert time.process_time() - begin < 5
     (declaration,) = read.declarations
     assert isinstance(declaration, tree.ModelDeclaration)
     construct = declaration.body[0]
@@ -65,9 +65,9 @@ def test_ten_thousand_terms() -> None:
 
 def test_ten_thousand_declarations() -> None:
     lines = "".join(f"  parameter Mass m{i}(min = 0) = 1 [kg];\n" for i in range(10_000))
-    begin = time.perf_counter()
+    begin = time.process_time()
     (read,) = parse(Source("x", f"model M\n{lines}end M;\n")).declarations
-    assert time.perf_counter() - begin < 10
+    assert time.process_time() - begin < 10
     assert isinstance(read, tree.ModelDeclaration) and len(read.body) == 10_000
 
 
@@ -92,10 +92,10 @@ def test_depth_is_bounded(opening: str, closing: str, levels: int) -> None:
     "part", ["(", "{", "[", "f(", "-", "if a then ", "not ", "for i in 1:n loop ", "effect e "]
 )
 def test_absurdly_deep_files_are_refused_soon(part: str) -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     with pytest.raises(Refused):
         parse(Source("x", "model M potential V = " + part * 50_000))
-    assert time.perf_counter() - begin < 5
+    assert time.process_time() - begin < 5
 
 
 @pytest.mark.parametrize("part", [".a", "[1]", ".a[2]"])
@@ -159,7 +159,7 @@ def test_damaged_models(seed: int) -> None:
     chance = random.Random(seed)
     for _ in range(100):
         text = mutated(chance.choice(MODELS).read_text("utf-8"), chance)
-        begin = time.perf_counter()
+        begin = time.process_time()
         try:
             parse(Source("x", text))
         except Refused as refused:
@@ -171,7 +171,7 @@ def test_damaged_models(seed: int) -> None:
             laid_out = format_source(Source("x", text))
             assert words(laid_out) == words(text)
             assert format_source(Source("x", laid_out)) == laid_out
-        assert time.perf_counter() - begin < 1
+        assert time.process_time() - begin < 1
 
 
 def words(text: str) -> list[str]:
