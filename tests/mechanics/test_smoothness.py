@@ -94,8 +94,9 @@ PLACES = [
 
 
 def codes(line: str) -> set[str]:
+    """Of the faults, but for those of a start: not every one of these rows can be met."""
     faults = check(Source("m.lag", f"{HEAD}{line}\nend M;"), Choice())
-    return {f.code for f in faults if f.severity == "error"}
+    return {f.code for f in faults if f.severity == "error" and not f.code.startswith("LAG061")}
 
 
 @pytest.mark.parametrize("place", range(len(PLACES)))

@@ -78,9 +78,12 @@ def test_bead_on_a_free_hoop_keeps_energy_and_angular_momentum() -> None:
     assert spread(run["p"]) <= TOLERANCE * 10.0
 
 
-@pytest.mark.parametrize(("name", "stop"), [("arenstorf_orbit", 17.0), ("lagrange_points", 50.0)])
-def test_jacobi_integral_of_the_restricted_three_bodies(name: str, stop: float) -> None:
-    assert spread(motion(f"classic/{name}", stop)["jacobi"]) <= 1e-7
+@pytest.mark.parametrize(
+    ("name", "stop", "accuracy"), [("arenstorf_orbit", 17.0, 1e-8), ("lagrange_points", 50.0, 1e-10)]
+)
+def test_jacobi_integral_of_the_restricted_three_bodies(name: str, stop: float, accuracy: float) -> None:
+    """Close encounters make rounding grow: orbits of Arenstorf that start an ulp apart end 2e-9 apart."""
+    assert spread(motion(f"classic/{name}", stop, accuracy=accuracy)["jacobi"]) <= 1e-7
 
 
 def test_isolated_bodies_keep_their_momentum() -> None:
