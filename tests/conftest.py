@@ -1,7 +1,8 @@
-"""Caches of the tests: nobody's own is read or filled where it matters."""
+"""Caches of the tests: nobody's own is read or filled where it matters; and signals of their children."""
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
 
 import pytest
@@ -18,3 +19,11 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture
 def no_cache(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAGC_CACHE", "")
+
+
+def pytest_configure() -> None:
+    """What a shell made the tests ignore, a program that they start would ignore too."""
+    for each in {"SIGINT", "SIGHUP"} & set(dir(signal)):
+        number = getattr(signal, each)
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, signal.default_int_handler if each == "SIGINT" else signal.SIG_DFL)

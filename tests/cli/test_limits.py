@@ -225,7 +225,8 @@ def test_words_for_times_and_sizes() -> None:
     rng = random.Random(8)
     for _ in range(100):
         n = rng.choice((rng.randrange(1, 1000), round(rng.uniform(0.1, 99.0), 3)))
-        for unit, factor in (("", 1), ("s", 1), ("min", 60), ("h", 3600), ("d", 86400)):
+        assert seconds(f"{n}") == n
+        for unit, factor in (("s", 1), ("min", 60), ("h", 3600), ("d", 86400)):
             assert seconds(f"{n}{unit}") == seconds(f"{n} [{unit}]") == n * factor
         for letter, power in (("", 0), ("K", 1), ("M", 2), ("G", 3)):
             assert size(f"{n}{letter}") == size(f"{n} {letter.lower()}B") == n * 1000.0**power

@@ -150,5 +150,5 @@ def test_where_a_run_ended_for_want_of_rank_its_message_says_so() -> None:
     system = lagc.load("classic/n_four_bar").compile(backend="numpy").load("numpy")
     flat = [pi / 2.0 + 1e-6, pi / 2.0 + 1e-6, *system.start()[2:]]
     for status in (STEP_UNDERFLOW, MAX_STEPS):
-        told = verdict(system, Trajectory([], [], 0.7, flat, status), 1.0)
+        told = verdict(system, Trajectory([], [], 0.7, flat, status, steps=7), 1.0)
         assert told[0] == "failed" and "hinge[1][1]" in told[1] and "t = 0.7 s" in told[1]
