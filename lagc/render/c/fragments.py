@@ -11,26 +11,13 @@ import re
 from collections.abc import Sequence
 from math import isfinite
 
-from lagc.optimize.program import Interface, Program
-from lagc.render.stages import c_functions, c_parts
-from lagc.render.statuses import STATUSES
-from lagc.render.tableaus import DOP853, TABLEAUS
+from lagc.optimize.program import Interface
 
 START = (
     "leastnorm.c", "startrows.c", "starttable.c", "startalone.c", "startsteps.c", "startchoice.c",
     "startsearch.c", "start.c",
 )  # fmt: skip
 _FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
-
-
-def types(interface: Interface) -> str:
-    """lagc_work, lagc_options, lagc_state: for the header."""
-    return resolve(_read("types.h"), interface)
-
-
-def declarations(interface: Interface, complete: bool) -> str:
-    """The functions that integrate: for the header."""
-    return resolve(_read("integrate.h"), interface, complete)
 
 
 def start_declarations(interface: Interface) -> str:
@@ -41,23 +28,6 @@ def start_declarations(interface: Interface) -> str:
 def start_definitions(interface: Interface) -> list[str]:
     names = [name for name in START if name != "startalone.c" or sizes(interface)["NPOSITION"]]
     return [resolve(_read(name), interface) for name in names]
-
-
-def definitions(program: Program, complete: bool) -> list[str]:
-    """Everything behind them, and `lagc_rhs_`, `lagc_system_`, `lagc_assemble_`, `lagc_solve_`."""
-    interface = program.interface
-    names = ["sizes.c", "dense.c"]
-    names += ["fallback.c"] if interface.nc else []
-    names += ["rhs.c"]
-    names += ["quaternions.c"] if interface.quaternions else []
-    names += ["projection.c"] if interface.nc or interface.quaternions else []
-    parts = [_power(program), *(resolve(_read(name), interface) for name in names)]
-    parts += [text for tableau in TABLEAUS for text in c_functions(tableau)]
-    parts += [c_parts(DOP853)] if interface.nh else []
-    parts.append(resolve(_read("check.c"), interface, complete))
-    names = ["weights.c", "listening.c", "integrate.c", "record.c"]
-    parts += [resolve(_read(name), interface) for name in names]
-    return [part for part in parts if part]
 
 
 def sizes(interface: Interface) -> dict[str, int]:
@@ -115,11 +85,7 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int] | Sequence[str]]:
     columns = columns or [0]  # C knows no empty array
     unknowns = range(len(interface.start_levels))
     return {
-        "BOUNDED": bounded,
-        "BOUNDS": [f"{{{_bound(fields[i].minimum)}, {_bound(fields[i].maximum)}}}" for i in bounded],
-        "STATUS_TEXTS": [f'"{text}"' for _, text, _ in STATUSES],
-        "KINDS_OF_X": interface.kinds, "KINDS": [max(interface.kinds) + 1],
-        "NWORK": [interface.work_size], "QUATERNIONS": interface.quaternions, "NJ": [len(columns)],
+        "NJ": [len(columns)],
         "NCOND": [len(interface.condition_ends)], "NRATE": [len(interface.rate_names)],
         "START_LEVELS": interface.start_levels, "START_UNITS": interface.start_units,
         "START_ANGLES": [int(i in interface.angles) for i in unknowns],
@@ -137,16 +103,6 @@ def _wrapped(values: Sequence[int] | Sequence[str]) -> str:
 def _holds(condition: str, known: dict[str, int]) -> bool:
     """`A || B` of sizes that are not zero."""
     return any(known[name.strip().removeprefix("LAGC_")] != 0 for name in condition.split("||"))
-
-
-def _power(program: Program) -> str:
-    """How the support finds the rate of the work integral, from inside `lagc_rhs_dense`."""
-    if not program.interface.nz:
-        return ""
-    power = program.functions.get("power")
-    if power is None:
-        return "#define LAGC_POWER(e) ((e)[0] = 0.0)\n"
-    return f"#define LAGC_POWER(e) lagc_fn_power({', '.join(power.inputs)}, e)\n"
 
 
 def _read(name: str) -> str:

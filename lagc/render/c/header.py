@@ -64,25 +64,33 @@ def use(consistency: bool) -> str:
 
 def constants(interface: Interface) -> str:
     """Sizes as macros, so that the preprocessor knows them, then what the names stand for."""
-    quaternions = interface.quaternions
-    sizes = [
-        ("NQ", interface.nq, "coordinates q"), ("NV", interface.nv, "speeds v"),
-        ("NZ", interface.nz, "integral of power, the last of x"), ("NX", interface.nx, "state x = (q, v, z)"),
-        ("NC", interface.nc, "rows of constraints, multipliers lambda"),
-        ("NH", interface.nh, "of these holonomic, the first"),
-        ("NY", len(interface.outputs), "outputs y"), ("NQUAT", len(quaternions), "unit quaternions in q"),
-    ]  # fmt: skip
-    if interface.needs_consistency:
-        unknowns, conditions = len(interface.start_levels), len(interface.condition_ends) + len(quaternions)
-        sizes.append(("NU", unknowns, "unknowns of the start: q, v, stated rates that are no speeds"))
-        sizes.append(("NE", conditions, "conditions of the start"))
     text = [
         f"#define LAGC_ABI_VERSION {ABI_VERSION}",
         f'#define LAGC_MODEL_HASH "{comment(interface.model_hash)}"',
         "",
     ]
-    text += [f"#define LAGC_{name:5s} {value:<4d} /* {note} */" for name, value, note in sizes]
+    text += [f"#define LAGC_{name:5s} {value:<4d} /* {note} */" for name, value, note in sizes(interface)]
     return "\n".join(text) + "\n\n" + "".join(_indices(interface))
+
+
+def sizes(interface: Interface) -> list[tuple[str, int, str]]:
+    """Name, value and what it is."""
+    quaternions = interface.quaternions
+    found = [
+        ("NQ", interface.nq, "coordinates q"), ("NV", interface.nv, "speeds v"),
+        ("NZ", interface.nz, "integral of power, the last of x"), ("NX", interface.nx, "state x = (q, v, z)"),
+        ("NC", interface.nc, "rows of constraints, multipliers lambda"),
+        ("NH", interface.nh, "of these holonomic, the first"),
+        ("NP", len(interface.parameters) + len(interface.inputs), "parameters and inputs"),
+        ("NKIND", max(interface.kinds, default=0) + 1, "kinds of coordinates and speeds: those of one unit"),
+        ("NWORK", interface.work_size, "entries of the factors"),
+        ("NY", len(interface.outputs), "outputs y"), ("NQUAT", len(quaternions), "unit quaternions in q"),
+    ]  # fmt: skip
+    if interface.needs_consistency:
+        unknowns, conditions = len(interface.start_levels), len(interface.condition_ends) + len(quaternions)
+        found.append(("NU", unknowns, "unknowns of the start: q, v, stated rates that are no speeds"))
+        found.append(("NE", conditions, "conditions of the start"))
+    return found
 
 
 def _indices(interface: Interface) -> Iterable[str]:

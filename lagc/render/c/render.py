@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from lagc.optimize.program import Interface, Program
-from lagc.render.c import fragments, header
+from lagc.render.c import fragments, header, runtime
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
 from lagc.render.locals import local_names
@@ -43,9 +43,9 @@ def _header(program: Program, file: str, complete: bool) -> str:
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         header.statuses(),
-        fragments.types(interface),
+        runtime.types(interface, complete),
         *(verb.declaration for verb in verbs(program)),
-        fragments.declarations(interface, complete),
+        runtime.declarations(program, complete),
         fragments.start_declarations(interface) if consistency else "",
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
@@ -61,7 +61,7 @@ def _source(program: Program, file: str, own_header: str, complete: bool) -> str
         _CONTRACTION,
         helpers(program),
         *(function_text(f, names, fields) for f in program.functions.values()),
-        *fragments.definitions(program, complete),
+        *runtime.definitions(program, complete),
         *(fragments.start_definitions(interface) if complete and interface.needs_consistency else []),
         *(verb.definition for verb in verbs(program)),
     ]

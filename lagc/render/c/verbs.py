@@ -116,11 +116,11 @@ def _rhs(interface: Interface) -> Verb:
         "xdot[NX] at (t, x), and the multipliers lambda[NC]; lambda may be NULL.",
         f"lagc_status lagc_rhs({_POINT}, double *xdot, double *lambda, lagc_work *w)",
         (_AFRESH if interface.nc else "")
-        + "    return (lagc_status)lagc_rhs_(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+        + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
 
 def _system(interface: Interface) -> list[Verb]:
-    call = "    lagc_system_(p, t, x, w);\n"
+    call = "    lagc_system_at(p, t, x, w);\n"
     found = [
         Verb(
             "The mass matrix M[NV*NV], all of it.",
@@ -173,9 +173,9 @@ def _linear() -> list[Verb]:
         Verb(
             "Form and factor [M G^T; G 0] at (t, x), for the calls of lagc_solve that follow a success.",
             f"lagc_status lagc_assemble({_POINT}, lagc_work *w)",
-            _AFRESH + "    return (lagc_status)lagc_assemble_(p, t, x, w);\n"),
+            _AFRESH + "    return lagc_assemble_at(p, t, x, w);\n"),
         Verb(
             "s[NV+NC] = (s1, s2) with M s1 - G^T s2 = r1 and G s1 = r2 for r[NV+NC] = (r1, r2).",
             "void lagc_solve(const double *r, double *s, lagc_work *w)",
-            "    lagc_solve_(r, s, w);\n"),
+            "    lagc_solve_at(r, s, w);\n"),
     ]  # fmt: skip

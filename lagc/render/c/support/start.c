@@ -126,7 +126,7 @@ lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int
         }
 #if LAGC_NQUAT
     for (i = 0; i < LAGC_NQUAT; i++) {
-        const double *e = w->home + lagc_first[i];
+        const double *e = w->home + lagc_quaternion[i];
         if (e[0] == 0.0 && e[1] == 0.0 && e[2] == 0.0 && e[3] == 0.0) {
             w->culprit = LAGC_NCOND + i;
             return LAGC_INCONSISTENT;

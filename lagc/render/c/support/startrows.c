@@ -43,7 +43,7 @@ static void lagc_meet(const lagc_params *p, double t, const double *y, double *c
 #endif
 #if LAGC_NQUAT
     for (k = 0; k < LAGC_NQUAT; k++) {
-        const double *e = y + lagc_first[k];
+        const double *e = y + lagc_quaternion[k];
         double *slopes = J + lagc_row_begin(LAGC_NCOND + k);
         c[LAGC_NCOND + k] = 0.5 * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2] + e[3] * e[3] - 1.0);
         sizes[LAGC_NCOND + k] = 1.0;
@@ -123,7 +123,7 @@ static void lagc_weigh(const lagc_params *p, double t, const double *largest, la
 #if LAGC_NQUAT
     for (k = 0; k < LAGC_NQUAT; k++)
         for (i = 0; i < 4; i++)
-            w->weights[lagc_first[k] + i] = w->widths[lagc_first[k] + i] = 1.0;
+            w->weights[lagc_quaternion[k] + i] = w->widths[lagc_quaternion[k] + i] = 1.0;
 #endif
 }
 
@@ -221,13 +221,13 @@ static void lagc_arrange(const int *levels, lagc_start_work *w)
     }
 #if LAGC_NQUAT
     for (k = 0; k < LAGC_NQUAT; k++) {
-        int *level = w->levels + lagc_first[k];
+        int *level = w->levels + lagc_quaternion[k];
         for (i = 1; i < 4; i++)
             if (level[i] > level[0])
                 level[0] = level[i];
         for (i = 1; i < 4; i++) {
             level[i] = level[0];
-            w->part[lagc_first[k] + i] = 1;
+            w->part[lagc_quaternion[k] + i] = 1;
         }
     }
 #endif

@@ -1,0 +1,13 @@
+"""The runtime, written once: all that runs and is not the equations of a model.
+
+Kernels are Python in a small typed subset (`words`), one file a subject, with the formula and its source
+as comment.  The printers of `lagc.render.kernels` make C and Python of them; what is outside the subset
+is refused there with file and line.  No kernel calls one that stands after it: files in the order of
+FILES, functions in that of their file.
+"""
+
+FILES = (
+    "statuses", "limits", "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
+    "runge_kutta", "method", "check", "weights", "listening", "control", "step", "recording",
+)  # fmt: skip
+METHODS = ("dop853", "dopri5")  # folder `methods`: one file each; a number of the interface by its place

@@ -1,0 +1,29 @@
+"""Numbers that belong to the arithmetic: of float, double and __float128.
+
+Where a kernel compares with a number that rounding decides, it stands here for each type of real.
+"""
+
+from __future__ import annotations
+
+from lagc.kernels.words import by_type
+
+TINY = by_type(1e-30, 1e-300, "1e-4000")  # stands for zero where it divides zero
+SPACING = by_type(1.2e-7, 2.3e-16, "2e-34")  # of numbers near 1
+SINGULAR = by_type(1e-5, 1e-13, "1e-30")  # pivot ratio of a mass matrix that is singular
+# Pivot ratio of a straight solve that is good enough; with constraints the square of the share below
+# which rows count as dependent.
+LEAST_PIVOT = by_type(1e-4, 1e-10, "1e-10")
+ROUNDING = by_type(1e-11, 1e-28, "1e-64")  # square of a residual of a straight solve, to be refined
+LARGEST_RESIDUAL = by_type(1e-7, 1e-20, "1e-50")  # the same, beyond trust
+FAINT = by_type(1e-2, 1e-6, "1e-13")  # of the longest gradient: one that may be rounding of its terms
+DEPENDENT = by_type(1e-2, 1e-5, "1e-5")
+STILL_DEPENDENT = by_type(5e-2, 1e-4, "1e-4")
+CONTRADICTION = by_type(1e-2, 1e-3, "1e-3")  # of the size of accelerations
+LEFT_OVER = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that is taken for rounding
+# The same that is left as it is: more than that, left at each step, adds up, as it has one sign for long.
+UNTOUCHED = by_type(1e-7, 1e-16, "1e-33")
+LEAST_STEP = by_type(1e-30, 1e-40, "1e-400")  # of the way to go
+NEARLY = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units of the last place of 1
+# Ways to where rows are dependent, of the size of coordinates: their product, and what projection leaves.
+CROSSING = by_type(1e-6, 3e-15, "1e-30")
+APART = by_type(1e-5, 1e-12, "1e-28")

@@ -1,0 +1,189 @@
+"""What of the error of a step that was rejected is rounding."""
+
+from __future__ import annotations
+
+from math import fabs, sqrt
+
+from lagc.kernels.limits import APART, CROSSING, NEARLY
+from lagc.kernels.method import has_parts, last, method_error, method_parts, method_stages
+from lagc.kernels.projection import nudge, tangents
+from lagc.kernels.records import Options, State, Work
+from lagc.kernels.rhs import rhs_at
+from lagc.kernels.sizes import NH, NKIND, NP, NQ, NV, NX, TWO
+from lagc.kernels.statuses import failed
+from lagc.kernels.tables import kind
+from lagc.kernels.weights import weigh_errors
+from lagc.kernels.words import Count, Mat, Params, Real, Vec, params, size, vector
+
+FADING = 0.9  # of rounding that made a step good, what is left after a step as long as any so far
+FORGOTTEN = 0.03  # what is so little of it that it is forgotten
+LOST = 1e-4  # of its size, an error with which a state is not told at all
+
+
+def shake(turn: Count) -> Real:
+    """Four units of the last place more or less."""
+    return 1.0 - NEARLY if turn >> 1 & 1 == 1 else 1.0 + NEARLY
+
+
+def shaken(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
+    """Time, state x and parameters changed by four units of their last place, another way for each turn;
+    the time."""
+    turn = 2 * s.rejected + 3
+    n = size(NQ) + NV
+    x[:] = s.x
+    for i in range(NQ + NV):
+        x[i] *= shake((i + 1) * turn)
+    other[:] = p
+    for j in range(NP):
+        other[j] *= shake((n + j + 1) * turn)
+    return s.t * shake(turn)
+
+
+def hear(one: Vec[NX], other: Vec[NX], s: State) -> None:
+    """Raise s.noise to how far rates are apart."""
+    for i in range(NQ + NV):
+        if fabs(one[i] - other[i]) > s.noise[i]:
+            s.noise[i] = fabs(one[i] - other[i])
+
+
+def listen(p: Params, s: State, w: Work) -> None:
+    """Raise s.noise to what rounding may change in the rates s.k[0]: to what changes when all is shaken."""
+    x = vector(NX)
+    other = params()
+    t = shaken(p, s, x, other)
+    s.rhs += 1
+    if not failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
+        hear(w.xdot, s.k[0], s)
+
+
+def listen_along(p: Params, s: State, h: Real, method: int, w: Work) -> None:
+    """The same in all rates along the step over h that was tried: what is rounding now and then need not be
+    so at the start, and what changes there moves the state along the step."""
+    stages = last(method)
+    x = vector(NX)
+    other = params()
+    t = shaken(p, s, x, other)
+    w.end[:] = s.y
+    for k in range(stages):
+        w.kept[k][:] = s.k[k]
+    s.rhs += stages
+    status = rhs_at(other, t, x, s.k[0], w.lam, w)
+    if not failed(status):
+        status = method_stages(method, other, t, x, h, s, w)
+    if not failed(status):
+        for k in range(stages):
+            hear(s.k[k], w.kept[k], s)
+    for k in range(stages):
+        s.k[k][:] = w.kept[k]
+    s.y[:] = w.end
+
+
+def parts_norm(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
+    """The norm of an error with such parts; see the methods' `error`."""
+    first = 0.0
+    for i in range(NQ + NV):
+        e = parts[0][i] / w.weights[i]
+        first += e * e
+    second = 0.0
+    for i in range(NQ + NV):
+        e = parts[1][i] / w.weights[i]
+        second += e * e
+    total = first + 0.01 * second
+    if total == 0.0:
+        return 0.0
+    return fabs(h) * first * sqrt(1.0 / (float(size(NQ) + NV) * total))
+
+
+def all_but_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
+    """Whether rows are all but dependent within the way of the step over h that was tried, or a thousandth of
+    the way that the coordinates have to where they are zero.  Coordinates of a kind that have moved by no
+    more than what projection leaves are rounding: w.play."""
+    if not nudge(p, s.t, s.x, s.sizes, w):
+        return False
+    moved = vector(NKIND)
+    for k in range(NKIND):
+        moved[k] = 0.0
+    left = vector(NKIND)
+    for k in range(NKIND):
+        left[k] = 0.0
+    for i in range(NQ):
+        own = kind[i]
+        if fabs(s.y[i] - s.x[i]) > moved[own]:
+            moved[own] = fabs(s.y[i] - s.x[i])
+        if fabs(w.nudged[i] - s.x[i]) > left[own]:
+            left[own] = fabs(w.nudged[i] - s.x[i])
+    for i in range(NQ):
+        if left[kind[i]] > w.reached[kind[i]]:
+            w.play[i] = left[kind[i]] / fabs(h)
+    for k in range(NKIND):
+        reach = 1.0 if k == 0 and w.reached[k] > 1.0 else w.reached[k]
+        if left[k] > reach:
+            continue
+        if left[k] * moved[k] > CROSSING * reach * reach or left[k] > APART * reach:
+            return True
+    return False
+
+
+def second_look(p: Params, s: State, t: Real, h: Real, error: Real, method: int, w: Work) -> Real:
+    """There, a step to t, rejected because of `error`, once more from a state moved by what projection
+    leaves.  Where the error changes by it, it tells of rounding: near postures where rows are all but
+    dependent their multipliers are little else, and no step would be small enough.  Then only what
+    projection does not take from the error counts."""
+    method_parts(method, s, w)
+    for k in range(2):
+        w.other[k][:] = w.parts[k]
+    s.rhs += last(method) - 1
+    if failed(method_stages(method, p, s.t, w.nudged, h, s, w)):
+        return error
+    method_parts(method, s, w)
+    for k in range(2):
+        for i in range(NX):
+            w.other[k][i] -= w.parts[k][i]
+    change = parts_norm(h, w.other, w)
+    if not change > 0.1 * parts_norm(h, w.parts, w):
+        return error
+    s.rhs += last(method) - 1
+    method_stages(method, p, s.t, s.x, h, s, w)  # the step as it was
+    method_parts(method, s, w)
+    if not tangents(p, t, s.y, w):
+        return error
+    return parts_norm(h, w.parts, w)
+
+
+def forget(s: State, w: Work) -> None:
+    """Before a step: what is left of the rounding that was heard, after the step before."""
+    left = 1.0 - (1.0 - FADING) * fabs(s.h_old) / s.longest if s.longest > 0.0 else 0.0
+    s.recalled *= left
+    if s.recalled < FORGOTTEN:
+        s.recalled = 0.0
+    for i in range(NX):
+        s.noise[i] = left * s.noise[i] if s.recalled > 0.0 else 0.0
+    for i in range(NX):
+        w.play[i] = 0.0
+
+
+def error_of(s: State, o: Options, h: Real, w: Work) -> Real:
+    """That of the step over h, with the rounding that was heard."""
+    weigh_errors(s, o, h, w)
+    return method_error(o.method, h, s, w)
+
+
+def reconsider(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, rejected: int, w: Work) -> Real:
+    """An error that rejects a step another time, or after steps that went by this, less what rounding
+    contributes: as it is told at the start, and, where that tells too little, along the step."""
+    if NH > 0:
+        if all_but_dependent(p, s, h, w):
+            looked = o.project and has_parts(o.method)
+            return second_look(p, s, t, h, before, o.method, w) if looked else before
+    error = before
+    if s.recalled == 0.0:
+        listen(p, s, w)
+        error = error_of(s, o, h, w)
+    if error > 1.0:
+        many = rejected > 2 and rejected & (rejected - 1) == 0
+        if s.recalled > 0.0 or (rejected > 1 and error * o.rtol > LOST) or many:
+            listen_along(p, s, h, o.method, w)
+            error = error_of(s, o, h, w)
+    if error <= 1.0 or error < 0.5 * before:
+        s.recalled = 1.0
+    return error

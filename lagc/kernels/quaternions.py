@@ -1,0 +1,37 @@
+"""Unit quaternions."""
+
+from __future__ import annotations
+
+from math import fabs, inf, sqrt
+from typing import Any
+
+from lagc.kernels.sizes import NQUAT
+from lagc.kernels.tables import quaternion
+from lagc.kernels.words import Real, Vec
+
+FEWEST = 1e-200  # squares of lengths that neither vanish nor overflow
+MOST = 1e200
+
+
+def square_at(x: Vec[Any], k: int) -> Real:
+    return x[k] * x[k] + x[k + 1] * x[k + 1] + x[k + 2] * x[k + 2] + x[k + 3] * x[k + 3]
+
+
+def normalise(x: Vec[Any]) -> None:
+    """Unit length for each quaternion in x; one that is zero or not finite is left."""
+    for n in range(NQUAT):
+        k = quaternion[n]
+        square = square_at(x, k)
+        if not (FEWEST < square and square < MOST):
+            largest = 0.0
+            for i in range(k, k + 4):
+                if not fabs(x[i]) <= largest:
+                    largest = fabs(x[i])
+            if not (0.0 < largest and largest < inf):
+                continue
+            for i in range(k, k + 4):
+                x[i] = x[i] / largest
+            square = square_at(x, k)
+        length = sqrt(square)
+        for i in range(k, k + 4):
+            x[i] = x[i] / length

@@ -1,0 +1,175 @@
+"""What a run keeps: its options, its state, and room to work in."""
+
+from __future__ import annotations
+
+from lagc.kernels.sizes import (
+    NC,
+    ND,
+    NG,
+    NH,
+    NK,
+    NKEPT,
+    NKIND,
+    NM,
+    NQ,
+    NR,
+    NREACH,
+    NV,
+    NWORK,
+    NX,
+    TWO,
+)
+from lagc.kernels.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, record
+
+# The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params.
+BAD_METHOD = Code(0)
+BAD_MAX_STEPS = Code(1)
+BAD_RTOL = Code(2)
+BAD_ATOL = Code(3)
+BAD_STEP = Code(4)
+BAD_FIRST_STEP = Code(5)
+BAD_MAX_STEP = Code(6)
+BAD_TIME = Code(7)  # s->t, t1, t, times, or n and *done
+BAD_BUDGET = Code(8)
+BAD_LEVEL = Code(9)
+BAD_PARAMETER = Code(16)
+
+# Where a rate, or the dense output, is to be found.
+NOWHERE = 0
+STAGES = 1  # a rate: the first of them
+READY = 2  # a rate: the last of the stages
+
+
+@record
+class Options:
+    """Numbers are finite and not negative."""
+
+    method: int  # lagc_method
+    project: bool  # 0: let the constraints drift
+    max_steps: Count  # of one call, accepted and rejected; 0: no limit
+    rtol: Real  # below 1; of the largest magnitude so far of the states of the same kind
+    atol: Real  # added for every state; where it is 0, rtol is 1e-15 at least
+    step: Real  # > 0: fixed steps, rtol and atol unused
+    first_step: Real  # 0: chosen
+    max_step: Real  # 0: no limit
+
+
+@record
+class Work:
+    """Room for the calls below; fill it with zeros before its first use.  Between calls it holds nothing
+    that another needs, but for lagc_solve after lagc_assemble: it may serve any states, in any order."""
+
+    culprit: int  # what a status refers to: an index of v or x, or a row
+    fallbacks: Count  # linear solves that took the slower, safer way
+    if NC > 0:
+        redundant: IVec[NC]  # 1: this row was found to depend on others
+        lost: bool  # rows of G are known to depend on others
+    lam: Vec[NC]
+    xdot: Vec[NX]
+    a: Vec[NV]
+    reached: Vec[NKIND]  # sizes of the kinds of states, with the one that is tried
+    weights: Vec[NX]
+    longest: Real  # that of the trajectory, in a second attempt at a step
+    play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
+    kept: Mat[NKEPT, NX]  # rates of a step that is tried once more
+    end: Vec[NX]  # and its end
+    health: Vec[TWO]
+    power: Vec[TWO]
+    qdot: Vec[NQ]
+    M: Vec[NM]  # packed by rows of the lower triangle
+    force: Vec[NV]
+    low: Vec[NM]
+    column: Vec[NV]
+    G: Vec[NG]
+    gamma: Vec[NC]
+    position_left: Real  # scaled residuals after a projection
+    velocity_left: Real
+    if NC > 0:
+        sizes: Vec[NC]  # of the terms of gamma
+        weight: Real
+        miss: Real
+        slight: Vec[NC]
+        reaches: Vec[NREACH]
+        own: Vec[NKIND]
+        b: Mat[NC, NV]
+        f: Mat[NC, NC]
+        table: Mat[NC, NC]
+        normal: Mat[NC, NC]
+        lengths: Vec[NC]
+        free: Vec[NC]
+        found: Vec[NC]
+        scales: Vec[NC]  # of residuals, and of their rates
+        rates: Vec[NC]
+        rows: Vec[NC]
+        right: Vec[NR]
+        left: Vec[NR]
+        moved: Vec[NX]
+        dq: Vec[NQ]
+        order: IVec[NC]
+        known: IVec[NC]  # rows that were redundant before a look at another state
+        tail: Vec[NC]
+        mu: Vec[NC]
+        rank: Size
+        assembled: bool  # the factors of this projection are there
+        dense: bool
+    if NH > 0:
+        parts: Mat[TWO, NX]  # of the error of a step
+        other: Mat[TWO, NX]  # the same of another attempt
+        nudged: Vec[NX]
+    if NWORK > 0:
+        entries: Vec[NWORK]
+
+
+@record
+class State:
+    """A state on its way: t and x now, and the last step, with all that dense output of it and the next
+    step need.  A copy is a state of its own."""
+
+    t: Real
+    x: Vec[NX]
+    t_old: Real  # where the last step began
+    position_drift: Real  # largest scaled residuals after a step
+    velocity_drift: Real
+    steps: Count
+    rejected: Count
+    rhs: Count  # evaluations
+    culprit: int
+    sizes: Vec[NKIND]  # of coordinates, and speeds, of one unit: the largest so far
+    longest: Real  # step that was tried at first
+    listening: bool  # the error of the last step was judged with its rounding
+    recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
+    noise: Vec[NX]  # that rounding, of the rates
+    entered: Count  # steps and attempts before this call
+    called: bool  # from here on for the functions below: no step was made since the caller had it
+    method: int  # of the last step
+    rate: int  # at (t, x): k[0], the last of k, or to be found
+    dense: int  # of the last step: r, k, or to be found
+    if NC > 0:
+        lost: bool
+    on_grid: Count
+    grid: Real
+    stride: Real
+    h: Real
+    error_old: Real
+    h_old: Real
+    x_old: Vec[NX]
+    t_seen: Real
+    x_seen: Vec[NX]  # where the last step ended
+    p: Params  # of the last step
+    y: Vec[NX]  # where the next may end
+    k: Mat[NK, NX]  # rates at the stages
+    r: Mat[ND, NX]  # coefficients of the dense output
+
+
+@record
+class Trial:
+    """One attempt at a step from (s.t, s.x)."""
+
+    direction: Real
+    size: Real  # |h| that is wanted
+    h: Real
+    t_new: Real
+    error: Real  # at most 1 where it is accepted
+    lands: bool  # on t1, exactly
+    heard: bool  # the error was judged with its rounding
+    rejected: int  # attempts before

@@ -1,0 +1,177 @@
+"""The right-hand side, watched."""
+
+from __future__ import annotations
+
+from math import fabs, inf
+
+from lagc.kernels.dense import cholesky, lower, upper
+from lagc.kernels.fallback import factor_fallback, solve_fallback
+from lagc.kernels.kinds import RESTING, enlarge, not_finite
+from lagc.kernels.limits import FAINT, LARGEST_RESIDUAL, LEAST_PIVOT, ROUNDING, SINGULAR
+from lagc.kernels.model import (
+    fn_assemble,
+    fn_factor,
+    fn_gradient_sizes,
+    fn_position,
+    fn_reaches,
+    fn_refine,
+    fn_rhs,
+    fn_scales,
+    fn_solve,
+    fn_system,
+    fn_work,
+)
+from lagc.kernels.records import Work
+from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NQ, NV, NX, NZ, STRAIGHT
+from lagc.kernels.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
+from lagc.kernels.words import Params, Real, Status, Vec, part, size
+
+
+def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    fn_system(p, t, x, w.qdot, w.M, w.force, w.G, w.gamma)
+
+
+def trust(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """How far x is from the constraints, scaled; and, for each row, the change of its residual over the
+    size of the coordinates (angles: and 1) relative to the size of its terms, at most 1."""
+    for i in range(NKIND):
+        w.own[i] = 0.0
+    enlarge(x, w.own)
+    w.own[0] += 1.0
+    w.miss = 0.0
+    fn_scales(p, t, x, w.found)
+    fn_reaches(p, t, x, w.own, w.reaches)
+    if NH > 0:
+        fn_position(p, t, x, w.free)
+        for i in range(NH):
+            miss = fabs(w.free[i]) / (w.found[i] + RESTING * w.reaches[i])
+            if not miss <= w.miss:
+                w.miss = miss
+    for i in range(NC):
+        w.slight[i] = w.reaches[i] / w.found[i] if w.reaches[i] < w.found[i] else 1.0
+
+
+def faint(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """A gradient that is much shorter than others may be rounding of its terms: its direction says
+    little then."""
+    largest = 0.0
+    smallest = inf
+    for i in range(NC):
+        total = 0.0
+        for j in range(NV):
+            total += fabs(w.G[i * NV + j])
+        w.free[i] = total
+        if total > largest:
+            largest = total
+        if total < smallest:
+            smallest = total
+    if not smallest < FAINT * largest:
+        return
+    fn_gradient_sizes(p, t, x, w.found)
+    for i in range(NC):
+        if w.free[i] > 0.0 and w.free[i] < w.slight[i] * w.found[i]:
+            w.slight[i] = w.free[i] / w.found[i]
+
+
+def system_fault(x: Vec[NX], w: Work) -> int:
+    """The index of x that a value of the system that is not finite refers to; -1."""
+    i = not_finite(w.qdot, NQ)
+    if i < 0:
+        i = not_finite(w.force, NV)
+        if i >= 0:
+            i += NQ
+    if i < 0 and not_finite(w.M, NM) >= 0:
+        i = size(NQ)
+    if NC > 0:
+        if i < 0 and (not_finite(w.G, NG) >= 0 or not_finite(w.gamma, NC) >= 0):
+            i = size(NQ)
+    if i >= 0:
+        own = not_finite(x, NX)
+        if own >= 0:
+            i = own
+    return i
+
+
+def factor_dense(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+    """Factors of the equations at (t, x) that hold for any rank."""
+    if STRAIGHT:
+        w.fallbacks += 1
+    system_at(p, t, x, w)
+    fault = system_fault(x, w)
+    if fault >= 0:
+        w.culprit = fault
+        return NOT_FINITE
+    if NC > 0:
+        trust(p, t, x, w)
+        faint(p, t, x, w)
+        status = factor_fallback(p, t, x, w)
+        w.lost = status == REDUNDANT
+        if w.lost:
+            rank = w.rank
+            for i in range(rank, NC):
+                w.redundant[w.order[i]] = 1
+        return status
+    return OK if cholesky(w) else SINGULAR_MASS
+
+
+def put_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """xdot from accelerations: (qdot, a, power)."""
+    xdot[:NQ] = w.qdot
+    xdot[NQ : NQ + NV] = w.a
+    if NZ > 0:
+        fn_work(p, t, x, w.a, lam, w.power)
+        xdot[NQ + NV] = w.power[0]
+
+
+def rhs_dense(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    status = factor_dense(p, t, x, w)
+    if failed(status):
+        return status
+    w.a[:] = w.force
+    if NC > 0:
+        status = solve_fallback(w, w.gamma, w.a, lam)
+        if failed(status):
+            return status
+    else:
+        lower(w, w.a)
+        upper(w, w.a)
+    put_rates(p, t, x, xdot, lam, w)
+    fault = not_finite(xdot, NX)
+    if fault >= 0:
+        w.culprit = fault
+        return NOT_FINITE
+    return status
+
+
+def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+    """The same once more with one step of iterative refinement."""
+    system_at(p, t, x, w)
+    fn_assemble(p, t, x, w.entries)
+    fn_factor(w.entries, w.health)
+    w.right[:NV] = w.force
+    w.right[NV : NV + NC] = w.gamma
+    fn_solve(w.entries, w.right, w.left)
+    fn_refine(w.entries, w.right, w.left)
+    w.a[:] = part(w.left, 0, NV)
+    lam[:] = part(w.left, NV, NV + NC)
+    put_rates(p, t, x, xdot, lam, w)
+
+
+def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """xdot and lam at (t, x); straight where that can be trusted."""
+    if STRAIGHT:
+        if NC > 0:
+            if w.lost:
+                return rhs_dense(p, t, x, xdot, lam, w)
+        fn_rhs(p, t, x, xdot, lam, w.health)
+        least = LEAST_PIVOT if NC > 0 else SINGULAR
+        if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
+            return rhs_dense(p, t, x, xdot, lam, w)
+        if NC > 0:
+            if w.health[1] > ROUNDING:
+                rhs_refined(p, t, x, xdot, lam, w)
+        if not_finite(xdot, NX) < 0:
+            return OK
+    # it tells why
+    return rhs_dense(p, t, x, xdot, lam, w)
+

@@ -1,0 +1,43 @@
+"""The sizes and switches of a model: known when its code is printed."""
+
+from __future__ import annotations
+
+from lagc.kernels.words import SizeType
+
+STRAIGHT: bool  # the right-hand side is straight-line code
+HAS_DISPLACE: bool  # qdot is not v
+COMPLETE: bool  # with what a run of lagc does itself: bounds of parameters, the search for a start
+
+
+class NQ(metaclass=SizeType): ...  # coordinates
+class NV(metaclass=SizeType): ...  # speeds
+class NZ(metaclass=SizeType): ...  # work integrals
+class NX(metaclass=SizeType): ...  # of the state, NQ + NV + NZ
+class NC(metaclass=SizeType): ...  # rows of constraints
+class NH(metaclass=SizeType): ...  # holonomic ones of them, the first
+class NP(metaclass=SizeType): ...  # parameters and inputs
+class NQUAT(metaclass=SizeType): ...  # unit quaternions
+class NKIND(metaclass=SizeType): ...  # kinds of coordinates and speeds
+class NWORK(metaclass=SizeType): ...  # entries of the straight factors
+class NM(metaclass=SizeType): ...  # of the mass matrix, packed by rows: NV (NV + 1) / 2
+class NG(metaclass=SizeType): ...  # of G: NC NV
+class NR(metaclass=SizeType): ...  # NV + NC
+class NREACH(metaclass=SizeType): ...  # NC + NH
+class NCOND(metaclass=SizeType): ...  # conditions of a start that the model has
+class NRATE(metaclass=SizeType): ...  # stated rates that are no speeds
+class NPOSITION(metaclass=SizeType): ...  # conditions that positions take part in
+class NBOUNDED(metaclass=SizeType): ...  # parameters with bounds
+class NU(metaclass=SizeType): ...  # unknowns of a start: NQ + NV + NRATE
+class NE(metaclass=SizeType): ...  # its conditions: NCOND + NQUAT
+class NJ(metaclass=SizeType): ...  # derivatives of these
+class NTABLE(metaclass=SizeType): ...  # NE (NU + 1)
+
+
+# The same for every model.
+class TWO(metaclass=SizeType): ...
+class FOUR(metaclass=SizeType): ...
+class NK(metaclass=SizeType): ...  # rates kept in a step, of the longest method
+class NKEPT(metaclass=SizeType): ...  # the same without those for dense output, and a state
+class ND(metaclass=SizeType): ...  # vectors of dense output
+class NSETS(metaclass=SizeType): ...  # sets of values that are tried because linear prediction asks for them
+class NSETU(metaclass=SizeType): ...  # NSETS NU

@@ -1,0 +1,17 @@
+"""What the kernels know of a model besides sizes: constant arrays in the generated code."""
+
+from __future__ import annotations
+
+
+from lagc.kernels.sizes import NBOUNDED, NE, NJ, NQUAT, NU, NX, TWO
+from lagc.kernels.words import IVec, Mat
+
+kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
+quaternion: IVec[NQUAT]  # where each begins in x
+level: IVec[NU]  # how firmly each unknown of the start is stated
+unit: IVec[NU]
+angle: IVec[NU]  # 1: of an angle
+ends: IVec[NE]  # where the derivatives of each condition end
+column: IVec[NJ]  # the unknown of each derivative
+bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
+bounds: Mat[NBOUNDED, TWO]  # least and largest

@@ -1,0 +1,95 @@
+"""What counts as an error of one step, and how long the first may be."""
+
+from __future__ import annotations
+
+from math import fabs, pow, sqrt
+
+from lagc.kernels.kinds import enlarge
+from lagc.kernels.limits import TINY
+from lagc.kernels.method import order
+from lagc.kernels.records import Options, State, Work
+from lagc.kernels.rhs import rhs_at
+from lagc.kernels.sizes import NKIND, NQ, NV, NX
+from lagc.kernels.statuses import failed
+from lagc.kernels.tables import kind
+from lagc.kernels.words import Params, Real, Vec, vector
+
+
+def departing(s: State, o: Options, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
+    """The sizes that kinds take from rest over the longest step so far, as they set out in this one: where a
+    motion begins with a kink, no step is short enough to be exact by what it reaches itself."""
+    for i in range(NKIND):
+        sizes[i] = 0.0
+    if w.longest > 0.0:
+        for i in range(NQ + NV):
+            way = fabs(s.y[i] - s.x[i]) * (w.longest / fabs(h))
+            if way > sizes[kind[i]]:
+                sizes[kind[i]] = way
+        for i in range(NKIND):
+            if s.sizes[i] > o.rtol * sizes[i]:  # it moves already
+                sizes[i] = 0.0
+
+
+def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
+    """w.reached, those of the trajectory with its new state s.y, and what errors of a step over h are
+    measured in; s.noise is the rounding of rates, where it is known.  An angle that winds does not make
+    others less telling."""
+    away = vector(NKIND)
+    departing(s, o, h, w, away)
+    w.reached[:] = s.sizes
+    enlarge(s.y, w.reached)
+    for i in range(NQ + NV):
+        k = kind[i]
+        size = away[k] if away[k] > w.reached[k] else w.reached[k]
+        if k == 0 and size > 1.0:
+            size = fabs(s.y[i]) if fabs(s.y[i]) > 1.0 else 1.0
+        weight = o.atol + o.rtol * size + 10.0 * fabs(h) * (s.noise[i] + w.play[i])
+        w.weights[i] = weight if weight > TINY else TINY
+
+
+def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Work) -> Real:
+    """The shortest of the times in which the kinds change by their own size, as their rates and the
+    changes of these over a small step tell; a part of it, by the order of the method.  Kinds that begin
+    at rest get the size to which it takes them: a force that jumps there is no error of any size."""
+    largest = o.max_step if o.max_step > 0.0 else fabs(t1 - s.t)
+    rates = vector(NKIND)
+    for k in range(NKIND):
+        rates[k] = 0.0
+    bends = vector(NKIND)
+    for k in range(NKIND):
+        bends[k] = 0.0
+    h = 0.01 * largest
+    tolerance = 1.0
+    enlarge(s.k[0], rates)
+    for k in range(NKIND):
+        if s.sizes[k] > 0.0 and o.rtol + o.atol / s.sizes[k] < tolerance:
+            tolerance = o.rtol + o.atol / s.sizes[k]
+        if s.sizes[k] > 0.0 and 0.01 * s.sizes[k] < h * rates[k]:
+            h = 0.01 * s.sizes[k] / rates[k]
+    for k in range(NX):
+        s.y[k] = s.x[k] + h * direction * s.k[0][k]
+    status = rhs_at(p, s.t + h * direction, s.y, s.k[1], w.lam, w)
+    s.rhs += 1
+    if failed(status) or h == 0.0:
+        return h
+    for k in range(NX):
+        s.y[k] = (s.k[1][k] - s.k[0][k]) / h
+    enlarge(s.y, bends)
+    best = largest
+    for k in range(NKIND):
+        if not bends[k] > 0.0:
+            continue
+        way = sqrt(s.sizes[k] / bends[k])
+        if s.sizes[k] < way * rates[k]:
+            way = s.sizes[k] / rates[k]
+        if rates[k] > way * bends[k]:
+            way = rates[k] / bends[k]
+        if way > 0.0 and way < best:
+            best = way
+    h = best * pow(0.01 * tolerance, 1.0 / order(o.method))
+    if h > largest:
+        h = largest
+    for k in range(NKIND):
+        if s.sizes[k] == 0.0:
+            s.sizes[k] = h * rates[k]
+    return h

@@ -1,0 +1,136 @@
+"""The words of the subset: what type checkers and readers see.  Printers know them by name.
+
+A kernel is a function with annotated arguments and one scalar result; all else goes through records.
+It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`, `continue`,
+`return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `sqrt`, `pow`.
+Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero, and what `sqrt`
+and `pow` are given has a root.
+`if NC > 0:` and `if STRAIGHT:` are decided when it is printed.  There are no tuples, defaults, closures,
+recursion, exceptions, and no memory of its own but local vectors.
+
+    v[:] = w            copies a vector; v[a:b] = part(w, c, d) a part of one
+    r = w.low           a name for a vector, or a row of a matrix, of a record: nothing is copied
+    v = vector(NX)      a local vector, to be filled before it is read; p = params() likewise
+    a = Trial()         a local record, of zeros
+    present(v)          whether a vector or record that a caller may leave out (NULL) is there
+    p[i]                a parameter or input by its place
+    size(NX)            a size as a number, where a local takes it
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, Generic, NewType, TypeVar, overload
+
+Real = float  # of the type that is asked for: double, float, long double, __float128
+Count = int  # a long: steps, evaluations
+Length = int  # a size_t: of what a caller brings
+Status = NewType("Status", int)
+N = TypeVar("N")
+R = TypeVar("R")
+T = TypeVar("T")
+
+
+class SizeType(type):
+    """The class of sizes: a size is a type, so that Vec[NV] is none of Vec[NX], and a number too."""
+
+    def __index__(self) -> int: ...  # type: ignore[empty-body]
+    def __float__(self) -> float: ...  # type: ignore[empty-body]
+    def __add__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __radd__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __sub__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __rsub__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __mul__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __rmul__(self, other: Size) -> int: ...  # type: ignore[empty-body]
+    def __lt__(self, other: Size) -> bool: ...  # type: ignore[empty-body]
+    def __le__(self, other: Size) -> bool: ...  # type: ignore[empty-body]
+    def __gt__(self, other: Size) -> bool: ...  # type: ignore[empty-body]
+    def __ge__(self, other: Size) -> bool: ...  # type: ignore[empty-body]
+    def __eq__(self, other: object) -> bool: ...  # type: ignore[empty-body]
+    def __hash__(self) -> int: ...  # type: ignore[empty-body]
+
+
+Size = int | SizeType
+
+
+class Vec(Generic[N]):
+    """N reals.  Vec[Any]: of any length, which is passed beside it."""
+
+    def __getitem__(self, i: Size) -> float: ...  # type: ignore[empty-body]
+    @overload
+    def __setitem__(self, i: Size, value: float) -> None: ...
+    @overload
+    def __setitem__(self, i: slice, value: Vec[Any] | Slice) -> None: ...
+    def __setitem__(self, i: Size | slice, value: float | Vec[Any] | Slice) -> None: ...
+
+
+class IVec(Generic[N]):
+    """N integers."""
+
+    def __getitem__(self, i: Size) -> int: ...  # type: ignore[empty-body]
+    @overload
+    def __setitem__(self, i: Size, value: int) -> None: ...
+    @overload
+    def __setitem__(self, i: slice, value: IVec[Any]) -> None: ...
+    def __setitem__(self, i: Size | slice, value: int | IVec[Any]) -> None: ...
+
+
+class Mat(Generic[R, N]):
+    """R rows of N reals; a row is a vector, shared, not copied."""
+
+    def __getitem__(self, i: Size) -> Vec[N]: ...  # type: ignore[empty-body]
+
+
+class Rows(Generic[N]):
+    """Rows of N reals, as many as the caller has; one block in C."""
+
+    def __getitem__(self, i: Size) -> Vec[N]: ...  # type: ignore[empty-body]
+
+
+class Cell(Generic[T]):
+    """One number of a caller: cell[0]."""
+
+    def __getitem__(self, i: int) -> T: ...  # type: ignore[empty-body]
+    def __setitem__(self, i: int, value: T) -> None: ...
+
+
+class Slice: ...
+
+
+class Params:
+    """Parameters and inputs of the model: a struct of reals in C."""
+
+    def __getitem__(self, i: Size) -> float: ...  # type: ignore[empty-body]
+    @overload
+    def __setitem__(self, i: Size, value: float) -> None: ...
+    @overload
+    def __setitem__(self, i: slice, value: Params) -> None: ...
+    def __setitem__(self, i: Size | slice, value: float | Params) -> None: ...
+
+
+Out = Vec  # an argument that a function of the model writes
+Row = dict[int, str]  # of a tableau: stage -> coefficient as decimal number or quotient, zeros left out
+
+
+def record(cls: type[R]) -> type[R]:
+    """A class of fields only: a struct in C."""
+    return cls
+
+
+def public(function: R) -> R:
+    """Declared in the header, with its docstring."""
+    return function
+
+
+def vector(n: type[N]) -> Vec[N]: ...  # type: ignore[empty-body]
+def indices(n: type[N]) -> IVec[N]: ...  # type: ignore[empty-body]
+def params() -> Params: ...  # type: ignore[empty-body]
+def size(n: SizeType) -> int: ...  # type: ignore[empty-body]
+def part(v: Vec[Any], first: Size, end: Size) -> Slice: ...  # type: ignore[empty-body]
+def present(v: object) -> bool: ...  # type: ignore[empty-body]
+def static(values: Iterable[R]) -> Iterable[R]: ...  # type: ignore[empty-body]
+def by_type(single: float, double: float, quad: str) -> float: ...  # type: ignore[empty-body]
+def combination(row: Row, k: Mat[Any, N], i: Size) -> float: ...  # type: ignore[empty-body]
+def number(text: str) -> float: ...  # type: ignore[empty-body]
+def quotient(a: float, b: float) -> float: ...  # type: ignore[empty-body]
+def Code(value: int) -> int: ...  # type: ignore[empty-body]  # noqa: N802

@@ -1,0 +1,189 @@
+"""The runtime of a model in C: the kernels that it needs, with its sizes and tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from typing import Any
+
+from lagc.kernels import METHODS
+from lagc.optimize.program import Interface, Program
+from lagc.render.c import header
+from lagc.render.kernels.arithmetic import DOUBLE
+from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of
+from lagc.render.kernels.names import snake
+from lagc.render.kernels.shipped import parts
+from lagc.render.statuses import STATUSES
+
+# Public kernels that every model has; those of a run of lagc's own are the last.
+ROOTS = ("begin", "step", "dense", "advance", "record", "check")
+OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by what `verbs` writes
+PUBLIC_RECORDS = ("Work", "Options", "State")
+
+
+def needed(program: Program, complete: bool) -> Chosen:
+    functions = program.functions
+    roots = [name for name in ROOTS if complete or name != "check"]
+    roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
+    roots += OF_VERBS[2:] if program.interface.nc and "scales" in functions else []
+    return chosen(parts(), switches_of(program.interface, complete), roots)
+
+
+def types(interface: Interface, complete: bool) -> str:
+    """lagc_work, lagc_method, lagc_options, lagc_state and the culprits of INVALID: for the header."""
+    return "\n".join([_record("Work", interface), _methods(), _record("Options", interface), _codes("records"),
+                      _record("State", interface)])  # fmt: skip
+
+
+def declarations(program: Program, complete: bool) -> str:
+    """The functions that integrate: for the header."""
+    found = ["lagc_options lagc_default_options(void);\nsize_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]
+    found += ["/* What a status means, in English; of a number that is none, too. */\n"
+              "const char *lagc_status_text(int status);\n"] if complete else []  # fmt: skip
+    for part, _ in needed(program, complete).parts:
+        if part["public"]:
+            lead = _comment("\n".join(part["lead"]))
+            found.append((lead + "\n" if lead else "") + _comment(part["doc"]) + part["head"] + ";\n")
+    return "\n".join(found)
+
+
+def definitions(program: Program, complete: bool) -> list[str]:
+    """Everything behind them."""
+    interface, use = program.interface, needed(program, complete)
+    values = tables(interface)
+    sizes, public = sizes_of(interface), {name for name, _, _ in header.sizes(interface)}
+    own = [n for n in sizes if n in use.names and n not in public and n not in DERIVED]
+    found = ["".join(f"#define LAGC_{name} {sizes[name]}\n" for name in own), _work(program)]
+    found += [_table(name, values[name]) for name in values if name in use.names]
+    found += [_record(p["name"], interface) for p in parts() if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS
+              and any(f"lagc_{snake(p['name'])} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
+    chosen_texts = {part["name"]: leaf["c"] for part, leaf in use.parts}
+    section, held = "", list[str]()
+    for part in parts():
+        if part["kind"] == "file":
+            found += [section, "".join(held)] if held else []
+            section = _section(part["title"], part["text"])
+            held = []
+        elif part["kind"] in ("int", "Real") and part["name"] in use.names:
+            held.append(_constant(part))
+        elif part["kind"] == "function" and part["name"] in chosen_texts:
+            found += [section] if section else []
+            found += ["".join(held)] if held else []
+            found.append(chosen_texts[part["name"]])
+            section, held = "", []
+    found.append(_defaults(complete))
+    return [part for part in found if part]
+
+
+def tables(interface: Interface) -> dict[str, Sequence[Any]]:
+    """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
+    fields = (*interface.parameters, *interface.inputs)
+    bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
+    return {
+        "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
+    }  # fmt: skip
+
+
+def _table(name: str, values: Sequence[Any]) -> str:
+    if name == "bounds":
+        rows = ",\n    ".join(f"{{{_bound(low)}, {_bound(high)}}}" for low, high in values)
+        return f"static const double lagc_bounds[][2] = {{\n    {rows}\n}};\n"
+    rows = ",\n    ".join(", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16))
+    inner = f"\n    {rows}\n" if "\n" in rows else rows
+    return f"static const int lagc_{name}[] = {{{inner}}};\n"
+
+
+def _bound(value: float) -> str:
+    return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
+
+
+def _record(name: str, interface: Interface) -> str:
+    """A struct; C has no arrays of nothing."""
+    part = next(p for p in parts() if p["kind"] == "record" and p["name"] == name)
+    switches, sizes = switches_of(interface, True), sizes_of(interface)
+    lines = []
+    for member, kind, when, lead, trail in part["members"]:
+        if all(switches[switch] == value for switch, value in when):
+            lines += [f"    /* {text} */" for text in lead]
+            lines.append(f"    {_room(kind, member, sizes)};" + (f" /* {trail} */" if trail else ""))
+    body = "\n".join(lines)
+    return f"{_comment(part['doc'])}typedef struct {{\n{body}\n}} lagc_{snake(name)};\n"
+
+
+def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int]) -> str:
+    from lagc.render.kernels.c import CPrinter
+
+    printer = CPrinter(DOUBLE, {**DERIVED, **{n: "1" for n, v in sizes.items() if v == 0}}, {})
+    return printer.room(tuple(kind), name)
+
+
+def _methods() -> str:
+    names = ", ".join(f"LAGC_{name.upper()} = {k}" for k, name in enumerate(METHODS))
+    return f"typedef enum {{ {names} }} lagc_method;\n"
+
+
+def _codes(file: str) -> str:
+    """The enumerations of a kernel file."""
+    rows: list[tuple[str, str]] = []
+    head = ""
+    for part in parts():
+        if part["kind"] == "Code" and part["name"].startswith("BAD_"):
+            head = head or part["note"]
+            rows.append((f"LAGC_{part['name']} = {part['value']}", "" if part["note"] == head else part["note"]))
+    lines = [f"    {text}{',' if k < len(rows) - 1 else ''}" + (f" /* {note} */" if note else "")
+             for k, (text, note) in enumerate(rows)]  # fmt: skip
+    return f"/* {head} */\nenum {{\n" + "\n".join(lines) + "\n};\n"
+
+
+def _constant(part: Mapping[str, Any]) -> str:
+    text, note = f"#define LAGC_{part['name']} {part['value']}", part["note"]
+    if not note:
+        return text + "\n"
+    return f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{_comment(note)}{text}\n"
+
+
+def _section(title: str, text: str) -> str:
+    head = title[:1].lower() + title[1:]
+    lines = text.splitlines()
+    if not lines:
+        return f"/* -- {head} -- */\n"
+    return f"/* -- {head} --\n" + "\n".join(f" * {line}".rstrip() for line in lines) + " */\n"
+
+
+def _comment(text: str) -> str:
+    lines = text.splitlines()
+    return "/* " + "\n".join([*lines[:1], *((" * " + line).rstrip() for line in lines[1:])]) + " */\n" if lines else ""
+
+
+def _work(program: Program) -> str:
+    """The rate of the work integral, with all that the model's function of it may read."""
+    if not program.interface.nz:
+        return ""
+    power = program.functions.get("power")
+    used = power.inputs if power is not None else ()
+    unused = "".join(f"    (void){name};\n" for name in ("p", "t", "x", "a", "lam") if name not in used)
+    body = f"    lagc_fn_power({', '.join(used)}, e);\n" if power is not None else "    e[0] = 0.0;\n"
+    return (
+        "static void lagc_fn_work(const lagc_params *p, double t, const double *x, const double *a, "
+        f"const double *lam, double *e)\n{{\n{unused}{body}}}\n"
+    )
+
+
+def _defaults(complete: bool) -> str:
+    """What the subset cannot say: structs by value, their sizes, texts."""
+    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": "1e-9",
+              "atol": "0.0", "step": "0.0", "first_step": "0.0", "max_step": "0.0"}  # fmt: skip
+    lines = "".join(f"    o.{name} = {value};\n" for name, value in values.items())
+    text = f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n\n"
+    text += "".join(f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n\n" for n in ("work", "state"))
+    if not complete:
+        return text
+    texts = ",\n        ".join(f'"{text}"' for _, text, _ in STATUSES)
+    return text + (
+        "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
+        f"        {texts}\n    }};\n"
+        '    return status >= 0 && status <= LAGC_INVALID ? texts[status] : "no status";\n}\n'
+    )
+
+

@@ -1,0 +1,1 @@
+"""Kernels -> C and Python: the printers of the runtime that `lagc.kernels` holds."""

@@ -1,0 +1,35 @@
+"""The type of a real in printed C: double, and what may take its place."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from lagc.records import dataclass
+
+
+@dataclass(frozen=True)
+class Arithmetic:
+    """The type of a Real."""
+
+    name: str
+    suffix: str  # of literals
+    call: str  # of functions of math
+    column: int  # of by_type
+    infinity: str
+    header: str
+
+    def literal(self, value: float | Fraction | str) -> str:
+        """The value, so that reading it gives the same bits as rounding it once."""
+        if self.column == 2:  # wider than a double
+            if isinstance(value, Fraction):
+                shift = 40 - len(str(abs(value.numerator) // value.denominator))
+                scaled = value * Fraction(10) ** shift
+                return f"{round(scaled)}e{-shift}{self.suffix}"
+            return (value if isinstance(value, str) else repr(float(value))) + self.suffix
+        return repr(float(value)) + self.suffix
+
+
+DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "<math.h>")
+SINGLE = Arithmetic("float", "f", "{}f", 0, "HUGE_VALF", "<math.h>")
+LONG = Arithmetic("long double", "L", "{}l", 2, "HUGE_VALL", "<math.h>")
+QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", "<quadmath.h>")

@@ -1,0 +1,383 @@
+"""Kernels as C99, which is C++ too."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping, Sequence
+
+from lagc.render.kernels.arithmetic import Arithmetic
+from lagc.render.kernels.names import snake
+from lagc.render.kernels.places import places
+from lagc.render.kernels.typed import MADE, REAL, SCALARS, VOID, WHOLE, Type, Types
+
+OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
+_OPERATORS = {
+    ast.Add: ("+", SUM), ast.Sub: ("-", SUM), ast.Mult: ("*", PRODUCT), ast.Div: ("/", PRODUCT),
+    ast.FloorDiv: ("/", PRODUCT), ast.Mod: ("%", PRODUCT), ast.RShift: (">>", SHIFT), ast.BitAnd: ("&", BITS),
+    ast.Lt: ("<", COMPARE), ast.LtE: ("<=", COMPARE), ast.Gt: (">", COMPARE), ast.GtE: (">=", COMPARE),
+    ast.Eq: ("==", EQUAL), ast.NotEq: ("!=", EQUAL),
+}  # fmt: skip
+WIDTH = 98  # of a line
+
+
+class CPrinter:
+    """Text with `lagc_` and `LAGC_` before each name of the interface; `derived`: sizes that are
+    expressions of others; `constants`: how they are spelled."""
+
+    def __init__(self, real: Arithmetic, derived: Mapping[str, str], constants: Mapping[str, str]):
+        self.real, self.derived = real, derived
+        self.constants = constants
+
+    # -- declarations --
+
+    def ctype(self, kind: Type) -> str:
+        name = {
+            "Real": self.real.name, "Vec": self.real.name, "Mat": self.real.name, "Rows": self.real.name,
+            "int": "int", "IVec": "int", "bool": "int", "Count": "long", "Length": "size_t", "None": "void",
+            "Status": "lagc_status", "Params": "lagc_params",
+        }.get(kind[0])  # fmt: skip
+        if kind[0] == "Cell":
+            return self.ctype((kind[1],))
+        return (f"lagc_{snake(kind[1])}" if name is None else name) + " "
+
+    def size(self, name: str) -> str:
+        """Of an array."""
+        return self.named(name)[0]
+
+    def named(self, name: str) -> tuple[str, int]:
+        if name in self.derived:
+            text = self.derived[name]
+            return text, PRODUCT if "*" in text else SUM if " " in text else ATOM
+        return f"LAGC_{name}", ATOM
+
+    def room(self, kind: Type, name: str) -> str:
+        """The declaration of a variable or member with room of its own."""
+        lengths = kind[1:] if kind[0] in ("Vec", "IVec", "Mat") else ()
+        return self.ctype(kind) + name + "".join(f"[{self.size(n)}]" for n in lengths)
+
+    def argument(self, kind: Type, name: str, written: bool) -> str:
+        if kind in SCALARS:
+            return self.ctype(kind) + name
+        if kind[0] == "Mat":  # const rows do not fit rows in C99
+            return f"{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
+        return ("" if written else "const ") + self.ctype(kind) + "*" + name
+
+    def head(self, types: Types, written: Sequence[bool]) -> str:
+        parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), written)]
+        static = "" if types.function.public else "static "
+        return wrapped(f"{static}{self.ctype(types.returns)}lagc_{types.name}(", parts or ["void"])
+
+    # -- functions --
+
+    def function(self, types: Types, written: Sequence[bool]) -> str:
+        self.now, self.places = types, places(types.body)
+        lines = [f"    {self.local(name)};" for name in types.locals if self.places[name] is None]
+        unused = [n for n in types.parameters if n not in types.read]
+        lines += [f"    (void){n};" for n in unused]
+        self.block(types.body, "    ", lines)
+        lead = "" if types.function.public else "".join(f"/* {line} */\n" for line in types.function.lead)
+        doc = "" if types.function.public else block_comment(self.spelled(types.function.doc))
+        body = "\n".join(folded(line) for line in lines)
+        return f"{lead}{doc}{self.head(types, written)}\n{{\n{body}\n}}\n"
+
+    def spelled(self, text: str) -> str:
+        """Members of records in comments as C has them: w->rank."""
+        records = [n for n, kind in self.now.parameters.items() if kind[0] == "Record"]
+        return re.sub(rf"\b({'|'.join(records)})\.(?=[a-z])", r"\1->", text) if records else text
+
+    def local(self, name: str) -> str:
+        """Its declaration; const where it is assigned once."""
+        kind = self.now.locals[name]
+        if name in self.now.roots:
+            const = "" if self.now.is_written(name) else "const "
+            if kind[0] == "Mat":
+                return f"{const}{self.ctype(kind)}(*{name})[{self.size(kind[2])}]"
+            return f"{const}{self.ctype(kind)}*{name}"
+        once = self.now.assigned[name] == 1 and self.places[name] is not None
+        return ("const " if once and kind in SCALARS else "") + self.room(kind, name)
+
+    def block(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
+        for node in body:
+            out += [f"{indent}/* {self.spelled(line)} */" for line in getattr(node, "lead", ())]
+            start = len(out)
+            self.statement(node, indent, out)
+            if getattr(node, "trail", "") and len(out) > start:
+                out[start] += f" /* {self.spelled(node.trail)} */"  # type: ignore[attr-defined]
+
+    def statement(self, node: ast.stmt, indent: str, out: list[str]) -> None:
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                self.bind(node, name, value, indent, out)
+            case ast.Assign(targets=[ast.Subscript(slice=ast.Slice()) as target], value=value):
+                self.copy(target, value, indent, out)
+            case ast.Assign(targets=[target], value=value):
+                out.append(f"{indent}{self.text(target)} = {self.given(value, target.type)};")  # type: ignore[attr-defined]
+            case ast.AugAssign(target=target, op=op, value=value):
+                sign = _OPERATORS[type(op)][0]
+                if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and target.type in WHOLE:  # type: ignore[attr-defined]
+                    out.append(f"{indent}{self.text(target)}{sign * 2};")
+                else:
+                    out.append(f"{indent}{self.text(target)} {sign}= {self.given(value, target.type)};")  # type: ignore[attr-defined]
+            case ast.If():
+                self.branch(node, indent, out)
+            case ast.While(test=test, body=body):
+                forever = isinstance(test, ast.Constant)
+                out.append(f"{indent}for (;;)" if forever else f"{indent}while ({self.text(test)})")
+                self.braced(body, indent, out)
+            case ast.For():
+                self.loop(node, indent, out)
+            case ast.Return(value=None):
+                out.append(indent + "return;")
+            case ast.Return(value=value):
+                assert value is not None
+                out.append(f"{indent}return {self.given(value, self.now.returns)};")
+            case ast.Break() | ast.Continue():
+                out.append(indent + ast.unparse(node) + ";")
+            case ast.Expr(value=value):
+                void = "(void)" if value.type != VOID else ""  # type: ignore[attr-defined]
+                out.append(f"{indent}{void}{self.text(value)};")
+
+    def loop(self, node: ast.For, indent: str, out: list[str]) -> None:
+        assert isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call)
+        i, args = node.target.id, node.iter.args
+        kind: Type = node.kind  # type: ignore[attr-defined]
+        first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
+        limit = self.operand(end, None, SHIFT)
+        if len(args) == 3:
+            test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"
+        else:
+            test = f"{i} < {limit}"
+        out.append(f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})")
+        self.braced(node.body, indent, out)
+
+    def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
+        """The block of the head that was the last line; one line needs no braces."""
+        here = len(out)
+        self.block(body, indent + "    ", out)
+        simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
+        if len(out) != here + 1 or not simple:
+            out[here - 1] += " {"
+            out.append(indent + "}")
+
+    def bind(self, node: ast.stmt, name: str, value: ast.expr, indent: str, out: list[str]) -> None:
+        kind = self.now.locals[name]
+        declare = self.places[name] is node
+        if isinstance(value, ast.Call) and (_name(value.func) in MADE):
+            out += [f"{indent}{self.local(name)};"] if declare else []
+        elif kind[0] == "Record":
+            out += [f"{indent}{self.local(name)};"] if declare else []
+            for member, inner in self.now.known.members(kind[1]).items():
+                out.append(f"{indent}{name}.{member} = {'0.0' if inner == REAL else '0'};")
+        else:
+            text = self.given(value, kind)
+            out.append(f"{indent}{self.local(name) if declare else name} = {text};")
+
+    def copy(self, target: ast.Subscript, value: ast.expr, indent: str, out: list[str]) -> None:
+        cut, kind = target.slice, target.value.type  # type: ignore[attr-defined]
+        assert isinstance(cut, ast.Slice)
+        if kind[0] == "Params":
+            out.append(f"{indent}{self.pointed(target.value)} = {self.pointed(value)};")
+            return
+        first = self.text(cut.lower) if cut.lower else "0"
+        end = self.operand(cut.upper, None, SHIFT) if cut.upper else self.size(kind[1])
+        offset = "0"
+        if isinstance(value, ast.Call):
+            offset, value = self.text(value.args[1]), value.args[0]
+        shift = "i_"
+        if offset != first:
+            shift += f" + {offset}" if first == "0" else f" - {first}" if offset == "0" else f" - {first} + {offset}"
+        out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++)")
+        out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
+
+    def pointed(self, node: ast.expr) -> str:
+        """The struct of parameters itself."""
+        return self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
+
+    def is_own(self, node: ast.expr) -> bool:
+        """Whether it is a local record, or struct of parameters, not a pointer to one."""
+        return isinstance(node, ast.Name) and node.id in self.now.locals and node.id not in self.now.roots
+
+    def branch(self, node: ast.If, indent: str, out: list[str]) -> None:
+        """A chain of tests; each block in braces where one needs them."""
+        start, blocks = len(out), []
+        word, now = indent, node
+        while True:
+            out.append(f"{word}if ({self.text(now.test)})")
+            blocks.append(self.part(now, now.body, indent, out))
+            other = now.orelse
+            if len(other) == 1 and isinstance(other[0], ast.If) and not getattr(other[0], "lead", ()):
+                word, now = f"{indent}else ", other[0]
+                continue
+            if other:
+                out.append(f"{indent}else")
+                blocks.append(self.part(None, other, indent, out))
+            break
+        if all(last - first == 1 for first, last, simple in blocks if simple) and all(b[2] for b in blocks):
+            return
+        for first, last, _ in reversed(blocks):
+            head, note = out[first - 1], ""
+            if " /* " in head and not head.lstrip().startswith("/*"):
+                head, _, note = head.partition(" /* ")
+            out[first - 1] = f"{head} {{" + (f" /* {note}" if note else "")
+            if first - 1 > start:
+                out[first - 1] = f"{indent}}} {out[first - 1].lstrip()}"
+        out.append(indent + "}")
+
+    def part(self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]) -> tuple[int, int, bool]:
+        """Where the lines of a block begin and end, and whether it is one plain statement."""
+        if node is not None and getattr(node, "trail", "") and out[-1].startswith(f"{indent}else "):
+            out[-1] += f" /* {node.trail} */"  # type: ignore[attr-defined]
+        first = len(out)
+        self.block(body, indent + "    ", out)
+        simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)
+        return first, len(out), simple and len(out) == first + 1
+
+    # -- expressions --
+
+    def given(self, node: ast.expr, wanted: Type) -> str:
+        """The expression where `wanted` stands: conversions are visible."""
+        kind: Type = node.type  # type: ignore[attr-defined]
+        if kind == wanted or kind[0] in ("Vec", "IVec", "Mat", "Rows", "Record", "Params", "Cell"):
+            return self.text(node)
+        return self.operand(node, wanted, 0)
+
+    def operand(self, node: ast.expr, wanted: Type | None, least: int, strict: bool = False) -> str:
+        """Within an expression that binds so; converted to a Real, long or size_t where one is wanted."""
+        kind: Type = node.type  # type: ignore[attr-defined]
+        text, binds = self.expression(node)
+        if wanted in (REAL, *WHOLE) and kind != wanted and kind in WHOLE:
+            assert wanted is not None
+            if isinstance(node, ast.Constant) and wanted != REAL:
+                return text  # fits any
+            return f"({self.ctype(wanted).strip()}){text if binds == ATOM else f'({text})'}"
+        return f"({text})" if binds < least or (strict and binds == least) else text
+
+    def text(self, node: ast.expr) -> str:
+        return self.expression(node)[0]
+
+    def expression(self, node: ast.expr) -> tuple[str, int]:
+        match node:
+            case ast.Constant(value=bool() as value):
+                return str(int(value)), ATOM
+            case ast.Constant(value=int() as value):
+                return str(value), ATOM if value >= 0 else SIGN
+            case ast.Constant(value=value):
+                text = self.real.literal(getattr(node, "exact", value))  # type: ignore[arg-type]
+                return text, SIGN if text.startswith("-") else ATOM
+            case ast.Name(id=name):
+                return self.name(name)
+            case ast.Attribute(value=value, attr=attr):
+                return f"{self.text(value)}{'.' if self.is_own(value) else '->'}{attr}", ATOM
+            case ast.Subscript(value=value, slice=index):
+                return self.entry(value, index)
+            case ast.BinOp(left=left, op=op, right=right):
+                sign, binds = _OPERATORS[type(op)]
+                kind: Type = node.type  # type: ignore[attr-defined]
+                if isinstance(op, ast.BitAnd | ast.RShift):  # compilers ask for parentheses
+                    return f"{self.operand(left, kind, ATOM)} {sign} {self.operand(right, kind, ATOM)}", binds
+                return f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}", binds
+            case ast.Compare(left=left, ops=[op], comparators=[right]):
+                sign, binds = _OPERATORS[type(op)]
+                kinds = (left.type, right.type)  # type: ignore[attr-defined]
+                common = next((k for k in (REAL, *reversed(WHOLE)) if k in kinds), None)
+                return f"{self.operand(left, common, SHIFT)} {sign} {self.operand(right, common, SHIFT)}", binds
+            case ast.BoolOp(op=op, values=values):
+                sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
+                return f" {sign} ".join(self.operand(v, None, EQUAL) for v in values), binds
+            case ast.UnaryOp(op=op, operand=operand):
+                return f"{'!' if isinstance(op, ast.Not) else '-'}{self.operand(operand, None, ATOM)}", SIGN
+            case ast.IfExp(test=test, body=body, orelse=orelse):
+                wanted: Type = node.type  # type: ignore[attr-defined]
+                ends = [self.operand(n, wanted, OR) for n in (body, orelse)]
+                return f"{self.operand(test, None, OR)} ? {ends[0]} : {ends[1]}", 0
+            case ast.Call(func=ast.Name(id=name), args=args):
+                return self.call(name, args)
+        raise AssertionError(ast.dump(node))
+
+    def name(self, name: str) -> tuple[str, int]:
+        if name in self.now.parameters or name in self.now.locals or name in self.now.counters:
+            return name, ATOM
+        if name in self.constants:
+            return self.constants[name], ATOM
+        if name in self.now.known.tables:
+            return f"lagc_{name}", ATOM
+        return (self.real.infinity, ATOM) if name == "inf" else self.named(name)
+
+    def entry(self, value: ast.expr, index: ast.expr) -> tuple[str, int]:
+        kind: Type = value.type  # type: ignore[attr-defined]
+        if kind[0] == "Rows":
+            return f"({self.text(value)} + {self.operand(index, None, PRODUCT)} * {self.size(kind[1])})", ATOM
+        if kind[0] == "Params":  # they are all of one type
+            pointer = f"&{self.text(value)}" if isinstance(value, ast.Attribute) or self.is_own(value) else self.text(value)
+            written = self.now.is_written(_root(value))
+            return f"(({'' if written else 'const '}{self.real.name} *){pointer})[{self.text(index)}]", ATOM
+        return f"{self.text(value)}[{self.text(index)}]", ATOM
+
+    def call(self, name: str, args: Sequence[ast.expr]) -> tuple[str, int]:
+        if name == "float":
+            if isinstance(args[0], ast.Constant):
+                return self.real.literal(float(args[0].value)), ATOM  # type: ignore[arg-type]
+            return self.operand(args[0], REAL, 0), SIGN
+        if name == "size":
+            return self.expression(args[0])
+        if name == "present":
+            return f"{self.text(args[0])} != NULL", EQUAL
+        if name == "quotient":
+            return f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}", PRODUCT
+        callee = self.now.known.signatures.get(name)
+        if callee is None:
+            return f"{self.real.call.format(name)}({', '.join(self.given(a, REAL) for a in args)})", ATOM
+        parts = []
+        for a, kind in zip(args, callee.parameters):
+            address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))
+            parts.append(("&" if address else "") + self.given(a, kind))
+        return f"lagc_{name}({', '.join(parts)})", ATOM
+
+
+def block_comment(text: str) -> str:
+    if not text:
+        return ""
+    lines = text.splitlines()
+    return "/* " + "\n".join([lines[0], *((" * " + line.strip()).rstrip() for line in lines[1:])]) + " */\n"
+
+
+def folded(line: str) -> str:
+    """A long line on several, broken before an operator or after a comma."""
+    code, mark, note = line.partition(" /* ") if not line.lstrip().startswith("/*") else (line, "", "")
+    if len(code) > WIDTH and mark:
+        lead = code[: len(code) - len(code.lstrip())]
+        return f"{lead}/* {note}\n{folded(code)}"
+    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    rows = []
+    while len(line) > WIDTH and not line.lstrip().startswith("/*"):
+        cuts = [line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")]
+        cut = max(*cuts, line.rfind(", ", len(indent) + 12, WIDTH) + 1)
+        if cut < 1:
+            break
+        rows.append(line[:cut])
+        line = indent + line[cut + 1 :]
+    return "\n".join([*rows, line])
+
+
+def wrapped(start: str, parts: Sequence[str]) -> str:
+    """A head with its parameters on lines that stay short."""
+    rows = [start]
+    for k, part in enumerate(parts):
+        text = part + ("," if k < len(parts) - 1 else ")")
+        if rows[-1] != start and len(rows[-1]) + len(text) > WIDTH:
+            rows[-1] = rows[-1].rstrip()
+            rows.append(" " * len(start))
+        rows[-1] += text + (" " if k < len(parts) - 1 else "")
+    return "\n".join(rows)
+
+
+def _name(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _root(node: ast.expr) -> str:
+    while isinstance(node, ast.Subscript | ast.Attribute):
+        node = node.value
+    return _name(node)
+

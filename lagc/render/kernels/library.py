@@ -1,0 +1,210 @@
+"""All kernels, printed for every choice of switches that makes a difference: what is shipped.
+
+A function is a tree: [switch, tree where it holds, tree where not], with texts at its ends.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from lagc.kernels import FILES, METHODS
+from lagc.render.kernels import python
+from lagc.render.kernels.assembly import DERIVED
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
+from lagc.render.kernels.c import CPrinter
+from lagc.render.kernels.static import Statics, Undecided
+from lagc.render.kernels.syntax import Constant, Function, Module, Outside, Record, read
+from lagc.render.kernels.typed import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
+
+Tree = Any  # [switch, Tree, Tree] or what is printed, a dictionary
+
+
+@dataclass
+class Member:
+    """Of a record; it exists where all `when` hold."""
+
+    kind: Type
+    when: tuple[tuple[str, bool], ...]
+    lead: tuple[str, ...]
+    trail: str
+
+
+class Members(Mapping[str, Type]):
+    """Of a record, for one choice of switches: to ask for one may raise Undecided."""
+
+    def __init__(self, members: Mapping[str, Member], switches: Mapping[str, bool]):
+        self.members, self.switches = members, switches
+
+    def exists(self, name: str) -> bool:
+        for switch, value in self.members[name].when:
+            if switch not in self.switches:
+                raise Undecided(switch)
+            if self.switches[switch] != value:
+                return False
+        return True
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.members and self.exists(str(name))
+
+    def __getitem__(self, name: str) -> Type:
+        return self.members[name].kind
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name in self.members if self.exists(name))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+@dataclass
+class Library:
+    """Read and printed in the order of the files; `parts` is what is shipped."""
+
+    real: Arithmetic = DOUBLE
+    records: dict[str, dict[str, Member]] = field(default_factory=dict)
+    signatures: dict[str, Signature] = field(default_factory=dict)
+    constants: dict[str, Type] = field(default_factory=dict)
+    spelled: dict[str, str] = field(default_factory=dict)
+    tables: dict[str, Type] = field(default_factory=dict)
+    sizes: frozenset[str] = frozenset()
+    parts: list[dict[str, Any]] = field(default_factory=list)
+
+    def load(self) -> Library:
+        from lagc.render.kernels import interface
+
+        self.sizes = interface.sizes()
+        self.tables = interface.tables()
+        self.signatures = {name: self._extern(f) for name, f in interface.functions().items()}
+        methods = tuple(interface.method(name, k) for k, name in enumerate(METHODS))
+        for name in FILES:
+            module = read(name)
+            if name == "runge_kutta":
+                for method in methods:
+                    self.module(module, method.tableau, f"{method.NAME}_", method.title)
+            else:
+                self.module(module, {"METHODS": methods})
+        return self
+
+    def module(self, module: Module, known: Mapping[str, Any], prefix: str = "", title: str = "") -> None:
+        self.parts.append({"kind": "file", "title": title or module.title, "text": module.text})
+        own = frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()
+        for part in module.parts:
+            if isinstance(part, Constant):
+                self.constant(part)
+            elif isinstance(part, Record):
+                self.record(part)
+            else:
+                self.function(part, known, prefix, own)
+
+    # -- constants and records --
+
+    def constant(self, part: Constant) -> None:
+        kinds = {"int": INT, "Real": REAL, "Status": STATUS, "Code": INT}
+        self.constants[part.name], self.spelled[part.name] = kinds[part.kind], f"LAGC_{part.name}"
+        value = part.value[self.real.column] if isinstance(part.value, tuple) else part.value
+        plain = part.value[1] if isinstance(part.value, tuple) else part.value
+        note = " ".join([*part.lead, part.trail]).strip()
+        text = str(value) if isinstance(value, int) else self.real.literal(value)
+        self.parts.append({"kind": part.kind, "name": part.name, "value": text, "python": repr(plain), "note": note})
+
+    def record(self, part: Record) -> None:
+        members: dict[str, Member] = {}
+        self._members(part, part.body, (), members)
+        self.records[part.name] = members
+        self.parts.append({
+            "kind": "record", "name": part.name, "doc": part.doc,
+            "members": [[n, m.kind, m.when, m.lead, m.trail] for n, m in members.items()],
+        })  # fmt: skip
+
+    def _members(self, part: Record, body: list[ast.stmt], when: tuple[tuple[str, bool], ...],
+                 members: dict[str, Member]) -> None:  # fmt: skip
+        for node in body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is None:
+                try:
+                    kind = parsed(ast.unparse(node.annotation), lambda name: False)
+                except ValueError as error:
+                    raise Outside(part.file, node, f"{error} is not a type of the subset") from None
+                members[node.target.id] = Member(kind, when, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
+            elif isinstance(node, ast.If):
+                switch = self._switch(part, node.test)
+                self._members(part, node.body, (*when, (switch, True)), members)
+                self._members(part, node.orelse, (*when, (switch, False)), members)
+            else:
+                raise Outside(part.file, node, "a record has fields only")
+
+    def _switch(self, part: Record, test: ast.expr) -> str:
+        try:
+            Statics(part.file, {}, self.sizes, {}).test(test)
+        except Undecided as found:
+            return found.switch
+        raise Outside(part.file, test, f"not a switch: {ast.unparse(test)}")
+
+    # -- functions --
+
+    def _extern(self, function: Function) -> Signature:
+        kinds = tuple(parsed(a, lambda name: False) for _, a in function.parameters)
+        return Signature(kinds, ("None",), [a.startswith("Out") for _, a in function.parameters])
+
+    def function(self, part: Function, known: Mapping[str, Any], prefix: str, own: frozenset[str]) -> None:
+        name = prefix + part.name
+        if name in self.signatures or name in self.constants:
+            raise Outside(part.file, part.line, f"{name} is there already")
+
+        def typed(switches: Mapping[str, bool]) -> Types | str:
+            body = Statics(part.file, switches, self.sizes, known, prefix, own).block(part.body)
+            seen = Known(self.signatures, lambda r: Members(self.records[r], switches), self.records.__contains__,
+                         self.constants, self.tables, self.sizes)  # fmt: skip
+            try:
+                return Types(part, name, body, seen)
+            except Outside as error:
+                if " has no " in str(error) and switches:
+                    return str(error)  # not for such a model
+                raise
+
+        tree = _explored(typed, {})
+        leaves = [leaf for leaf in _leaves(tree) if isinstance(leaf, Types)]
+        if not leaves:
+            raise Outside(part.file, part.line, next(str(leaf) for leaf in _leaves(tree)))
+        signature = leaves[0].signature
+        signature.writes = [any(column) for column in zip(*(leaf.signature.writes for leaf in leaves))]
+        self.signatures[name] = signature
+        printer = CPrinter(self.real, DERIVED, self.spelled)
+        heads = printer.head(leaves[0], signature.writes)
+        self.parts.append({
+            "kind": "function", "name": name, "public": part.public, "lead": part.lead if part.public else (),
+            "doc": part.doc, "head": heads,
+            "tree": _mapped(tree, lambda leaf: self._printed(printer, leaf, signature)),
+        })  # fmt: skip
+
+    def _printed(self, printer: CPrinter, leaf: Types | str, signature: Signature) -> dict[str, Any]:
+        if isinstance(leaf, str):
+            return {"missing": leaf}
+        unused = set(leaf.locals) - leaf.read
+        if unused:
+            raise leaf.fail(leaf.function.line, f"{leaf.name}: {', '.join(sorted(unused))} is never read")
+        return {
+            "c": printer.function(leaf, signature.writes), "python": python.function(leaf),
+            "calls": list(leaf.calls), "uses": sorted(n for n in leaf.read if n in {*self.constants, *self.tables, *self.sizes}),
+        }  # fmt: skip
+
+
+def _explored(find: Callable[[Mapping[str, bool]], Any], switches: Mapping[str, bool]) -> Tree:
+    try:
+        return find(switches)
+    except Undecided as undecided:
+        switch = undecided.switch
+    return [switch, *(_explored(find, {**switches, switch: value}) for value in (True, False))]
+
+
+def _leaves(tree: Tree) -> list[Any]:
+    return _leaves(tree[1]) + _leaves(tree[2]) if isinstance(tree, list) else [tree]
+
+
+def _mapped(tree: Tree, change: Callable[[Any], Any]) -> Tree:
+    if isinstance(tree, list):
+        return [tree[0], _mapped(tree[1], change), _mapped(tree[2], change)]
+    return change(tree)
+

@@ -1,0 +1,66 @@
+"""The printed kernels, made when lagc is installed (`hatch_build.py`).
+
+Where they are missing or belong to other sources, as in a checkout that is being worked on, they are
+printed when they are first needed, and kept in the cache.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import cache
+from typing import Any
+
+from lagc import cache as store
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
+
+Parts = tuple[dict[str, Any], ...]
+
+
+def shipped_path() -> str:
+    return os.path.join(os.path.dirname(os.path.abspath(__file__)), "kernels.json")
+
+
+def packed() -> str:
+    """All kernels for doubles as text, with the key of their sources: what `hatch_build.py` ships."""
+    return json.dumps([_key(), *printed(DOUBLE)], separators=(",", ":"))
+
+
+@cache
+def parts(real: Arithmetic = DOUBLE) -> Parts:
+    """Files, records, constants and functions in their order: see `library`."""
+    if real != DOUBLE:
+        return printed(real)
+    name = _key()
+    try:
+        with open(shipped_path(), encoding="utf-8") as file:
+            key, *found = json.load(file)
+        if key == name:
+            return tuple(found)
+    except (OSError, ValueError):
+        pass
+    kept = store.load("kernels", name, lambda body: tuple(json.loads(body)))
+    if kept is not None:
+        return kept
+    made = printed(real)
+    store.store("kernels", name, json.dumps(made).encode())
+    return made
+
+
+def printed(real: Arithmetic) -> Parts:
+    from lagc.render.kernels.library import Library
+
+    return tuple(Library(real).load().parts)
+
+
+def _key() -> str:
+    """Of the kernels and of what prints them."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    texts = []
+    for root in (os.path.join(here, "..", "..", "kernels"), here):
+        for folder, inner, names in sorted(os.walk(root)):
+            inner.sort()
+            for name in sorted(n for n in names if n.endswith(".py")):
+                with open(os.path.join(folder, name), encoding="utf-8") as file:
+                    texts.append(file.read())
+    return store.key(*texts)

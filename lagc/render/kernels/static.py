@@ -1,0 +1,239 @@
+"""What is decided before printing: switches of a model, and loops over what is known.
+
+A switch is `N > 0` of a size N, or a name of SWITCHES.  `decided` gives the statements of one choice of
+switches, and raises Undecided where it needs one that is not in it: so each function is printed once for
+each choice that makes a difference, and no more.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any
+
+from lagc.render.kernels.syntax import Outside, clone, exact
+
+SWITCHES = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
+Switches = Mapping[str, bool]
+
+
+class Undecided(Exception):
+    def __init__(self, switch: str):
+        self.switch = switch
+
+
+class NotStatic(Exception):
+    pass
+
+
+class Statics:
+    """Of one kernel: its switches, and the names whose values are known.
+
+    `known`: numbers, texts, tuples, dictionaries (rows of tableaus), and objects with such attributes
+    (methods); `sizes`: names of sizes; `prefix`: of the kernels `own`, where a file is printed several times.
+    """
+
+    def __init__(self, file: str, switches: Switches, sizes: frozenset[str], known: Mapping[str, Any],
+                 prefix: str = "", own: frozenset[str] = frozenset()):  # fmt: skip
+        self.file, self.switches, self.sizes, self.known = file, switches, sizes, known
+        self.prefix, self.own = prefix, own
+
+    def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        """The statements that are left, as copies."""
+        out: list[ast.stmt] = []
+        for node in body:
+            out += self.statement(node)
+            if out and isinstance(out[-1], ast.Return | ast.Break | ast.Continue):
+                break  # what follows is dead
+        return out
+
+    def statement(self, node: ast.stmt) -> list[ast.stmt]:
+        if isinstance(node, ast.If):
+            return self.branch(node)
+        if isinstance(node, ast.For) and isinstance(node.iter, ast.Call) and _name(node.iter.func) == "static":
+            if not isinstance(node.target, ast.Name):
+                raise Outside(self.file, node, "a static loop has one name")
+            out = []
+            for value in self.value(node.iter.args[0], node):
+                known = {**self.known, node.target.id: value}
+                inner = Statics(self.file, self.switches, self.sizes, known, self.prefix, self.own)
+                out += inner.block(node.body)
+            return _led(node, out)
+        copy = _bare(node)
+        for name, value in ast.iter_fields(node):
+            if name in ("body", "orelse"):
+                setattr(copy, name, self.block(value))
+            elif isinstance(value, ast.expr):
+                setattr(copy, name, self.expression(value))
+            elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
+                setattr(copy, name, [self.expression(v) for v in value])
+        return [copy]
+
+    def branch(self, node: ast.If) -> list[ast.stmt]:
+        test = self.test(node.test)
+        if isinstance(test, bool):
+            return _led(node, self.block(node.body if test else node.orelse))
+        copy = _bare(node)
+        assert isinstance(copy, ast.If)
+        copy.test, copy.body, copy.orelse = test, self.block(node.body), self.block(node.orelse)
+        if not copy.body:
+            if not copy.orelse:
+                return []
+            copy.test, copy.body, copy.orelse = ast.UnaryOp(ast.Not(), test), copy.orelse, []
+            ast.copy_location(copy.test, node.test)
+        return [copy]
+
+    def test(self, node: ast.expr) -> ast.expr | bool:
+        """A condition, or its value where it is known; known parts of `and` and `or` are dropped."""
+        found = self.switch(node)
+        if found is not None:
+            return found
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            inner = self.test(node.operand)
+            return not inner if isinstance(inner, bool) else ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
+        if isinstance(node, ast.BoolOp):
+            absorbing, left = isinstance(node.op, ast.Or), []
+            for part in node.values:
+                value = self.test(part)
+                if value is absorbing:
+                    return absorbing
+                if not isinstance(value, bool):
+                    left.append(value)
+            if not left:
+                return not absorbing
+            return left[0] if len(left) == 1 else ast.copy_location(ast.BoolOp(node.op, left), node)
+        try:
+            return bool(self.static(node))
+        except NotStatic:
+            return self.expression(node)
+
+    def switch(self, node: ast.expr) -> bool | None:
+        name = ""
+        match node:
+            case ast.Name(id=found) if found in SWITCHES:
+                name = found
+            case ast.Compare(left=ast.Name(id=found), ops=[ast.Gt()], comparators=[ast.Constant(value=0)]):
+                name = found if found in self.sizes else ""
+        if not name:
+            return None
+        if name not in self.switches:
+            raise Undecided(name)
+        return self.switches[name]
+
+    # -- expressions --
+
+    def expression(self, node: ast.expr) -> ast.expr:
+        if isinstance(node, ast.IfExp):
+            test = self.test(node.test)
+            if isinstance(test, bool):
+                return self.expression(node.body if test else node.orelse)
+        elif isinstance(node, ast.Call) and _name(node.func) == "combination":
+            return self.combination(node)
+        elif isinstance(node, ast.Call) and _name(node.func) == "number":
+            return _number(exact(self.value(node.args[0], node)), node)
+        elif _name(node) in self.own:
+            return ast.copy_location(ast.Name(self.prefix + _name(node), ast.Load()), node)
+        elif isinstance(node, ast.Attribute) and _name(node.value) in self.known:
+            owner = self.known[_name(node.value)]
+            value = getattr(owner, node.attr, None)
+            if isinstance(value, int | Fraction):
+                return _number(value, node)
+            return ast.copy_location(ast.Name(f"{owner.NAME}_{node.attr}", ast.Load()), node)  # of its kernels
+        elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
+            try:
+                value = self.static(node)
+            except NotStatic:
+                pass
+            else:
+                if isinstance(value, int | Fraction):
+                    return _number(value, node)
+        copy = _bare(node)
+        for name, value in ast.iter_fields(node):
+            if isinstance(value, ast.expr):
+                setattr(copy, name, self.expression(value))
+            elif isinstance(value, list) and value and isinstance(value[0], ast.expr):
+                setattr(copy, name, [self.expression(v) for v in value])
+        assert isinstance(copy, ast.expr)
+        return copy
+
+    def combination(self, node: ast.Call) -> ast.expr:
+        """c_1 * k[0][i] + c_2 * k[1][i] ..., from left to right, zeros left out."""
+        row, (k, i) = self.value(node.args[0], node), (self.expression(a) for a in node.args[1:])
+        total: ast.expr | None = None
+        for stage, text in row.items():
+            value = exact(text)
+            entry = ast.Subscript(ast.Subscript(clone(k), ast.Constant(stage - 1), ast.Load()), clone(i), ast.Load())
+            term: ast.expr = entry
+            if abs(value) != 1 or (total is None and value < 0):
+                term = ast.BinOp(_number(value if total is None else abs(value), node), ast.Mult(), entry)
+            total = term if total is None else ast.BinOp(total, ast.Sub() if value < 0 else ast.Add(), term)
+        if total is None:
+            raise Outside(self.file, node, "a combination of nothing")
+        for n in ast.walk(total):
+            ast.copy_location(n, node)
+        return total
+
+    def value(self, node: ast.expr, where: ast.AST) -> Any:
+        try:
+            return self.static(node)
+        except NotStatic:
+            raise Outside(self.file, where, f"not known when printed: {ast.unparse(node)}") from None
+
+    def static(self, node: ast.expr) -> Any:
+        """The value of an expression of known names and literals; NotStatic where it is none."""
+        match node:
+            case ast.Constant(value=int() | str() as value) if not isinstance(value, bool):
+                return value
+            case ast.Name(id=name) if name in self.known:
+                return self.known[name]
+            case ast.Attribute(value=value, attr=attr):
+                found = getattr(self.static(value), attr, None)
+                if found is not None:
+                    return found
+            case ast.Subscript(value=value, slice=index):
+                return self.static(value)[self.static(index)]
+            case ast.UnaryOp(op=ast.USub(), operand=operand):
+                return -self.static(operand)
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in _ARITHMETIC:
+                return _ARITHMETIC[type(op)](self.static(left), self.static(right))
+            case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _COMPARISONS:
+                return _COMPARISONS[type(op)](self.static(left), self.static(right))
+            case ast.Call(func=ast.Name(id="range" | "len" as name), args=args):
+                return {"range": range, "len": len}[name](*(self.static(a) for a in args))  # type: ignore[operator]
+        raise NotStatic
+
+
+_ARITHMETIC: dict[type, Any] = {
+    ast.Add: lambda a, b: a + b, ast.Sub: lambda a, b: a - b, ast.Mult: lambda a, b: a * b,
+    ast.Mod: lambda a, b: a % b, ast.FloorDiv: lambda a, b: a // b,
+}  # fmt: skip
+_COMPARISONS: dict[type, Any] = {
+    ast.Eq: lambda a, b: a == b, ast.NotEq: lambda a, b: a != b, ast.Lt: lambda a, b: a < b,
+    ast.Gt: lambda a, b: a > b,
+}  # fmt: skip
+
+
+def _name(node: ast.expr) -> str:
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _bare(node: Any) -> Any:
+    """A copy whose children are still those of the original."""
+    found = node.__class__.__new__(node.__class__)
+    found.__dict__.update(node.__dict__)
+    return found
+
+
+def _led(node: ast.stmt, body: list[ast.stmt]) -> list[ast.stmt]:
+    """The comments before a statement that is gone stand before what it leaves."""
+    if body and node.lead:  # type: ignore[attr-defined]
+        body[0] = _bare(body[0])
+        body[0].lead = [*node.lead, *body[0].lead]  # type: ignore[attr-defined]
+    return body
+
+
+def _number(value: int | Fraction, node: ast.AST) -> ast.expr:
+    found = ast.copy_location(ast.Constant(value if isinstance(value, int) else float(value)), node)
+    found.exact = value  # type: ignore[attr-defined]
+    return found

@@ -1,0 +1,198 @@
+"""Kernel files as syntax trees, their comments attached; what no kernel may be is refused here."""
+
+from __future__ import annotations
+
+import ast
+import io
+import os
+import tokenize
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import lagc.kernels
+
+
+class Outside(Exception):
+    """What is written is not part of the subset: file, line and why."""
+
+    def __init__(self, file: str, node: ast.AST | int, what: str):
+        super().__init__(f"{file}:{node if isinstance(node, int) else getattr(node, 'lineno', 0)}: {what}")
+
+
+@dataclass(frozen=True)
+class Function:
+    file: str
+    line: int
+    name: str
+    parameters: tuple[tuple[str, str], ...]  # name, annotation
+    returns: str
+    doc: str
+    body: list[ast.stmt]
+    public: bool
+    lead: tuple[str, ...]  # comments before it
+
+
+@dataclass(frozen=True)
+class Record:
+    file: str
+    name: str
+    doc: str
+    body: list[ast.stmt]
+
+
+@dataclass(frozen=True)
+class Constant:
+    """`kind`: int, Real, Status (of the interface), Code (of an enumeration of the interface)."""
+
+    file: str
+    name: str
+    kind: str
+    value: Any  # int, float, or of a Real by type: float, float, decimal text
+    lead: tuple[str, ...]
+    trail: str
+
+
+@dataclass(frozen=True)
+class Module:
+    """A kernel file: title, and what it defines in order."""
+
+    file: str
+    title: str
+    text: str  # of the docstring behind its title
+    parts: tuple[Function | Record | Constant, ...]
+
+
+def folder() -> str:
+    return os.path.dirname(os.path.abspath(lagc.kernels.__file__))
+
+
+def read(name: str) -> Module:
+    """The kernel file `name`."""
+    path = os.path.join(folder(), *name.split("/")) + ".py"
+    with open(path, encoding="utf-8") as file:
+        return module(f"{name}.py", file.read())
+
+
+def module(file: str, text: str) -> Module:
+    tree = ast.parse(text, file)
+    attach(tree.body, _comments(text), 0)
+    parts: list[Function | Record | Constant] = []
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            parts.append(_function(file, node))
+        elif isinstance(node, ast.ClassDef) and [getattr(d, "id", "") for d in node.decorator_list] == ["record"]:
+            doc = ast.get_docstring(node) or ""
+            parts.append(Record(file, node.name, doc, node.body[1:] if doc else node.body))
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            parts.append(_constant(file, node, node.targets[0].id))
+        elif not isinstance(node, ast.Import | ast.ImportFrom) and not _is_text(node):
+            raise Outside(file, node, f"{type(node).__name__} at the level of the file")
+    title, _, rest = (ast.get_docstring(tree) or "").partition("\n\n")
+    return Module(file, title.removesuffix("."), rest, tuple(parts))
+
+
+def _is_text(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+def _function(file: str, node: ast.FunctionDef) -> Function:
+    a = node.args
+    if a.posonlyargs or a.vararg or a.kwonlyargs or a.kwarg or a.defaults:
+        raise Outside(file, node, "arguments are plain: no defaults, stars or keywords")
+    if node.returns is None or any(arg.annotation is None for arg in a.args):
+        raise Outside(file, node, "every argument and the result has a type")
+    decorators = [ast.unparse(d) for d in node.decorator_list]
+    if not set(decorators) <= {"public"}:
+        raise Outside(file, node, "the only decorator is @public")
+    doc = ast.get_docstring(node) or ""
+    parameters = tuple((arg.arg, ast.unparse(arg.annotation)) for arg in a.args if arg.annotation)
+    body = [_Annotated().visit(s) for s in (node.body[1:] if doc else node.body)]
+    return Function(file, node.lineno, node.name, parameters, ast.unparse(node.returns), doc, body,
+                    bool(decorators), tuple(node.lead))  # type: ignore[attr-defined]  # fmt: skip
+
+
+class _Annotated(ast.NodeTransformer):
+    """count: Count = 0, of a local, is an assignment that says its type."""
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.stmt:
+        if node.value is None or not isinstance(node.target, ast.Name):
+            return node
+        found = ast.copy_location(ast.Assign([node.target], node.value), node)
+        found.said = ast.unparse(node.annotation)  # type: ignore[attr-defined]
+        found.lead, found.trail = node.lead, node.trail  # type: ignore[attr-defined]
+        return found
+
+
+def _constant(file: str, node: ast.Assign, name: str) -> Constant:
+    value, kind, found = node.value, "", None
+    if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and not value.keywords:
+        kind = {"by_type": "Real", "Status": "Status", "Code": "Code"}.get(value.func.id, "")
+        given = [literal(a) for a in value.args]
+        if len(given) == (3 if kind == "Real" else 1) and kind and None not in given:
+            found = tuple(given) if kind == "Real" else given[0]
+    else:
+        found = literal(value)
+        kind = "int" if isinstance(found, int) else "Real"
+    if found is None:
+        raise Outside(file, node, "a constant is a number, by_type(...), Status(...) or Code(...)")
+    return Constant(file, name, kind, found, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
+
+
+def literal(node: ast.expr) -> Any:
+    """The number, or text, that an expression of literals is; None where it is none."""
+    match node:
+        case ast.Constant(value=int() | float() | str() as value) if not isinstance(value, bool):
+            return value
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            inner = literal(operand)
+            return None if inner is None or isinstance(inner, str) else -inner
+        case ast.BinOp(left=left, op=ast.Div() | ast.Mult() as op, right=right):
+            a, b = literal(left), literal(right)
+            if isinstance(a, float) and isinstance(b, float):
+                return a / b if isinstance(op, ast.Div) else a * b
+    return None
+
+
+def exact(text: str) -> Fraction:
+    """A coefficient: a decimal number or a quotient of such."""
+    above, _, below = text.replace(" ", "").partition("/")
+    return Fraction(above) / Fraction(below or "1")
+
+
+def _comments(text: str) -> dict[int, tuple[str, bool]]:
+    """Line -> comment, and whether it stands alone."""
+    found = {}
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT and not token.string.startswith(("# type:", "# fmt:", "# noqa")):
+            alone = not token.line[: token.start[1]].strip()
+            found[token.start[0]] = (token.string.partition("  # ")[0][1:].strip(), alone)
+    return found
+
+
+def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int) -> int:
+    """Comments onto statements: `lead` before, `trail` beside; the last line that was looked at."""
+    for node in body:
+        first = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
+        node.lead = [notes[n][0] for n in range(after + 1, first) if n in notes]  # type: ignore[attr-defined]
+        inner = getattr(node, "body", None)
+        last = inner[0].lineno - 1 if inner else (node.end_lineno or node.lineno)
+        beside = [n for n in range(node.lineno, last + 1) if n in notes and not notes[n][1]]
+        node.trail = " ".join(notes[n][0] for n in beside)  # type: ignore[attr-defined]
+        after = max([node.lineno, *beside])
+        for block in (inner or [], getattr(node, "orelse", [])):
+            after = attach(block, notes, after)
+        after = max(after, node.end_lineno or 0)
+    return after
+
+
+def clone(node: Any) -> Any:
+    """A copy of a tree with its comments: what copy.deepcopy does, five times as fast."""
+    if isinstance(node, list):
+        return [clone(n) for n in node]
+    if not isinstance(node, ast.AST):
+        return node
+    found = node.__class__.__new__(node.__class__)
+    for name, value in node.__dict__.items():
+        found.__dict__[name] = clone(value) if isinstance(value, ast.AST | list) else value
+    return found
