@@ -149,13 +149,14 @@ def optimize(equations: EquationsOfMotion, work: bool) -> Program:
 
 
 @_uncollected
-def render(program: Program, target: str, complete: bool = True) -> dict[str, str]:
+def render(program: Program, target: str, complete: bool = True, real: str = "double") -> dict[str, str]:
     """File name -> text; `complete` for whoever has no lagc."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
             from lagc.render.c.render import render as render_c
+            from lagc.render.kernels.arithmetic import TYPES
 
-            return render_c(program, complete)
+            return render_c(program, complete, TYPES[real])
         from lagc.render.numpy.render import render as render_numpy
 
         return render_numpy(program, complete)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc.cli.exits import DONE, cannot_write
+from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
@@ -19,6 +19,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add_model_options(parser)
     parser.add_argument("--target", choices=("c", "numpy"), default="c", help="what is generated")
     parser.add_argument(
+        "--real", choices=("double", "float", "quad"), default="double",
+        help="the type of numbers in C (quad: __float128 of GCC)",
+    )  # fmt: skip
+    parser.add_argument(
         "-o", "--output", metavar="DIR", default=".", help="the folder that receives it; made where absent"
     )
     add_general_options(parser)
@@ -27,9 +31,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     from lagc import compiler, library
 
+    if options.real != "double" and options.target != "c":
+        raise Usage("--real is about C: leave it out, or build for --target c")
     source = library.read(options.file)
     program = compiler.program(source, choice_of(options))
-    files = compiler.render(program, options.target)
+    files = compiler.render(program, options.target, real=options.real)
     paths = write(files, options.output)
     if options.json:
         interface = program.interface

@@ -23,10 +23,10 @@ from lagc.kernels.fallback import solve_fallback
 from lagc.kernels.rhs import factor_dense, system_at
 from lagc.kernels.sizes import HAS_DISPLACE, NC, NH, NKIND, NQ, NQUAT, NR, NV, NX, STRAIGHT
 from lagc.kernels.statuses import INCONSISTENT, OK, failed
-from lagc.kernels.words import Params, Real, Size, Status, Vec, part
+from lagc.kernels.words import Params, Real, Size, Status, Vec, by_type, part
 
 MOST_TURNS = 8  # of simplified Newton iterations
-HOPELESS = 1e-6  # scaled residual with which a projection has failed
+HOPELESS = by_type(1e-3, 1e-6, "1e-6")  # scaled residual with which a projection has failed
 
 
 def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:

@@ -7,10 +7,11 @@ from typing import Any
 
 from lagc.kernels.sizes import NQUAT
 from lagc.kernels.tables import quaternion
-from lagc.kernels.words import Real, Vec
+from lagc.kernels.words import Real, Vec, by_type
 
-FEWEST = 1e-200  # squares of lengths that neither vanish nor overflow
-MOST = 1e200
+# Squares of lengths that neither vanish nor overflow.
+LEAST_SQUARE = by_type(1e-25, 1e-200, "1e-3000")
+MOST_SQUARE = by_type(1e25, 1e200, "1e3000")
 
 
 def square_at(x: Vec[Any], k: int) -> Real:
@@ -22,7 +23,7 @@ def normalise(x: Vec[Any]) -> None:
     for n in range(NQUAT):
         k = quaternion[n]
         square = square_at(x, k)
-        if not (FEWEST < square and square < MOST):
+        if not (LEAST_SQUARE < square and square < MOST_SQUARE):
             largest = 0.0
             for i in range(k, k + 4):
                 if not fabs(x[i]) <= largest:

@@ -13,7 +13,9 @@ from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NQUAT, NX
 from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
 from lagc.kernels.step import enter, leave, step_once, stop
-from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, public
+from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
+
+BARELY = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for rounding
 
 
 def repeat(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
@@ -65,7 +67,7 @@ def within(s: State, t: Real) -> bool:
     if s.h_old == 0.0:
         return False
     part = (t - s.t_old) / s.h_old
-    return part >= -1e-9 and part <= 1.0 + 1e-9
+    return part >= -BARELY and part <= 1.0 + BARELY
 
 
 @public

@@ -27,6 +27,11 @@ _INFIX = {
 TRUTH = frozenset({"lt", "le", "eq", "and", "or", "not"})
 
 
+def literal(value: float) -> str:
+    """A finite number, so that reading it gives the same bits."""
+    return repr(float(value))
+
+
 @dataclass(frozen=True)
 class Dialect:
     """What differs between target languages.
@@ -44,12 +49,8 @@ class Dialect:
     store: str
     comment: Callable[[str], str]
     load: Callable[[str, int], str]
+    literal: Callable[[float], str] = literal
     width: int = 88
-
-
-def literal(value: float) -> str:
-    """A finite number, so that reading it gives the same bits."""
-    return repr(float(value))
 
 
 def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> list[str]:
@@ -111,7 +112,7 @@ class _Body:
                 continue
             if operation.op == "const":
                 assert isinstance(operation.payload, float | int)
-                self.text[k] = literal(operation.payload)
+                self.text[k] = self.dialect.literal(operation.payload)
                 if self.text[k].startswith("-"):
                     self.binds[k] = SIGN
             elif operation.op == "load":

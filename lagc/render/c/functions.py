@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 
 from lagc.optimize.program import Function, Program
 from lagc.render.c.parts import LONGEST, SHARED, divided
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.names import comment
 from lagc.render.statements import AND, OR, Dialect, lines, uses
 
@@ -19,9 +20,9 @@ CALLS = {
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
 HELPERS = {
-    "sign": "static double lagc_sign(double a) { return a > 0.0 ? 1.0 : (a < 0.0 ? -1.0 : 0.0); }\n",
-    "min": "static double lagc_min(double a, double b) { return b < a ? b : a; }\n",
-    "max": "static double lagc_max(double a, double b) { return b > a ? b : a; }\n",
+    "sign": "static lagc_real lagc_sign(lagc_real a) { return a > 0.0 ? 1.0 : (a < 0.0 ? -1.0 : 0.0); }\n",
+    "min": "static lagc_real lagc_min(lagc_real a, lagc_real b) { return b < a ? b : a; }\n",
+    "max": "static lagc_real lagc_max(lagc_real a, lagc_real b) { return b > a ? b : a; }\n",
 }
 
 
@@ -32,7 +33,10 @@ def helpers(program: Program) -> str:
 
 
 def function_text(
-    function: Function, locals_: Mapping[tuple[str, int], str], fields: Mapping[int, str]
+    function: Function,
+    locals_: Mapping[tuple[str, int], str],
+    fields: Mapping[int, str],
+    real: Arithmetic = DOUBLE,
 ) -> str:
     """`static void lagc_fn_<name>(inputs..., outputs...)`; an array both read and written stands
     once.  `fields`: the member of the parameters' struct for each index of p."""
@@ -43,14 +47,15 @@ def function_text(
         return f"p->{fields[index]}" if array == "p" else f"{array}[{index}]"
 
     dialect = Dialect(
-        calls=CALLS,
+        calls=CALLS if real == DOUBLE else {op: _of_type(text, real) for op, text in CALLS.items()},
         infix={"and": (" && ", AND), "or": (" || ", OR)},
         select="({} ? {} : {})",
-        number="const double {name} = {value};",
+        number="const lagc_real {name} = {value};",
         truth="const int {name} = {value};",
         store="{array}[{index}] = {value};",
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
+        literal=real.literal,
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
@@ -60,15 +65,20 @@ def function_text(
     if len(body) <= LONGEST:
         return about + _definition(name, function, body)
     parts, shared = divided(body, {array for array, _ in function.outputs})
-    more = f", double *{SHARED}" if shared else ""
+    more = f", lagc_real *{SHARED}" if shared else ""
     text = [_definition(f"{name}_{k}", function, part, more) for k, part in enumerate(parts, 1)]
     arguments = ", ".join([*_order(function), *([SHARED] if shared else [])])
     calls = [f"{name}_{k}({arguments});" for k in range(1, len(parts) + 1)]
     return about + "\n".join([*text, _definition(name, function, _room(shared) + calls)])
 
 
+def _of_type(text: str, real: Arithmetic) -> str:
+    """The function of C's library for this type of real."""
+    return text if text == "!" or text.startswith("lagc_") else real.call.format(text)
+
+
 def _room(shared: int) -> list[str]:
-    return [f"double {SHARED}[{shared}];"] if shared else []
+    return [f"lagc_real {SHARED}[{shared}];"] if shared else []
 
 
 def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:
@@ -96,5 +106,5 @@ def _formal(name: str, written: bool) -> str:
     if name == "p":
         return "const lagc_params *p"
     if name == "t":
-        return "double t"
-    return f"double *{name}" if written else f"const double *{name}"
+        return "lagc_real t"
+    return f"lagc_real *{name}" if written else f"const lagc_real *{name}"

@@ -41,7 +41,7 @@ _USE = """\
  *     lagc_params p = lagc_default_params();
  *     lagc_options o = lagc_default_options();
  *     static lagc_state s;                    one for each trajectory
- *     double x[LAGC_NX];
+ *     lagc_real x[LAGC_NX];
  *     lagc_start(&p, x);
 {consistent} *     lagc_begin(&s, 0.0, x);
  *     if (lagc_advance(&p, &s, 1.0, &o, &w) == LAGC_OK)
@@ -126,16 +126,16 @@ def members(interface: Interface) -> list[str]:
 
 
 def parameters(interface: Interface) -> str:
-    """The struct of parameters and inputs: all of them doubles, in the order of p."""
+    """The struct of parameters and inputs: all of them reals, in the order of p."""
     names = members(interface)
     fields = [*interface.parameters, *interface.inputs]
     text = ["typedef struct {"]
     if not fields:
-        text.append("    double none; /* this model has no parameters */")
+        text.append("    lagc_real none; /* this model has no parameters */")
     for k, (name, field) in enumerate(zip(names, fields)):
         if k == len(interface.parameters):
             text.append("    /* inputs */")
-        text.append(f"    double {name}; /* {_note(name, field)} */")
+        text.append(f"    lagc_real {name}; /* {_note(name, field)} */")
     return "\n".join([*text, "} lagc_params;"]) + "\n"
 
 

@@ -12,7 +12,7 @@ LONGEST = 600  # lines of a function that is left whole
 PART = 300
 SHARED = "lagc_shared"
 
-_DECLARATION = re.compile(r"const (double|int) (\w+) = (.*);$")
+_DECLARATION = re.compile(r"const (lagc_real|int) (\w+) = (.*);$")
 _ENTRY = re.compile(r"(\w+)(\[\d+\]|->\w+)$")
 _WORD = re.compile(r"(?<!->)(?<!\w)[A-Za-z_]\w*")  # no member of the parameters
 

@@ -13,11 +13,12 @@ from lagc.optimize.program import Interface, Program
 from lagc.render.c import fragments, header, runtime
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.locals import local_names
 from lagc.render.names import prefix, stem
 
 
-def render(program: Program, complete: bool = True) -> dict[str, str]:
+def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
     """File name -> text: `<model>.h` and `<model>.c`, C99 and C++.
 
     Unless `complete` they lack what a run of `lagc` does itself: the search for a consistent start, which
@@ -27,12 +28,12 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     interface = program.interface
     name = stem(interface.model)
     return {
-        f"{name}.h": _prefixed(_header(program, f"{name}.h", complete), interface),
-        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete), interface),
+        f"{name}.h": _prefixed(_header(program, f"{name}.h", complete, real), interface, real),
+        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete, real), interface, real),
     }
 
 
-def _header(program: Program, file: str, complete: bool) -> str:
+def _header(program: Program, file: str, complete: bool, real: Arithmetic) -> str:
     interface = program.interface
     consistency = complete and interface.needs_consistency
     guard = "LAGC_H_"
@@ -43,27 +44,27 @@ def _header(program: Program, file: str, complete: bool) -> str:
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         header.statuses(),
-        runtime.types(interface, complete),
-        *(verb.declaration for verb in verbs(program)),
-        runtime.declarations(program, complete),
+        runtime.types(interface, complete, real),
+        *(verb.declaration for verb in verbs(program, real)),
+        runtime.declarations(program, complete, real),
         fragments.start_declarations(interface) if consistency else "",
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _source(program: Program, file: str, own_header: str, complete: bool) -> str:
+def _source(program: Program, file: str, own_header: str, complete: bool, real: Arithmetic) -> str:
     interface = program.interface
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
     parts = [
-        header.banner(interface, file) + f'#include "{own_header}"\n\n#include <math.h>\n',
+        header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
         _CONTRACTION,
         helpers(program),
-        *(function_text(f, names, fields) for f in program.functions.values()),
-        *runtime.definitions(program, complete),
+        *(function_text(f, names, fields, real) for f in program.functions.values()),
+        *runtime.definitions(program, complete, real),
         *(fragments.start_definitions(interface) if complete and interface.needs_consistency else []),
-        *(verb.definition for verb in verbs(program)),
+        *(verb.definition for verb in verbs(program, real)),
     ]
     return "\n".join(part for part in parts if part)
 
@@ -77,8 +78,9 @@ _CONTRACTION = """\
 """
 
 
-def _prefixed(text: str, interface: Interface) -> str:
+def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:
     own = prefix(interface.model)
+    text = re.sub(r"\blagc_real\b", real.name, text)
     text = re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
     return _HEAD.sub(_wrapped, text)
 

@@ -9,7 +9,7 @@ from typing import Any
 from lagc.kernels import METHODS
 from lagc.optimize.program import Interface, Program
 from lagc.render.c import header
-from lagc.render.kernels.arithmetic import DOUBLE
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import parts
@@ -21,45 +21,45 @@ OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by what 
 PUBLIC_RECORDS = ("Work", "Options", "State")
 
 
-def needed(program: Program, complete: bool) -> Chosen:
+def needed(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> Chosen:
     functions = program.functions
     roots = [name for name in ROOTS if complete or name != "check"]
     roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
     roots += OF_VERBS[2:] if program.interface.nc and "scales" in functions else []
-    return chosen(parts(), switches_of(program.interface, complete), roots)
+    return chosen(parts(real), switches_of(program.interface, complete), roots)
 
 
-def types(interface: Interface, complete: bool) -> str:
+def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> str:
     """lagc_work, lagc_method, lagc_options, lagc_state and the culprits of INVALID: for the header."""
-    return "\n".join([_record("Work", interface), _methods(), _record("Options", interface), _codes("records"),
-                      _record("State", interface)])  # fmt: skip
+    return "\n".join([_record("Work", interface, real), _methods(), _record("Options", interface, real), _codes("records"),
+                      _record("State", interface, real)])  # fmt: skip
 
 
-def declarations(program: Program, complete: bool) -> str:
+def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> str:
     """The functions that integrate: for the header."""
     found = ["lagc_options lagc_default_options(void);\nsize_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]
     found += ["/* What a status means, in English; of a number that is none, too. */\n"
               "const char *lagc_status_text(int status);\n"] if complete else []  # fmt: skip
-    for part, _ in needed(program, complete).parts:
+    for part, _ in needed(program, complete, real).parts:
         if part["public"]:
             lead = _comment("\n".join(part["lead"]))
             found.append((lead + "\n" if lead else "") + _comment(part["doc"]) + part["head"] + ";\n")
     return "\n".join(found)
 
 
-def definitions(program: Program, complete: bool) -> list[str]:
+def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> list[str]:
     """Everything behind them."""
-    interface, use = program.interface, needed(program, complete)
+    interface, use = program.interface, needed(program, complete, real)
     values = tables(interface)
     sizes, public = sizes_of(interface), {name for name, _, _ in header.sizes(interface)}
     own = [n for n in sizes if n in use.names and n not in public and n not in DERIVED]
     found = ["".join(f"#define LAGC_{name} {sizes[name]}\n" for name in own), _work(program)]
     found += [_table(name, values[name]) for name in values if name in use.names]
-    found += [_record(p["name"], interface) for p in parts() if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS
+    found += [_record(p["name"], interface, real) for p in parts(real) if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS
               and any(f"lagc_{snake(p['name'])} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
     chosen_texts = {part["name"]: leaf["c"] for part, leaf in use.parts}
     section, held = "", list[str]()
-    for part in parts():
+    for part in parts(real):
         if part["kind"] == "file":
             found += [section, "".join(held)] if held else []
             section = _section(part["title"], part["text"])
@@ -71,7 +71,7 @@ def definitions(program: Program, complete: bool) -> list[str]:
             found += ["".join(held)] if held else []
             found.append(chosen_texts[part["name"]])
             section, held = "", []
-    found.append(_defaults(complete))
+    found.append(_defaults(complete, real))
     return [part for part in found if part]
 
 
@@ -88,7 +88,7 @@ def tables(interface: Interface) -> dict[str, Sequence[Any]]:
 def _table(name: str, values: Sequence[Any]) -> str:
     if name == "bounds":
         rows = ",\n    ".join(f"{{{_bound(low)}, {_bound(high)}}}" for low, high in values)
-        return f"static const double lagc_bounds[][2] = {{\n    {rows}\n}};\n"
+        return f"static const lagc_real lagc_bounds[][2] = {{\n    {rows}\n}};\n"
     rows = ",\n    ".join(", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16))
     inner = f"\n    {rows}\n" if "\n" in rows else rows
     return f"static const int lagc_{name}[] = {{{inner}}};\n"
@@ -98,23 +98,23 @@ def _bound(value: float) -> str:
     return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
 
 
-def _record(name: str, interface: Interface) -> str:
+def _record(name: str, interface: Interface, real: Arithmetic) -> str:
     """A struct; C has no arrays of nothing."""
-    part = next(p for p in parts() if p["kind"] == "record" and p["name"] == name)
+    part = next(p for p in parts(real) if p["kind"] == "record" and p["name"] == name)
     switches, sizes = switches_of(interface, True), sizes_of(interface)
     lines = []
     for member, kind, when, lead, trail in part["members"]:
         if all(switches[switch] == value for switch, value in when):
             lines += [f"    /* {text} */" for text in lead]
-            lines.append(f"    {_room(kind, member, sizes)};" + (f" /* {trail} */" if trail else ""))
+            lines.append(f"    {_room(kind, member, sizes, real)};" + (f" /* {trail} */" if trail else ""))
     body = "\n".join(lines)
     return f"{_comment(part['doc'])}typedef struct {{\n{body}\n}} lagc_{snake(name)};\n"
 
 
-def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int]) -> str:
+def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int], real: Arithmetic) -> str:
     from lagc.render.kernels.c import CPrinter
 
-    printer = CPrinter(DOUBLE, {**DERIVED, **{n: "1" for n, v in sizes.items() if v == 0}}, {})
+    printer = CPrinter(real, {**DERIVED, **{n: "1" for n, v in sizes.items() if v == 0}}, {})
     return printer.room(tuple(kind), name)
 
 
@@ -165,14 +165,14 @@ def _work(program: Program) -> str:
     unused = "".join(f"    (void){name};\n" for name in ("p", "t", "x", "a", "lam") if name not in used)
     body = f"    lagc_fn_power({', '.join(used)}, e);\n" if power is not None else "    e[0] = 0.0;\n"
     return (
-        "static void lagc_fn_work(const lagc_params *p, double t, const double *x, const double *a, "
-        f"const double *lam, double *e)\n{{\n{unused}{body}}}\n"
+        "static void lagc_fn_work(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, "
+        f"const lagc_real *lam, lagc_real *e)\n{{\n{unused}{body}}}\n"
     )
 
 
-def _defaults(complete: bool) -> str:
+def _defaults(complete: bool, real: Arithmetic) -> str:
     """What the subset cannot say: structs by value, their sizes, texts."""
-    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": "1e-9",
+    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": real.literal((1e-4, 1e-9, 1e-22)[real.column]),
               "atol": "0.0", "step": "0.0", "first_step": "0.0", "max_step": "0.0"}  # fmt: skip
     lines = "".join(f"    o.{name} = {value};\n" for name, value in values.items())
     text = f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n\n"

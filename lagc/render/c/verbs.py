@@ -12,9 +12,10 @@ from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
 from lagc.records import dataclass
 from lagc.render.c.header import members
-from lagc.render.statements import literal, loads
+from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
+from lagc.render.statements import loads
 
-_POINT = "const lagc_params *p, double t, const double *x"
+_POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 
 
 @dataclass(frozen=True)
@@ -34,15 +35,15 @@ class Verb:
         return f"{self.head}\n{{\n{self.body}}}\n"
 
 
-def verbs(program: Program) -> list[Verb]:
+def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     interface, functions = program.interface, program.functions
-    found = [_default_params(interface)]
+    found = [_default_params(interface, real)]
     if "start" in functions:
         found.append(Verb(
             "x[NX] as the model gives it: start values" + (
                 ", which constraints, initial conditions\n * and orientations may still have to move."
                 if interface.needs_consistency else "."),
-            "void lagc_start(const lagc_params *p, double *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
+            "void lagc_start(const lagc_params *p, lagc_real *x)", "    lagc_fn_start(p, x);\n"))  # fmt: skip
     found.append(_rhs(interface))
     if "system" in functions:
         found += _system(interface)
@@ -62,7 +63,7 @@ def verbs(program: Program) -> list[Verb]:
 
 def _direct(name: str, comment: str, output: str) -> Verb:
     return Verb(
-        comment, f"void lagc_{name}({_POINT}, double *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n"
+        comment, f"void lagc_{name}({_POINT}, lagc_real *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n"
     )
 
 
@@ -77,18 +78,18 @@ _DIRECT = {
     ),
     "displace": Verb(
         "dq[NQ] = N(t,q) d for d[NV], an infinitesimal displacement.",
-        f"void lagc_displace({_POINT}, const double *d, double *dq)",
+        f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
     "conditions": Verb(
         "What a consistent start satisfies, c = 0: phi, psi, the initial section, and stated rates less\n"
         " * their values; J, the derivatives that are not identically zero; the sizes of the terms.",
-        f"void lagc_conditions({_POINT}, double *c, double *J, double *sizes)",
+        f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         "    lagc_fn_conditions(p, t, x, c, J, sizes);\n",
     ),
     "measures": Verb(
         "The values of the stated rates, and the largest parameter of each unit of the unknowns.",
-        "void lagc_measures(const lagc_params *p, double *s, double *largest)",
+        "void lagc_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)",
         "    lagc_fn_measures(p, s, largest);\n",
     ),
 }
@@ -97,14 +98,14 @@ _DIRECT = {
 _AFRESH = "    w->lost = 0; /* whatever was found before */\n"
 
 
-def _default_params(interface: Interface) -> Verb:
+def _default_params(interface: Interface, real: Arithmetic) -> Verb:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
     for name, field in zip(members(interface), fields):
-        value = "NAN" if field.value is None or math.isnan(field.value) else literal(double(field.value))
+        value = "NAN" if field.value is None or math.isnan(field.value) else real.literal(double(field.value))
         text += f"    p.{name} = {value};\n"
     if not fields:
-        text += "    p.none = 0.0;\n"
+        text += "    p.none = 0;\n"
     missing = any(f.value is None for f in fields)
     return Verb(
         "The values of the model." + (" NAN where it gives none: set these." if missing else ""),
@@ -114,7 +115,7 @@ def _default_params(interface: Interface) -> Verb:
 def _rhs(interface: Interface) -> Verb:
     return Verb(
         "xdot[NX] at (t, x), and the multipliers lambda[NC]; lambda may be NULL.",
-        f"lagc_status lagc_rhs({_POINT}, double *xdot, double *lambda, lagc_work *w)",
+        f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
         (_AFRESH if interface.nc else "")
         + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
 
@@ -124,14 +125,14 @@ def _system(interface: Interface) -> list[Verb]:
     found = [
         Verb(
             "The mass matrix M[NV*NV], all of it.",
-            f"void lagc_mass_matrix({_POINT}, double *M, lagc_work *w)",
+            f"void lagc_mass_matrix({_POINT}, lagc_real *M, lagc_work *w)",
             "    int i, j;\n" + call
             + "    for (i = 0; i < LAGC_NV; i++)\n        for (j = 0; j <= i; j++) {\n"
             "            M[i * LAGC_NV + j] = w->M[i * (i + 1) / 2 + j];\n"
             "            M[j * LAGC_NV + i] = w->M[i * (i + 1) / 2 + j];\n        }\n"),
         Verb(
             "r[NV] = tau - h: given forces less the velocity terms, M a = r + G^T lambda.",
-            f"void lagc_forces({_POINT}, double *r, lagc_work *w)",
+            f"void lagc_forces({_POINT}, lagc_real *r, lagc_work *w)",
             "    int i;\n" + call + "    for (i = 0; i < LAGC_NV; i++)\n        r[i] = w->force[i];\n"),
     ]  # fmt: skip
     if interface.nc:
@@ -146,8 +147,8 @@ def _system(interface: Interface) -> list[Verb]:
         found.append(Verb(
             "The constraints: phi[NH], their rates psi[NC], G[NC*NV] by rows and gamma[NC] with\n"
             " * G a = gamma.  Each may be NULL.",
-            f"void lagc_constraints({_POINT}, double *phi, double *psi, "
-            "double *G, double *gamma, lagc_work *w)", body))  # fmt: skip
+            f"void lagc_constraints({_POINT}, lagc_real *phi, lagc_real *psi, "
+            "lagc_real *G, lagc_real *gamma, lagc_work *w)", body))  # fmt: skip
     return found
 
 
@@ -160,7 +161,7 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
     call = f"    lagc_fn_{name}({', '.join(given[i] for i in function.inputs)}, {output});\n"
-    head = f"lagc_status lagc_{name}({_POINT}, double *{output}, lagc_work *w)"
+    head = f"lagc_status lagc_{name}({_POINT}, lagc_real *{output}, lagc_work *w)"
     if not {"a", "lam"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
         return Verb(comment, head, call + unused + "    return LAGC_OK;\n")
@@ -176,6 +177,6 @@ def _linear() -> list[Verb]:
             _AFRESH + "    return lagc_assemble_at(p, t, x, w);\n"),
         Verb(
             "s[NV+NC] = (s1, s2) with M s1 - G^T s2 = r1 and G s1 = r2 for r[NV+NC] = (r1, r2).",
-            "void lagc_solve(const double *r, double *s, lagc_work *w)",
+            "void lagc_solve(const lagc_real *r, lagc_real *s, lagc_work *w)",
             "    lagc_solve_at(r, s, w);\n"),
     ]  # fmt: skip
