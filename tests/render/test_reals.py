@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
@@ -70,12 +71,17 @@ def test_quad_keeps_a_constrained_motion_on_its_constraint(tmp_path: Path) -> No
         assert abs((vx**2 + vz**2) / 2 + mpmath.mpf("9.81") * (z + mpmath.mpf("0.4"))) < 1e-25
 
 
-@pytest.mark.parametrize("name", sorted(p.stem for p in (MODELS / "classic").glob("*.lag")))
+# LAGC_ALL=1: with every model of the library.
+NAMES = sorted(p.stem for p in (MODELS / "classic").glob("*.lag"))[:: 1 if os.environ.get("LAGC_ALL") else 6]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path) -> None:
-    """A hundredth of the motion of a scene, with floats to 1e-4: the states of doubles to a few 1e-3 of the
-    largest of their kind."""
+    """A part of the motion of a scene, with floats to 1e-5: the states of doubles to a few 1e-3 of the largest
+    of their kind (a few hundred steps of rounding by 6e-8, and what the motion makes of them)."""
     model = lagc.load(f"classic/{name}").compile(backend="numpy")
-    truth = model.simulate(stop=0.3, accuracy=1e-6)
+    stop = min(0.3, 0.3 * model.program.interface.simulate["stop"])
+    truth = model.simulate(stop=stop, accuracy=1e-6)
     run = built(f"classic/{name}", SINGLE, tmp_path)
     found = [float(x) for x in end(run, float(truth.times[-1]), "1e-5", [repr(x) for x in truth.states[0]])]
     interface = model.program.interface

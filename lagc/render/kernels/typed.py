@@ -88,7 +88,11 @@ class Types:
 
     def annotated(self, text: str) -> Type:
         try:
-            return parsed(text, self.known.is_record)
+            kind = parsed(text, self.known.is_record)
+            sizes = () if kind[0] in ("Cell", "Record") else kind[1:]
+            if not set(sizes) <= {*self.known.sizes, "Any"} or (kind[0] == "Cell" and (kind[1],) not in SCALARS):
+                raise ValueError(text)
+            return kind
         except ValueError:
             raise self.fail(self.function.line, f"{text} is not a type of the subset") from None
 

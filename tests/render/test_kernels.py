@@ -1,0 +1,205 @@
+"""The subset that kernels are written in: what is outside is refused, what is inside means the same in C, in
+printed Python, and as it stands."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import random
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lagc.render.kernels import python
+from lagc.render.kernels.arithmetic import DOUBLE
+from lagc.render.kernels.assembly import chosen
+from lagc.render.kernels.library import Library
+from lagc.render.kernels.shipped import parts
+from lagc.render.kernels.syntax import Outside, module
+from lagc.render.kernels.typed import Signature
+
+HEAD = "from lagc.kernels.words import *\n"
+
+
+def library(text: str) -> Library:
+    """The kernels of one file, for sizes NX, NC and the switch STRAIGHT."""
+    found = Library(DOUBLE, sizes=frozenset({"NX", "NC", "NZ"}))
+    found.signatures = {"fn_model": Signature((("Vec", "NX"),), ("None",), [True])}
+    found.module(module("a.py", text), {})
+    return found
+
+
+REFUSED = {
+    "x: int = 1": "the level of the file",
+    "def f(x: Real = 1.0) -> Real:\n    return x": "no defaults",
+    "def f(x) -> Real:\n    return x": "has a type",
+    "def f(x: Real):\n    return x": "has a type",
+    "def f(*x: Real) -> Real:\n    return 1.0": "arguments are plain",
+    "def f(x: str) -> Real:\n    return 1.0": "str is not a type",
+    "def f(x: Vec[3]) -> Real:\n    return 1.0": "Vec[3] is not a type",
+    "@cache\ndef f(x: Real) -> Real:\n    return x": "only decorator",
+    "async def f() -> None:\n    return": "level of the file",
+    "def f(x: Real) -> Real:\n    y, z = x, x\n    return y": "not in the subset",
+    "def f(x: Real) -> Real:\n    try:\n        return x\n    except ValueError:\n        return x": "not in the subset",
+    "def f(x: Real) -> Real:\n    with x:\n        return x": "not in the subset",
+    "def f(x: Real) -> Real:\n    raise ValueError": "not in the subset",
+    "def f(x: Real) -> Real:\n    return f(x)": "no kernel that stands before",
+    "def f(x: Real) -> Real:\n    return g(x)\ndef g(x: Real) -> Real:\n    return x": "no kernel that stands before",
+    "def f(x: Real) -> Real:\n    return [x][0]": "not in the subset",
+    "def f(x: Real) -> Real:\n    return max(x, x)": "no kernel",
+    "def f(x: Real) -> Real:\n    return abs(x)": "no kernel",
+    "def f(x: Real) -> Real:\n    return x ** 2": "not in the subset",
+    "def f(x: Real) -> bool:\n    return 0.0 < x < 1.0": "not in the subset",
+    "def f(x: Real) -> Real:\n    x = 1.0\n    return x": "the argument x is assigned",
+    "def f(x: Real) -> Real:\n    x += 1.0\n    return x": "the argument x is assigned",
+    "def f(x: Real) -> Real:\n    if x:\n        return x\n    return x": "a truth value",
+    "def f(x: Real) -> Real:\n    if x > 0.0:\n        return x": "may end without a result",
+    "def f(x: Real) -> Real:\n    for i in [1, 2]:\n        x = x\n    return x": "not in the subset",
+    "def f(x: Vec[NX]) -> Real:\n    for v in x:\n        return v\n    return 1.0": "not in the subset",
+    "def f(n: int) -> int:\n    for i in range(0, n, 2):\n        g = i\n    return n": "steps by 1 or -1",
+    "def f(n: int) -> int:\n    m = n\n    for i in range(m):\n        m = 2\n    return m": "end of the range changes",
+    "def f(n: int) -> int:\n    for i in range(n):\n        i = 2\n    return n": "the counter i is assigned",
+    "def f(n: int) -> int:\n    for i in range(n):\n        m = i\n    return i": "i is not known here",
+    "def f(n: int) -> Real:\n    m = n\n    m = 0.5\n    return m": "is int before, Real here",
+    "def f(n: int) -> int:\n    return n / 2": "not in the subset",
+    "def f(n: int) -> int:\n    m = n\n    m /= 2\n    return m": "divided by //",
+    "def f(x: Real) -> int:\n    return x": "is Real, not int",
+    "def f(x: Vec[NX], y: Vec[NC]) -> None:\n    x = y": "the argument x is assigned",
+    "def g(x: Vec[NX]) -> None:\n    x[0] = 1.0\ndef f(y: Vec[NC]) -> None:\n    g(y)": "takes",
+    "def f(x: Vec[NX]) -> Real:\n    return x[0.5]": "an index is an integer",
+    "def f(x: Real) -> Real:\n    return y": "y is not known here",
+    "def f(x: Real) -> Real:\n    return x.real": "not in the subset",
+    "def f(x: Real) -> Real:\n    return (lambda: x)()": "not in the subset",
+    "def f(x: Real) -> Real:\n    y = 2.0\n    return x": "y is never read",
+    "def f(x: Real) -> Real:\n    import os\n    return x": "not in the subset",
+    "def f(x: Real) -> Real:\n    global y\n    return x": "not in the subset",
+    "def f(x: Vec[Any], y: Vec[Any]) -> None:\n    x[:] = y": "how much is copied",
+    "def f(x: Real) -> Real:\n    while x > 0.0:\n        pass\n    return x": "not in the subset",
+    "@record\nclass A:\n    x: Real\n    def f(self): ...": "fields only",
+    "@record\nclass A:\n    x: Real = 1.0": "fields only",
+    "@record\nclass A:\n    x: str": "not a type",
+    "@record\nclass A:\n    if 1 > 0:\n        x: Real": "not a switch",
+    "A = [1, 2]": "a constant is a number",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", REFUSED)
+def test_what_is_outside_is_refused_with_its_place(text: str) -> None:
+    with pytest.raises(Outside, match=r"a\.py:[1-9][0-9]*: ") as found:
+        library(text)
+    assert REFUSED[text] in str(found.value)
+
+
+def test_every_kernel_is_inside_and_is_printed_once_for_each_choice_that_matters() -> None:
+    found = parts()
+    names = [p["name"] for p in found if p["kind"] == "function"]
+    assert len(names) == len(set(names)) > 60
+    for part in found:
+        if part["kind"] == "function":
+            texts = [leaf["c"] for leaf in _leaves(part["tree"]) if "c" in leaf]
+            assert texts and all(t.endswith("}\n") for t in texts)
+
+
+def _leaves(tree: Any) -> list[Any]:
+    return _leaves(tree[1]) + _leaves(tree[2]) if isinstance(tree, list) else [tree]
+
+
+MEANS = '''
+LIMIT = 0.5
+MOST = 7
+
+
+def inner(a: Vec[NX], b: Vec[NX]) -> Real:
+    """The product."""
+    total = 0.0
+    for i in range(NX):
+        total += a[i] * b[i]
+    return total
+
+
+def sign(x: Real) -> int:
+    if x > LIMIT:
+        return 1
+    elif x < -LIMIT:
+        return -1
+    return 0
+
+
+def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
+    """Everything at once."""
+    own = vector(NX)
+    own[:] = a
+    for i in range(NX):
+        y[i] = own[i] * b[i] - LIMIT * (own[i] - b[i])
+    count = 0
+    k = 0
+    while True:
+        k += 1
+        if k > MOST or (k > n and count >= 0):
+            break
+        if k % 2 == 0:
+            continue
+        count += k // 2 - sign(a[k % 3]) * (k >> 1 & 1)
+    for i in range(NX - 1, -1, -1):
+        y[i] += float(count) * quotient(own[i], b[i]) if b[i] != 0.0 or not own[i] > 0.0 else fabs(own[i])
+    y[1:3] = part(own, 0, 2)
+    largest = -inf
+    for i in range(NX):
+        if y[i] > largest:
+            largest = y[i]
+    if STRAIGHT:
+        largest = sqrt(largest * largest)
+    if NZ > 0 and n > 0:
+        largest = 0.0
+    return largest + inner(a, b) * pow(2.0, -1.0) if NC > 0 else largest
+'''
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
+@pytest.mark.parametrize("straight", [True, False])
+def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
+    """Random vectors, with zeros, infinities and NaN, through both: to the last bit, and as Python has it."""
+    found = library(MEANS)
+    use = chosen(found.parts, {"STRAIGHT": straight, "NC": True, "NZ": False}, ["scaled"])
+    text = "#include <math.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
+    text += "\n".join(leaf["c"] for _, leaf in use.parts)
+    text += "double scaled(const double *a, const double *b, double *y, int n) { return lagc_scaled(a, b, y, n); }\n"
+    (tmp_path / "a.c").write_text(text)
+    words = ["gcc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-ffp-contract=off", "-fPIC", "-shared"]
+    done = subprocess.run([*words, "a.c", "-o", "a.so", "-lm"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    compiled = ctypes.CDLL(str(tmp_path / "a.so")).scaled
+    compiled.restype = ctypes.c_double
+    space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7}
+    exec(python.HELPERS + "\n".join(leaf["python"] for _, leaf in use.parts), space)
+    plain = _as_it_stands(straight)
+    chance = random.Random(3)
+    for _ in range(300):
+        a, b = ([_number(chance) for _ in range(4)] for _ in range(2))
+        n, results = chance.randrange(0, 9), []
+        own = (ctypes.c_double * 4)(*[0.0] * 4)
+        first = compiled((ctypes.c_double * 4)(*a), (ctypes.c_double * 4)(*b), own, n)
+        results.append([first, *own])
+        for names in (space, plain):
+            y = [0.0] * 4
+            results.append([names["scaled"](a, b, y, n), *y])
+        assert all(_same(results[0], other) for other in results[1:]), (a, b, n, results)
+
+
+def _number(chance: random.Random) -> float:
+    return chance.choice((0.0, -0.0, math.inf, math.nan, *(chance.gauss(0.0, 1.0) for _ in range(30))))
+
+
+def _same(one: list[float], other: list[float]) -> bool:
+    return all(a == b or (a != a and b != b) for a, b in zip(one, other))
+
+
+def _as_it_stands(straight: bool) -> dict[str, Any]:
+    space: dict[str, Any] = {"NX": 4, "NC": 1, "NZ": 0, "STRAIGHT": straight, "Vec": dict, "Real": float, "Any": Any}
+    more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
+    exec(python.HELPERS + more + re.sub(r": Vec\[NX\]", "", MEANS), space)
+    return space
