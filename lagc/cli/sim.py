@@ -22,13 +22,13 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
+from lagc.kernels import METHODS
 from lagc.numerals import whole
 from lagc.records import replace
 
 if TYPE_CHECKING:
     from lagc.run.request import Request
 
-METHODS = ("dop853", "dopri5")
 PICTURES = (".png", ".svg", ".pdf", ".jpg", ".webp", ".eps")
 
 

@@ -10,4 +10,4 @@ FILES = (
     "statuses", "limits", "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "weights", "listening", "control", "step", "recording",
 )  # fmt: skip
-METHODS = ("dop853", "dopri5")  # folder `methods`: one file each; a number of the interface by its place
+METHODS = ("dop853", "dopri5", "rk4", "bs32")  # folder `methods`: one file each; a number of the interface by its place

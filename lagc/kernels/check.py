@@ -23,7 +23,7 @@ from lagc.kernels.sizes import COMPLETE, NBOUNDED, NP, NX
 from lagc.kernels.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.tableau import METHODS
 from lagc.kernels.tables import bounded, bounds
-from lagc.kernels.words import Cell, Params, Real, Status, present, public
+from lagc.kernels.words import Cell, Params, Real, Status, present, public, static
 
 
 def bad_option(o: Options) -> int:
@@ -38,6 +38,10 @@ def bad_option(o: Options) -> int:
         return BAD_ATOL
     if not (o.step >= 0.0 and o.step < inf):
         return BAD_STEP
+    for m in static(METHODS):
+        if len(m.ERROR) == 0:
+            if o.method == m.NUMBER and o.step == 0.0:  # it has no estimate of its error
+                return BAD_STEP
     if not (o.first_step >= 0.0 and o.first_step < inf):
         return BAD_FIRST_STEP
     return -1 if o.max_step >= 0.0 and o.max_step < inf else BAD_MAX_STEP

@@ -44,7 +44,8 @@ def method_coefficients(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX],
                         w: Work) -> Status:  # fmt: skip
     for m in static(METHODS):
         if method == m.NUMBER:
-            s.rhs += len(m.EXTRA_C)
+            if len(m.EXTRA_C) > 0:
+                s.rhs += len(m.EXTRA_C)
             return m.coefficients(p, t, x, z, h, s, w)
     return OK
 

@@ -13,7 +13,7 @@ from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NH, NQ, NV, NX
 from lagc.kernels.statuses import OK, failed
 from lagc.kernels.tableau import A, B, C, DENSE, ERROR, EXTRA_A, EXTRA_C
-from lagc.kernels.words import Params, Real, Status, Vec, combination, number, static, vector
+from lagc.kernels.words import Params, Real, Status, Vec, combination, number, size, static, vector
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
@@ -34,7 +34,9 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
 def error(h: Real, s: State, w: Work) -> Real:
     """Root mean square of the error over coordinates and speeds, each over its weight (HNW II.4.11); of
     two estimates e5 and e3 their combination e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
-    n = NQ + NV
+    if len(ERROR) == 0:
+        return 0.0
+    n = size(NQ) + NV
     first = 0.0
     if len(ERROR) == 2:
         second = 0.0

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
+from lagc.kernels.methods import order
 from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes, spread
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
@@ -305,7 +306,7 @@ class _Search:
     def _alike(self, fine: int, coarse: int) -> float:
         """The error of the finer run over the difference, as the numbers of steps let expect: an error
         goes with the power -order of it, so that runs of like numbers differ by less than they err."""
-        ratio = (fine / max(coarse, 1)) ** (5 if self.method == "dopri5" else 8)
+        ratio = (fine / max(coarse, 1)) ** order(self.method)
         return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
 
     def _slope(self) -> float | None:

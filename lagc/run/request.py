@@ -7,6 +7,8 @@ from math import isfinite
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.diagnostics.suggest import did_you_mean
+from lagc.kernels import METHODS
+from lagc.kernels.methods import adapts
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
 
@@ -84,6 +86,10 @@ class Request:
             faults.append(_request(f"`rtol` is below {FINEST:g}, where rounding is all that is left"))
         if self.rtol == 0.0 and not self.atol:
             faults.append(_request("one of `rtol` and `atol` must be positive"))
+        if self.method is not None and self.method not in METHODS:
+            faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
+        elif self.method is not None and self.step is None and not adapts(self.method):
+            faults.append(_request(f"`{self.method}` has no estimate of its errors: give it a fixed `step`"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
         if self.every is not None and self.points is not None:

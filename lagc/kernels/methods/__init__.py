@@ -12,3 +12,18 @@ Dense output: stages EXTRA after the rate at the new state, and
 The size of the next step is h / clip(err^EXPONENT err_old^-BETA / 0.9, 1/GROW, 1/SHRINK).
 USES_NEW: whether the error needs the rate at the new state.
 """
+
+from __future__ import annotations
+
+from importlib import import_module
+
+
+def order(name: str) -> int:
+    """Of the method of that file."""
+    found: int = import_module(f"lagc.kernels.methods.{name}").ORDER
+    return found
+
+
+def adapts(name: str) -> bool:
+    """Whether it estimates its errors; otherwise it takes fixed steps alone."""
+    return len(import_module(f"lagc.kernels.methods.{name}").ERROR) > 0

@@ -119,8 +119,10 @@ def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int], real: Arithm
 
 
 def _methods() -> str:
-    names = ", ".join(f"LAGC_{name.upper()} = {k}" for k, name in enumerate(METHODS))
-    return f"typedef enum {{ {names} }} lagc_method;\n"
+    found = [part for part in parts() if part["kind"] == "Method"]
+    rows = [f"    LAGC_{part['name']} = {part['value']}{',' if part is not found[-1] else ''} /* {part['note']} */\n"
+            for part in found]  # fmt: skip
+    return f"typedef enum {{\n{''.join(rows)}}} lagc_method;\n"
 
 
 def _codes(file: str) -> str:
@@ -144,11 +146,10 @@ def _constant(part: Mapping[str, Any]) -> str:
 
 
 def _section(title: str, text: str) -> str:
-    head = title[:1].lower() + title[1:]
     lines = text.splitlines()
     if not lines:
-        return f"/* -- {head} -- */\n"
-    return f"/* -- {head} --\n" + "\n".join(f" * {line}".rstrip() for line in lines) + " */\n"
+        return f"/* -- {title} -- */\n"
+    return f"/* -- {title} --\n" + "\n".join(f" * {line}".rstrip() for line in lines) + " */\n"
 
 
 def _comment(text: str) -> str:

@@ -43,10 +43,12 @@ def functions() -> dict[str, Function]:
 
 
 class Method:
-    """A method as kernels see it: `tableau` are the names of its file; NAME and NUMBER (its place)."""
+    """A method as kernels see it: `tableau` are the names of its file; NAME, and NUMBER, the constant
+    that stands for its place."""
 
     def __init__(self, name: str, number: int, tableau: dict[str, Any], title: str):
-        self.NAME, self.NUMBER, self.tableau, self.title = name, number, tableau, title
+        self.NAME, self.number, self.tableau, self.title = name, number, tableau, title
+        self.NUMBER = ast.Name(name.upper(), ast.Load())
 
     def __getattr__(self, name: str) -> Any:
         try:
@@ -59,4 +61,4 @@ def method(name: str, number: int) -> Method:
     """The method of `kernels/methods/<name>.py`."""
     module = importlib.import_module(f"lagc.kernels.methods.{name}")
     tableau = {k: v for k, v in vars(module).items() if k.isupper()}
-    return Method(name, number, tableau, (module.__doc__ or "").partition("\n")[0].removesuffix("."))
+    return Method(name, number, tableau, module.TITLE)

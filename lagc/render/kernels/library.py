@@ -79,6 +79,8 @@ class Library:
         self.tables = interface.tables()
         self.signatures = {name: self._extern(f) for name, f in interface.functions().items()}
         methods = tuple(interface.method(name, k) for k, name in enumerate(METHODS))
+        for method in methods:
+            self.constant(Constant("", method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:
             module = read(name)
             if name == "runge_kutta":
@@ -89,7 +91,7 @@ class Library:
         return self
 
     def module(self, module: Module, known: Mapping[str, Any], prefix: str = "", title: str = "") -> None:
-        self.parts.append({"kind": "file", "title": title or module.title, "text": module.text})
+        self.parts.append({"kind": "file", "title": title or module.title[:1].lower() + module.title[1:], "text": module.text})
         own = frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()
         for part in module.parts:
             if isinstance(part, Constant):
@@ -102,7 +104,7 @@ class Library:
     # -- constants and records --
 
     def constant(self, part: Constant) -> None:
-        kinds = {"int": INT, "Real": REAL, "Status": STATUS, "Code": INT}
+        kinds = {"int": INT, "Real": REAL, "Status": STATUS, "Code": INT, "Method": INT}
         self.constants[part.name], self.spelled[part.name] = kinds[part.kind], f"LAGC_{part.name}"
         value = part.value[self.real.column] if isinstance(part.value, tuple) else part.value
         plain = part.value[1] if isinstance(part.value, tuple) else part.value

@@ -8,13 +8,13 @@ from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any
 
+from lagc.kernels import METHODS
 from lagc.once import once
 from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.problem import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, OK, Options, Trajectory, Vector
 
-METHODS = {"dop853": 0, "dopri5": 1}  # lagc_method of the header
 SLICE = 0.05  # s between two calls of `progress`
 FIRST_BUDGET = 64  # steps of the first slice
 
@@ -171,7 +171,7 @@ class CSystem(CompiledSystem):
         room = ctypes.create_string_buffer(call["state_size"]())
         state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
-        asked = _Options(METHODS[options.method], options.project, options.max_steps, options.rtol,
+        asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         record, head = call["record"], self.model.head.from_buffer(work)

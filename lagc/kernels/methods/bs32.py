@@ -1,0 +1,20 @@
+"""Bogacki and Shampine 3(2).
+
+P. Bogacki, L. F. Shampine: A 3(2) pair of Runge-Kutta formulas, Appl. Math. Lett. 2 (1989) 321-325.  Dense
+output is the cubic Hermite interpolant.
+"""
+
+from __future__ import annotations
+
+TITLE = "Bogacki and Shampine 3(2)"
+ORDER = 3
+USES_NEW = 1
+EXPONENT, BETA = "1/3", "0"
+SHRINK, GROW = "1/5", "5"
+C = ("0", "1/2", "3/4")
+A = ({}, {1: "1/2"}, {2: "3/4"})
+B = {1: "2/9", 2: "1/3", 3: "4/9"}
+ERROR = ({1: "-5/72", 2: "1/12", 3: "1/9", 4: "-1/8"},)
+EXTRA_C = ()
+EXTRA_A = ()
+DENSE = ()
