@@ -148,6 +148,10 @@ class Interface:
         """Whether the start values alone need not be a consistent start."""
         return bool(self.condition_ends or self.quaternions)
 
+    def condition_entries(self, k: int) -> range:
+        """Where in J the derivatives of condition k are."""
+        return range(self.condition_ends[k - 1] if k else 0, self.condition_ends[k])
+
     @property
     def angles(self) -> tuple[int, ...]:
         """The coordinates that are angles."""

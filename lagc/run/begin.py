@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.run.names import row_name, speed_name, state_name
+from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
 from lagc.run.request import Request
-from lagc.run.start import Anchor, Start, consistent_start, names
+from lagc.run.start import Anchor, Start, names
 
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -45,6 +45,20 @@ def begin(system: System, request: Request) -> Start:
     return start
 
 
+def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
+    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
+    the run, in place of the model's."""
+    guess, given = list(system.start()), given or {}
+    stated = {i: given[name] for i, name in enumerate(names(system)) if name in given}
+    for i, value in stated.items():
+        guess[i] = value
+    if not system.interface.needs_consistency:
+        return Start(guess)
+    from lagc.run.consistency import search  # where there is something to search for
+
+    return search(system, t, guess, stated)
+
+
 def demand(system: System, run: Trajectory) -> None:
     """Raises NoStart where the motion is not determined at the start of `run`: not even a step was tried."""
     if run.status in FAILED and run.steps == run.rejected == 0:
@@ -71,15 +85,11 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 def _conflict(start: Start) -> Fault:
     missed, held = list(map(str, start.missed)), list(start.held)
-    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{_more(missed)}"
+    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
     if held:
         verb = "is" if len(held) == 1 else "are"
-        message += f", where {', '.join(held[:MOST_NAMED])}{_more(held)} {verb} held fixed"
+        message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
     remedy = "let one of these conditions go" if len(missed) > 1 else None
     if held:
         remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
     return Fault("LAG0610", message, remedy=remedy)
-
-
-def _more(parts: list[str]) -> str:
-    return f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import sqrt
 
 from lagc.run.distance import sizes
-from lagc.run.problem import System, Trajectory
+from lagc.run.problem import System, Trajectory, row_gradients
 
 LOOKED_AT = 40  # of the recorded states
 ROUNDING = 1e-11  # a share that rows may have by rounding of states and gradients
@@ -54,16 +54,10 @@ def own_share(
 
 
 def _rows(system: System, t: float, x: Sequence[float], weights: Sequence[float]) -> list[list[float]]:
-    """The gradients of all rows in the speeds, as unit vectors; zero where a row vanishes."""
-    interface = system.interface
-    _, slopes, _ = system.conditions(t, x)
+    """The gradients of all rows in the sized speeds, as unit vectors; zero where a row vanishes."""
     found = []
-    for k in range(system.nh, system.nh + system.nc):
-        row = [0.0] * system.nv
-        for place in range(interface.condition_ends[k - 1] if k else 0, interface.condition_ends[k]):
-            column = interface.condition_columns[place]
-            if system.nq <= column < system.nq + system.nv:
-                row[column - system.nq] = slopes[place] * weights[column]
+    for gradient in row_gradients(system, t, x):
+        row = [a * weights[system.nq + j] for j, a in enumerate(gradient)]
         largest = max(map(abs, row), default=0.0)
         length = largest * sqrt(sum((a / largest) ** 2 for a in row)) if largest > 0.0 else 1.0
         found.append([a / length for a in row])

@@ -18,8 +18,8 @@ from lagc.render.c.render import render as render_c
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python
 from lagc.run.backends.numpy import NumpyModel
+from lagc.run.begin import consistent_start
 from lagc.run.problem import System
-from lagc.run.start import consistent_start
 
 FIXED = 4
 

@@ -14,9 +14,9 @@ import pytest
 from lagc.diagnostics.faults import Refused
 from lagc.render.c.render import render
 from lagc.render.names import stem
+from lagc.run.begin import consistent_start
 from lagc.run.request import Request
 from lagc.run.simulate import simulate
-from lagc.run.start import consistent_start
 from tests.run.started import program_of, start_of, system_of
 
 WHEEL = """\

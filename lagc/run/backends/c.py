@@ -120,17 +120,11 @@ class CSystem(CompiledSystem):
         lam[:] = desk.lam[: self.nc]
         return status
 
-    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
-        self.rhs(t, x, xdot, lam)
-        return xdot[self.nq : self.nq + self.nv], lam
-
     def outputs(self, t: float, x: Vector) -> list[float]:
         n = len(self.interface.outputs)
         if n == 0:
             return []
-        y, desk = (c_double * n)(), self._own.desk
-        desk.x[:] = x
+        y, desk = (c_double * n)(), self._at(x)
         desk.call["outputs"](self._p, c_double(t), desk.x, y, desk.work)
         return y[:]
 
@@ -223,8 +217,7 @@ class CSystem(CompiledSystem):
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         if length == 0:
             return []
-        values, desk = (c_double * length)(), self._own.desk
-        desk.x[:] = x
+        values, desk = (c_double * length)(), self._at(x)
         desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
 
