@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.api import TakesLong, _Patience
 from lagc.run.backends import compile as c_compiler
 from lagc.run.files import CannotSave
+from lagc.run.patience import Patience, TakesLong
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -155,7 +155,7 @@ def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: 
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
     short = lagc.load("simple_pendulum").compile(scene="room")
     assert short.simulate(stop=1).system.backend == "numpy"
-    monkeypatch.setattr("lagc.api.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
@@ -173,7 +173,7 @@ def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_p
 @needs_c
 def test_patience_ends() -> None:
     with pytest.raises(TakesLong):
-        _Patience(-1.0, None)(0.0)
+        Patience(-1.0, None)(0.0)
 
 
 @needs_c
