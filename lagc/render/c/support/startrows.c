@@ -137,15 +137,17 @@ static double lagc_weight(const lagc_start_work *w, int i)
 
 /* What the residual of each row at y is judged against: its terms, and what the weights change it by, but not
  * beyond its terms at the guess, or those of unknowns that are there.  A large coefficient of what is zero so
- * far excuses nothing. */
+ * far excuses nothing.  Where speeds meet, positions are known to their widths. */
 static void lagc_judge(const double *y, const double *J, const double *sizes, lagc_start_work *w)
 {
     int i, k = 0;
     for (i = 0; i < LAGC_NE; i++) {
-        double total = 0.0, own = 0.0, there = 0.0, slight, known, most;
+        double total = 0.0, own = 0.0, there = 0.0, posture = 0.0, slight, known, most;
         for (; k < lagc_ends[i]; k++) {
             const int j = lagc_column[k];
             const double slope = fabs(J[k]);
+            if (j < LAGC_NQ && lagc_column[lagc_ends[i] - 1] >= LAGC_NQ)
+                posture += slope * w->widths[j];
             total += slope * w->weights[j];
             own += slope * fabs(y[j]);
             if (fabs(y[j]) >= LAGC_SLIGHT * w->weights[j])
@@ -153,7 +155,7 @@ static void lagc_judge(const double *y, const double *J, const double *sizes, la
         }
         slight = LAGC_SLIGHT * total;
         known = w->terms[i] > 0.0 ? w->terms[i] : there;
-        most = known + LAGC_SLIGHT * own;
+        most = known + LAGC_SLIGHT * (own + posture);
         w->scales[i] = sizes[i] + (0.0 < known && most < slight ? most : slight);
     }
 }

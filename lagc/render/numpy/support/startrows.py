@@ -173,13 +173,15 @@ class Meeting:
     def scales(self, y: list[float], jacobian: list[float], sizes: list[float]) -> list[float]:
         """What the residual of each row at y is judged against: its terms, and what the weights change it
         by, but not beyond its terms at the guess, or those of unknowns that are there.  A large coefficient
-        of what is zero so far excuses nothing."""
-        found, k = [0.0] * len(sizes), 0
+        of what is zero so far excuses nothing.  Where speeds meet, positions are known to their widths."""
+        found, k, columns = [0.0] * len(sizes), 0, self.conditions.columns
         for i, end in enumerate(self.conditions.ends):
-            total, own, there = 0.0, 0.0, 0.0
+            total, own, there, posture = 0.0, 0.0, 0.0, 0.0
             while k < end:
-                j = self.conditions.columns[k]
+                j = columns[k]
                 slope = abs(jacobian[k])
+                if j < self.conditions.nq <= columns[end - 1]:
+                    posture += slope * self.widths[j]
                 total += slope * self.weights[j]
                 own += slope * abs(y[j])
                 if abs(y[j]) >= SLIGHT * self.weights[j]:
@@ -187,7 +189,7 @@ class Meeting:
                 k += 1
             slight = SLIGHT * total
             known = self.terms[i] if self.terms[i] > 0.0 else there
-            most = known + SLIGHT * own
+            most = known + SLIGHT * (own + posture)
             found[i] = sizes[i] + (most if known > 0.0 and most < slight else slight)
         return found
 
