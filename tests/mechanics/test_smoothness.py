@@ -181,20 +181,19 @@ UNSPELT = [
 ]
 
 
+UNSPELT_PLACES = [
+    ("constraint k: y = l*({e});", "LAG0421", (KINK, JUMP)),
+    ("body c = Particle(mass = m, at = {{0, l*({e}), x}});", "LAG0422", (KINK, JUMP)),
+    ("potential V = 1 [J]*({e});", "LAG0423", (JUMP,)),
+]
+
+
 @pytest.mark.parametrize("u, w", UNSPELT)
 def test_kinks_and_jumps_that_no_word_tells_of(u: str, w: str) -> None:
-    row, place, energy = "constraint k: y = l*({});", "body c = Particle(mass = m, at = {{0, l*({}), x}});", (
-        "potential V = 1 [J]*({});"
-    )  # fmt: skip
-    for e in bends(u, w):
-        assert (codes(row.format(e)), codes(place.format(e))) == ({"LAG0421"}, {"LAG0422"}), e
-        assert codes(energy.format(e)) == set(), e
-    for e in jumps(u, w):
-        assert (codes(row.format(e)), codes(place.format(e))) == ({"LAG0421"}, {"LAG0422"}), e
-        assert codes(energy.format(e)) == {"LAG0423"}, e
-    for e in smooth(u, w):
-        for template in (row, place, energy):
-            assert codes(template.format(e)) == set(), template.format(e)
+    for kind, forms in ((KINK, bends), (JUMP, jumps), (SMOOTH, smooth)):
+        for e in forms(u, w):
+            for template, code, refused in UNSPELT_PLACES:
+                assert codes(template.format(e=e)) == ({code} if kind in refused else set()), (e, kind, code)
 
 
 def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
