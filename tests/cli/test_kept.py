@@ -9,6 +9,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,8 +35,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def after_the_run(monkeypatch: pytest.MonkeyPatch, happens: Callable[[], object]) -> None:
     run = CompiledModel.run
 
-    def changed(*arguments: object, **named: object) -> Run:
-        found = run(*arguments, **named)  # type: ignore[arg-type]
+    def changed(*arguments: Any, **named: Any) -> Run:
+        found = run(*arguments, **named)
         happens()
         return found
 

@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.mechanics.equations import EquationsOfMotion
 
 ANGLES = """
 model Track
@@ -122,6 +123,12 @@ model Two
   %(lines)s
 end Two;
 """
+
+
+def derived(length: float, size: float, lines: str) -> EquationsOfMotion:
+    return lagc.loads(TWO % {"l": length, "size": size, "lines": lines}).compile().equations
+
+
 APART = "position(a) - position(b)"
 SAME = "`position(a) = position(b)`"
 GENERIC = "a row of its own: `a = b`"
@@ -173,7 +180,7 @@ TOUCHING[STEEP[0]] = "`2*y/one = 0`"
 ])  # fmt: skip
 def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: float) -> None:
     with pytest.raises(lagc.Refused) as refused:
-        lagc.loads(TWO % {"l": 0.3, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+        derived(0.3, size, f"constraint c: {row};")
     (fault,) = refused.value.faults
     assert fault.code == "LAG0413"
     assert fault.remedy is not None and TOUCHING.get(row, GENERIC) in fault.remedy
@@ -181,10 +188,10 @@ def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: flo
 
 @pytest.mark.parametrize("size", [1e-6, 0.3, 1e6])
 @pytest.mark.parametrize("row", CROSSING)
-@pytest.mark.parametrize("l", [1e-9, 0.3, 1e9])
-def test_rows_that_cross_zero_are_accepted(row: str, l: float, size: float) -> None:  # noqa: E741
+@pytest.mark.parametrize("length", [1e-9, 0.3, 1e9])
+def test_rows_that_cross_zero_are_accepted(row: str, length: float, size: float) -> None:
     try:
-        lagc.loads(TWO % {"l": l, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+        derived(length, size, f"constraint c: {row};")
     except lagc.Refused as refused:
         assert "LAG0413" not in [fault.code for fault in refused.faults]
 
@@ -218,7 +225,7 @@ def test_where_gradients_vanish_over_random_forms(made: str) -> None:
         found = forms(7 * seed + len(made))
         line = f"constraint c: {''.join(found.get(c, c) for c in made)} = 0;"
         try:
-            lagc.loads(TWO % {"l": 0.3, "size": 0.3, "lines": line}).compile().equations  # noqa: B018
+            derived(0.3, 0.3, line)
             where = "nowhere"
         except lagc.Refused as refused:
             (fault,) = refused.faults
@@ -231,4 +238,4 @@ def test_where_gradients_vanish_over_random_forms(made: str) -> None:
 def test_values_of_parameters_refuse_no_row(row: str) -> None:
     """With r = 0 it only touches; what is compiled holds for any r."""
     lines = f"parameter Length r = 0; constraint c: {row};"
-    lagc.loads(TWO % {"l": 0.3, "size": 0.3, "lines": lines}).compile().equations  # noqa: B018
+    assert derived(0.3, 0.3, lines).rows

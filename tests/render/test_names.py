@@ -80,7 +80,7 @@ def test_entries_of_arrays_are_no_conditions(name: str) -> None:
     assert any(array == "c" for array, _ in names)
     assert not [n for n in names.values() if re.fullmatch(r"[ct]\d+", n)]
     for function in program.functions.values():
-        loaded = [names[o.payload] for o in function.operations if o.payload in names]  # type: ignore[index]
+        loaded = [names[o.payload] for o in function.operations if o.payload in names]
         assert len(set(loaded)) == len(loaded)
 
 
