@@ -19,8 +19,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends", "timed",
-    "driven",
+    "initial_places", "bends", "timed", "driven",
 )  # fmt: skip
 
 _BENDING = ("abs", "floor", "sign", "min", "max", "select")
