@@ -254,7 +254,7 @@ def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], e
 
 def _meets(node: Node, switch: Switch, state: State, leaf: Node) -> bool:
     """Whether `node` is zero somewhere along `leaf` at the change."""
-    found = zeros(along(node, state, leaf), 0.0, 1.0)
+    found = zeros(along(node, state, leaf), state[leaf], abs(state[leaf]) or 1.0)
     return any(zero.crosses and switch.active({**state, leaf: zero.at}) for zero in found)
 
 

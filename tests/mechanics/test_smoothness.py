@@ -93,9 +93,9 @@ PLACES = [
 ]
 
 
-def codes(line: str) -> set[str]:
+def codes(line: str, head: str = HEAD) -> set[str]:
     """Of the faults, but for those of a start: not every one of these rows can be met."""
-    faults = check(Source("m.lag", f"{HEAD}{line}\nend M;"), Choice())
+    faults = check(Source("m.lag", f"{head}{line}\nend M;"), Choice())
     return {f.code for f in faults if f.severity == "error" and not f.code.startswith("LAG061")}
 
 
@@ -208,6 +208,20 @@ def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
         "abs(th) = sin(ps)",
     ):
         assert codes(f"constraint k: {row};") == {"LAG0421"}, row
+
+
+@pytest.mark.parametrize("size", [1e-15, 1e-9, 1e-3, 1.0, 1e6, 1e15])
+def test_a_change_that_the_rows_meet_is_one_at_any_size(size: float) -> None:
+    """For two values on one side of zero: from afar there is no change of sign."""
+    head = HEAD
+    for factor in (1, 0.3, 0.2):
+        assert f"= {factor} [m]" in head
+        head = head.replace(f"= {factor} [m]", f"= {factor * size!r} [m]")
+    for a, b in ((0.3, 0.7), (3.0, 5.0), (30.0, 70.0), (-0.02, -9.0)):
+        row = f"constraint k: abs(x)*l = (y - {a}*l)*(y - {b}*l);"
+        assert codes(row, head) == {"LAG0421"}, (row, size)
+        row = f"constraint k: norm({{x, l, 0}})*l = (y - {a}*l)*(y - {b}*l);"
+        assert codes(row, head) == set(), (row, size)
 
 
 def test_energies_may_have_walls_and_corners() -> None:
