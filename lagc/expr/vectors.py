@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TypeAlias, TypeVar
 
 from lagc.expr.graph import Node
+from lagc.expr.turning import without_turns
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
@@ -36,7 +37,8 @@ def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
 
 
 def norm(a: Vector) -> Node:
-    square = dot(a, a)
+    """Its length; angles by which it is turned as a whole are not in it."""
+    square = without_turns(dot(a, a))
     return square.graph.sqrt(square)
 
 

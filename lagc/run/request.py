@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
@@ -14,7 +15,7 @@ ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
 FINEST = 1e-15  # relative tolerance of a step
 POINTS = 501  # recorded where no grid is asked for
-MOST_POINTS = 50_000_000  # numbers that one run records at most
+MOST_POINTS = sys.maxsize // 2  # that a list can count
 
 
 @dataclass(frozen=True)
