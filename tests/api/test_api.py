@@ -194,3 +194,11 @@ def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_pa
     answers = [p.communicate(timeout=120)[0] for p in running]
     assert all(p.returncode == 0 for p in running) and len(set(answers)) == 1
     assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_what_a_console_shows_is_one_line() -> None:
+    pendulum = lagc.load("simple_pendulum")
+    run = pendulum.compile(backend="numpy").simulate(stop=1, points=4000)
+    assert repr(run).startswith("<Run of SimplePendulum, scene vacuum: ok, 4000 points to t = 1 s, estimated")
+    for shown in (pendulum, run, run.accuracy, run.energy, run.cost):
+        assert len(repr(shown)) < 200 and "\n" not in repr(shown)

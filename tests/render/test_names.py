@@ -10,7 +10,17 @@ import pytest
 
 import lagc
 from lagc.render.locals import local_names
-from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
+from lagc.render.names import (
+    FAMILIES,
+    HEADERS,
+    RESERVED,
+    Names,
+    comment,
+    identifier,
+    is_reserved,
+    prefix,
+    stem,
+)
 from tests.interfaces import field
 from tests.render.programs import pendulum
 from tests.render.tools import COMPILERS, call, present
@@ -99,11 +109,26 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
 
 @pytest.mark.parametrize(
     ("model", "expected"),
-    [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega"), ("FourBar2D", "four_bar2_d")],
+    [
+        ("Pendulum", "pendulum"),
+        ("Math", "math_model"),
+        ("Or", "or_model"),
+        ("Aux", "aux_model"),
+        ("Ω", "omega"),
+        ("FourBar2D", "four_bar2_d"),
+    ],
 )
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
-    assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"
+    assert stem(model) == expected
+
+
+def test_files_are_called_as_what_is_in_them() -> None:
+    """For every word that something else is called, too."""
+    for word in RESERVED | HEADERS | FAMILIES:
+        for model in (word, word.capitalize()):
+            name = prefix(model)
+            assert stem(model) == name and name not in RESERVED | HEADERS | FAMILIES
 
 
 def test_a_name_whose_numbered_forms_are_all_reserved() -> None:
