@@ -19,7 +19,7 @@ from lagc.run.distance import kinds, sizes
 from lagc.run.names import row_name, state_name
 from lagc.run.problem import FAILED, REDUNDANT, System, Trajectory, rates_at
 
-NEAR = 1e3  # radians or sizes of the mechanism, per size of a row's terms: it loses rank nearby
+NEAR = 1e3  # radians or sizes of their kind, per size of a row's terms: it loses rank nearby
 WAYS = tuple([10.0**-k for k in range(3, 11)])  # of the time, to both sides of a state
 JUMP = 0.01  # of the rates
 MOMENT = 1e-5  # of the time: speeds that double in less are without bound
@@ -37,13 +37,14 @@ def cause(system: System, run: Trajectory, t: float, x: list[float]) -> str:
 
 def pinned(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """A reason at (t, x) beyond which no method of this kind gets; empty where there is none."""
-    return losing_rank(system, t, x) or bent(system, run, t, x) or _jump(system, run, t, x)
+    return losing_rank(system, run, t, x) or bent(system, run, t, x) or _jump(system, run, t, x)
 
 
-def losing_rank(system: System, t: float, x: list[float]) -> str:
+def losing_rank(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """Which constraint all but depends on others at (t, x), in words; empty where none does.
 
-    To change its residual by the size of its terms alone, the coordinates would have to move very far.
+    To change its residual by the size of its terms alone, a coordinate would have to move very far beside
+    the size of its kind, or the angles many turns.
     """
     if system.nc == 0 or len(x) < system.nx:
         return ""
@@ -52,12 +53,12 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
         return ""
     row, farthest = system.culprit, inf
     if status != REDUNDANT:
-        reach = min(1.0, max(abs(a) for a in x[: system.nq])) or 1.0
-        row, farthest = -1, NEAR * reach
+        row, farthest, reach = -1, NEAR, _reach(system, run, x)
         for i, scale in enumerate(system.scales(t, x)):
             r = [0.0] * (system.nv + system.nc)
             r[system.nv + i] = scale
-            way = max(map(abs, system.solve(r)[: system.nv]))
+            moved = system.displace(t, x, system.solve(r)[: system.nv])
+            way = max((abs(a) / b for a, b in zip(moved, reach)), default=0.0)
             if way > farthest:
                 row, farthest = i, way
     return (
@@ -65,6 +66,18 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
         if row >= 0
         else ""
     )
+
+
+def _reach(system: System, run: Trajectory, x: list[float]) -> list[float]:
+    """What each coordinate may move by: the size of its kind so far, an angle by 1 rad; anything where a kind
+    has been zero."""
+    found = [0.0] * system.nq
+    for group in kinds(system.interface):
+        size = max(abs(y[i]) for y in [*run.states, x] for i in group) or inf
+        for i in group:
+            if i < system.nq:
+                found[i] = 1.0 if i in system.interface.angles else size
+    return found
 
 
 def bent(system: System, run: Trajectory, t: float, x: list[float]) -> str:
