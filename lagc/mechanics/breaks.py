@@ -234,7 +234,7 @@ def _changes(switch: Switch, level: float, value: Callable[[float], float], x: f
 
 def _moved(edge: Edge, end: float) -> State:
     x = edge.at[edge.leaf]
-    return {**edge.at, edge.leaf: x + end * (abs(x) or 1.0)}
+    return {**edge.at, edge.leaf: x + end * max(abs(x), edge.reach)}
 
 
 def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], edges: Sequence[Edge]) -> bool:

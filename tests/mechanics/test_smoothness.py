@@ -23,6 +23,18 @@ body b = Particle(mass = m, at = {x, y, 0});
 frame F = rotate_x(rotate_z(world, th), ps);
 body d = Solid(mass = m, inertia = {1, 1, 1} [kg.m2], frame = F, com = {0, 0, 0});
 """
+SIZES = (1e-15, 1e-9, 1e-3, 1.0, 1e6, 1e15)
+
+
+def sized(size: float) -> str:
+    """HEAD with other lengths."""
+    head = HEAD
+    for factor in (1, 0.3, 0.2):
+        assert f"= {factor} [m]" in head
+        head = head.replace(f"= {factor} [m]", f"= {factor * size!r} [m]")
+    return head
+
+
 VARIABLES = (
     "x/l",
     "th",
@@ -106,9 +118,10 @@ def test_a_break_is_refused_where_the_mechanics_cannot_hold_it(place: int) -> No
     for k in range(len(expressions("x", chance))):
         u = chance.choice(VARIABLES)
         expression, kind = expressions(f"({u})", chance)[k]
-        line = template.format(e=expression)
+        line, size = template.format(e=expression), chance.choice(SIZES)
         given = "potential" in line and u == "time/T"  # a force that changes with time
-        assert codes(line) == ({code} if kind in refused and not given else set()), (line, kind)
+        found = codes(line, sized(size))
+        assert found == ({code} if kind in refused and not given else set()), (line, kind, size)
 
 
 def bends(u: str, w: str) -> list[str]:
@@ -210,13 +223,10 @@ def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
         assert codes(f"constraint k: {row};") == {"LAG0421"}, row
 
 
-@pytest.mark.parametrize("size", [1e-15, 1e-9, 1e-3, 1.0, 1e6, 1e15])
+@pytest.mark.parametrize("size", SIZES)
 def test_a_change_that_the_rows_meet_is_one_at_any_size(size: float) -> None:
     """For two values on one side of zero: from afar there is no change of sign."""
-    head = HEAD
-    for factor in (1, 0.3, 0.2):
-        assert f"= {factor} [m]" in head
-        head = head.replace(f"= {factor} [m]", f"= {factor * size!r} [m]")
+    head = sized(size)
     for a, b in ((0.3, 0.7), (3.0, 5.0), (30.0, 70.0), (-0.02, -9.0)):
         row = f"constraint k: abs(x)*l = (y - {a}*l)*(y - {b}*l);"
         assert codes(row, head) == {"LAG0421"}, (row, size)
