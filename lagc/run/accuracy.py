@@ -4,8 +4,9 @@ The error of a trajectory is the largest |x_i - exact_i| / scale_i over all reco
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
 same kind (coordinates, or speeds, of the same unit).  It behaves as C tol^p.  Pilots
 at 1e-5 and 1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the
-finer one is returned with the error that their difference tells.  What both share is added to it, the
-part of rounding (`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
+finer one is returned with the error that their difference tells.  Where forces may bend or jump, C is
+chance, and three differences tell it.  What all runs share is added, the part of rounding
+(`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
 """
 
 from __future__ import annotations
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from lagc.run.growth import Rounding
 
 SAFETY = 2.0  # on every estimate
-BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
+BENT = 30.0  # on errors in proportion to their tolerances, where forces may bend or jump
+SAMPLES = 3  # of these
+NEAR = 4.0  # times the finest tolerance is the next
 HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is enough
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
@@ -117,6 +120,11 @@ class _Search:
     still: dict[int, float] = field(default_factory=dict)  # kinds that rounding alone moves, and how far
 
     @property
+    def _bends(self) -> bool:
+        """Whether steps may cross a bend or a jump, and errors follow no law."""
+        return self.system.interface.bends
+
+    @property
     def method(self) -> str:
         return method_for(self.accuracy)
 
@@ -160,8 +168,7 @@ class _Search:
                 return self._kept()
             if settled or tol <= FINEST:
                 break
-            coarse = max(10.0 * FINEST, min(self._predicted(), tol))
-            for tol in (_plain(coarse), _plain(coarse / 10.0)):
+            for tol in self._following(tol):
                 if tol not in self.runs and stopped is None:
                     stopped = self._stopped(tol)
         return stopped or self._result()
@@ -228,6 +235,8 @@ class _Search:
 
     def _settled(self) -> bool:
         """Whether no finer run is needed, or none would help."""
+        if self._bends and len(self.runs) <= SAMPLES:
+            return False
         if self.truncation() > self.accuracy:
             return len(self.runs) > 2 and self.drift() > self.accuracy
         if self.estimate() > self.accuracy:
@@ -278,8 +287,21 @@ class _Search:
 
     def truncation(self) -> float:
         """The error of the finest run that its steps bring."""
-        found = self._by_differences()
-        return max(found * BENT, SMALLEST) if self.system.interface.bends else found
+        return self._across_bends() if self._bends else self._by_differences()
+
+    def _across_bends(self) -> float:
+        """Where in a step a bend lies is chance, at every tolerance anew, and so is the part that the step
+        errs by of what it may.
+
+        What it may goes with the tolerance.  So each run is a sample of one distribution, of errors over
+        tolerances.  Few are beyond 30 times its median, and that all samples are far below it, or that the
+        finest run and all others err alike, is seldom enough where there are three.
+        """
+        tols = sorted(self.runs)
+        if len(tols) < 2:
+            return inf
+        found = max(self._difference(tols[0], tol) / tol for tol in tols[1 : 1 + SAMPLES])
+        return max(BENT * found * tols[0], SMALLEST)
 
     def _by_differences(self) -> float:
         """The error of the finest run: of the next coarser one by their difference, carried on by the
@@ -321,21 +343,31 @@ class _Search:
         consistent = all(SLOPES[0] <= s <= SLOPES[1] for s in slopes)
         return min(1.0, *slopes) if consistent else None
 
+    def _following(self, last: float) -> list[float]:
+        """The tolerances of the next runs, after one at `last`.  Across bends a near one tells most: a run
+        that errs by much differs from it."""
+        fine = self._predicted()
+        if not self._bends:
+            coarse = max(10.0 * FINEST, min(10.0 * fine, last))
+            return [_plain(coarse), _plain(coarse / 10.0)]
+        near = len(self.runs) >= SAMPLES and min(self.runs) <= NEAR * fine
+        return [_plain(fine)] if near else [_plain(NEAR * fine), _plain(fine)]
+
     def _predicted(self) -> float:
-        """The coarser tolerance of the pair that should meet the target, in steps of a quarter decade."""
+        """The tolerance that should meet the target, in steps of a quarter decade."""
         tols = sorted(self.runs)
         if self.balance is not None:  # the runs agree, and yet they are wrong
-            return tols[0] / 10.0
-        slope = self._slope() or 1.0
-        difference = self._difference(tols[0], tols[1])
-        error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
-        error *= BENT if self.system.interface.bends else 1.0
+            return max(FINEST, tols[0] / 100.0)
+        slope, error = 1.0, self.truncation()
+        if not self._bends:
+            slope = self._slope() or 1.0
+            difference = self._difference(tols[0], tols[1])
+            error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
             tol = max(tol, tols[0] / 100.0)
-        fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
-        return 10.0 * max(FINEST, fine)
+        return max(FINEST, 10.0 ** (0.25 * floor(4.0 * log10(tol))))
 
     def _difference(self, fine: float, coarse: float) -> float:
         found = self.compared.get((fine, coarse))
@@ -361,7 +393,8 @@ class _Search:
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 noise = self._rounded_away(found.beside)
-                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY, noise)
+                safety = BENT * tols[0] / tols[1] if self._bends else SAFETY
+                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / safety, noise)
                 if found.horizon is not None and self.along is not None:
                     found.horizon = min(found.horizon, self.along.until(found.drift, self.accuracy))
         return found
