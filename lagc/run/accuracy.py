@@ -159,16 +159,15 @@ class _Search:
 
     def verify(self) -> Verified:
         stopped = self._pilots()
-        tol = FINE
         for _ in range(ATTEMPTS + 1):
             if stopped is not None:
                 return stopped
             settled = self._settled()
             if self._interrupted:
                 return self._kept()
-            if settled or tol <= FINEST:
+            if settled or min(self.runs) <= FINEST:
                 break
-            for tol in self._following(tol):
+            for tol in self._following():
                 if tol not in self.runs and stopped is None:
                     stopped = self._stopped(tol)
         return stopped or self._result()
@@ -295,13 +294,14 @@ class _Search:
 
         What it may goes with the tolerance.  So each run is a sample of one distribution, of errors over
         tolerances.  Few are beyond 30 times its median, and that all samples are far below it, or that the
-        finest run and all others err alike, is seldom enough where there are three.
+        finest run and all others err alike, is seldom enough where there are three.  Now and then one of
+        them is a freak, where all that a formula sees of a bend cancels: the largest of four is left out.
         """
         tols = sorted(self.runs)
         if len(tols) < 2:
             return inf
-        found = max(self._difference(tols[0], tol) / tol for tol in tols[1 : 1 + SAMPLES])
-        return max(BENT * found * tols[0], SMALLEST)
+        found = sorted(self._difference(tols[0], tol) / tol for tol in tols[1 : 2 + SAMPLES])[:SAMPLES]
+        return max(BENT * found[-1] * tols[0], SMALLEST)
 
     def _by_differences(self) -> float:
         """The error of the finest run: of the next coarser one by their difference, carried on by the
@@ -343,12 +343,12 @@ class _Search:
         consistent = all(SLOPES[0] <= s <= SLOPES[1] for s in slopes)
         return min(1.0, *slopes) if consistent else None
 
-    def _following(self, last: float) -> list[float]:
-        """The tolerances of the next runs, after one at `last`.  Across bends a near one tells most: a run
-        that errs by much differs from it."""
+    def _following(self) -> list[float]:
+        """The tolerances of the next runs.  Across bends a near one tells most: a run that errs by much
+        differs from it."""
         fine = self._predicted()
         if not self._bends:
-            coarse = max(10.0 * FINEST, min(10.0 * fine, last))
+            coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
             return [_plain(coarse), _plain(coarse / 10.0)]
         near = len(self.runs) >= SAMPLES and min(self.runs) <= NEAR * fine
         return [_plain(fine)] if near else [_plain(NEAR * fine), _plain(fine)]
@@ -366,8 +366,9 @@ class _Search:
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
-            tol = max(tol, tols[0] / 100.0)
-        return max(FINEST, 10.0 ** (0.25 * floor(4.0 * log10(tol))))
+            tol = max(tol, tols[0] / (NEAR if self._bends else 100.0))
+        fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
+        return max(FINEST, fine)
 
     def _difference(self, fine: float, coarse: float) -> float:
         found = self.compared.get((fine, coarse))
