@@ -196,6 +196,34 @@ def test_rows_that_cross_zero_are_accepted(row: str, length: float, size: float)
         assert "LAG0413" not in [fault.code for fault in refused.faults]
 
 
+MIXED = """
+model Mixed
+  coordinate Length x(start = %(size)s [m]), y(start = 0.4*%(size)s [m]), z;
+  coordinate Angle u(start = 0.4), v(start = 0.3);
+  parameter Length one = %(size)s [m];
+  body a = Particle(mass = 1, at = {x + one*sin(v), y + one*cos(v)*sin(u), z});
+  body b = Particle(mass = 1, at = {z, one*sin(u), one*cos(v)});
+  constraint c: %(row)s;
+end Mixed;
+"""
+TOUCHES = ["1 - cos(u) = 0", "cosh(u) = 1", "u - sin(u) = 0", "(u - v)^3*exp(v) = 0", "cosh(x/one) = 1",
+           "1 - cos(x/one) = 0", "x - one*sin(x/one) = 0"]  # fmt: skip
+CROSSES = ["sin(u) = 0", "exp(u) = 1.2", "x^3 = one^3", "x*y = one^2", "u^2 - v^2 = 0.01",
+           "u^2 + x^2/one^2 = 1"]  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1e-15, 1e-12, 1e-4, 1e4, 1e12, 1e15])
+def test_angles_beside_lengths_of_any_size(size: float) -> None:
+    for row in (*TOUCHES, *CROSSES):
+        try:
+            assert lagc.loads(MIXED % {"size": size, "row": row}).compile().equations.rows
+            touches = False
+        except lagc.Refused as refused:
+            touches = [fault.code for fault in refused.faults] == ["LAG0413"]
+            assert touches, row
+        assert touches == (row in TOUCHES), row
+
+
 def forms(seed: int) -> dict[str, str]:
     """Two random independent forms in x, y and z: u is small at the start, v is not."""
     chance = random.Random(seed)
