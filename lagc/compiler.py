@@ -165,6 +165,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
     scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
     parameters of `choice` are given to those that have them."""
+    from lagc.frontend.scenes import ByScene
     from lagc.meaning.variants import variants
 
     try:
@@ -176,6 +177,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         return [*_faults(tree, choice, roots, known).values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
     models: set[str | None] = set()
+    scenes = ByScene(tree)
     for v in variants(tree, choice.model, roots):
         each = replace(
             choice,
@@ -185,7 +187,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             without_effects=(*choice.without_effects, *v.without_effects),
         )
         # The first look at a model tells what is wrong between its scenes.
-        file = _with_scene(tree, v.scene) if v.scene and v.model in models else tree
+        file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
         found = _faults(file, each, roots, known)
         if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
@@ -195,19 +197,6 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         for key, fault in found.items():
             faults.setdefault(key, fault)
     return [*faults.values(), *_unknown(choice, known)]
-
-
-def _with_scene(tree: Tree, name: str) -> Tree:
-    """`tree` without the other scenes of its models: of n scenes, each is looked at n times else."""
-    from lagc.frontend.tree import Declaration, ModelDeclaration, Package, Scene
-
-    def left(declarations: Sequence[Declaration]) -> tuple[Declaration, ...]:
-        kept = [d for d in declarations if not isinstance(d, Scene) or d.name == name]
-        return tuple(
-            [replace(d, body=left(d.body)) if isinstance(d, ModelDeclaration | Package) else d for d in kept]
-        )
-
-    return replace(tree, declarations=left(tree.declarations))
 
 
 def _faults(
