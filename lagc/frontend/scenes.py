@@ -22,17 +22,21 @@ class ByScene:
 
 class _Body:
     def __init__(self, declarations: Sequence[Declaration]):
-        self.others: list[tuple[Declaration, _Body | None]] = []
+        self.others: list[Declaration] = []
+        self.inner: dict[int, tuple[ModelDeclaration | Package, _Body]] = {}  # by place among the others
         self.scenes: dict[str, list[tuple[int, Scene]]] = {}  # with how many of the others come before
         for d in declarations:
             if isinstance(d, Scene):
                 self.scenes.setdefault(d.name, []).append((len(self.others), d))
-            else:
-                inner = _Body(d.body) if isinstance(d, ModelDeclaration | Package) else None
-                self.others.append((d, inner))
+                continue
+            if isinstance(d, ModelDeclaration | Package):
+                self.inner[len(self.others)] = d, _Body(d.body)
+            self.others.append(d)
 
     def only(self, name: str) -> tuple[Declaration, ...]:
-        kept = [d if inner is None else replace(d, body=inner.only(name)) for d, inner in self.others]
-        for before, scene in reversed(self.scenes.get(name, ())):
+        kept = list(self.others)
+        for k, (d, body) in self.inner.items():
+            kept[k] = replace(d, body=body.only(name))
+        for before, scene in reversed(self.scenes.get(name, [])):
             kept.insert(before, scene)
         return tuple(kept)
