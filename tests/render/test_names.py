@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import lagc
+from lagc.compiler import Choice, program, render
+from lagc.diagnostics.faults import Source
 from lagc.render.locals import local_names
 from lagc.render.names import (
     FAMILIES,
@@ -19,7 +21,6 @@ from lagc.render.names import (
     identifier,
     is_reserved,
     prefix,
-    stem,
 )
 from tests.interfaces import field
 from tests.render.programs import pendulum
@@ -120,15 +121,22 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
 )
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
-    assert stem(model) == expected
 
 
-def test_files_are_called_as_what_is_in_them() -> None:
-    """For every word that something else is called, too."""
+def test_no_prefix_or_file_is_called_as_something_else() -> None:
     for word in RESERVED | HEADERS | FAMILIES:
         for model in (word, word.capitalize()):
-            name = prefix(model)
-            assert stem(model) == name and name not in RESERVED | HEADERS | FAMILIES
+            assert prefix(model) not in RESERVED | HEADERS | FAMILIES
+
+
+@pytest.mark.parametrize("name", ["Or", "Time", "M", "Long" * 45])
+def test_files_are_called_as_what_is_in_them(name: str) -> None:
+    text = f"model {name} coordinate Length x; body b = Particle(mass = 1, at = {{x, 0, 0}}); end {name};"
+    made = program(Source("m.lag", text), Choice())
+    for file, code in render(made, "c").items():
+        stem = file.removesuffix(".c").removesuffix(".h")
+        assert f" {stem}_rhs(" in code and len(file) < 140
+    assert [file.removesuffix(".py") for file in render(made, "numpy")] == [stem]
 
 
 def test_a_name_whose_numbered_forms_are_all_reserved() -> None:

@@ -14,7 +14,7 @@ from lagc.render.c import fragments, header
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
 from lagc.render.locals import local_names
-from lagc.render.names import prefix, stem
+from lagc.render.names import prefix
 
 
 def render(program: Program, complete: bool = True) -> dict[str, str]:
@@ -25,7 +25,7 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     parameters; texts.
     """
     interface = program.interface
-    name = stem(interface.model)
+    name = prefix(interface.model)
     return {
         f"{name}.h": _prefixed(_header(program, f"{name}.h", complete), interface),
         f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete), interface),

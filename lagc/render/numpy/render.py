@@ -13,7 +13,7 @@ from functools import cache
 from lagc.optimize.program import Field, Interface, Program
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.locals import local_names
-from lagc.render.names import Names, stem
+from lagc.render.names import Names, prefix
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 def render(program: Program, complete: bool = True) -> dict[str, str]:
     """File name -> text; one file, `<model>.py`.  Unless `complete` it lacks what a run of `lagc` has
     already: the search for a consistent start, the bounds of parameters."""
-    file = f"{stem(program.interface.model)}.py"
+    file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]

@@ -9,7 +9,6 @@ from time import perf_counter
 from typing import Any
 
 from lagc.once import once
-from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.problem import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, OK, Options, Trajectory, Vector
@@ -43,7 +42,8 @@ class CModel(Compiled):
     @once
     def functions(self) -> dict[str, Any]:
         """By their names in the header, without the prefix.  Raises CannotCompile."""
-        compiled, own = library(self.sources), prefix(self.interface.model)
+        compiled = library(self.sources)
+        (own,) = [name.removesuffix(".c") for name in self.sources if name.endswith(".c")]
         found = {}
         for name, result in _RESULTS.items():
             function = getattr(compiled, f"{own}_{name}", None)
