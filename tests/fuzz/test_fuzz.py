@@ -48,7 +48,8 @@ def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
         pytest.skip("calls are disturbed by a library that is loaded before that of C")
     monkeypatch.setenv("LAGC_CC", os.environ.get("LAGC_CC", ""))  # is set by the trials
     monkeypatch.setenv("LAGC_CACHE", "")
-    words = ["--kinds", kind, "--texts", str(-(-COUNT // SLOW.get(kind, 1))), "--jobs", "1", "-o", str(tmp_path)]
+    count = -(-COUNT // SLOW.get(kind, 1))
+    words = ["--kinds", kind, "--texts", str(count), "--jobs", "1", "-o", str(tmp_path)]
     assert main(words) == 0
 
 
