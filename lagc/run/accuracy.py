@@ -11,16 +11,14 @@ chance, and three differences tell it.  What all runs share is added, the part o
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from lagc import cache
-from lagc.cache.sources import tool_fingerprint
 from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes, spread
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
+from lagc.run.remembered import Remembered, name_of, recall, remember, strays
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
@@ -81,15 +79,15 @@ def verified_run(
 ) -> Verified:
     """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
     search = _Search(system, x0, times, accuracy, progress)
-    name = _memory_name(system, x0, times, accuracy, search.method)
-    remembered = _recall(name)
+    name = name_of(system, x0, times, accuracy, search.method)
+    remembered = recall(name)
     if remembered is not None:
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
             still = dict(remembered.still)
-            strays = _strays(trajectory, remembered.end, moving(sizes(trajectory, system.interface), still))
-            if strays <= remembered.estimated:
+            away = strays(trajectory, remembered.end, moving(sizes(trajectory, system.interface), still))
+            if away <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress)
@@ -98,8 +96,7 @@ def verified_run(
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
         last = found.trajectory.states[-1]
-        answer = _Remembered(found.options.rtol, found.estimated, last, [*found.still.items()])
-        cache.store("accuracy", name, json.dumps(vars(answer)).encode())
+        remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.still.items()]))
     return found
 
 
@@ -404,33 +401,3 @@ class _Search:
 def _plain(tol: float) -> float:
     """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
     return float(f"{tol:.2e}")
-
-
-def _memory_name(
-    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str
-) -> str:
-    """The same question has the same answer, whether it is remembered or not; so all of it counts."""
-    interface = system.interface
-    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
-    tool = tool_fingerprint()
-    return cache.key("accuracy 8", tool, interface.model_hash, method, system.backend, *values)
-
-
-@dataclass
-class _Remembered:
-    """`end`: the last state, which the same run reaches again.  `still`: see `lagc.run.still`."""
-
-    rtol: float
-    estimated: float
-    end: list[float]
-    still: list[tuple[int, float]]
-
-
-def _recall(name: str) -> _Remembered | None:
-    return cache.load("accuracy", name, lambda body: _Remembered(**json.loads(body)))
-
-
-def _strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
-    """The scaled distance between the last state and `end`."""
-    last = trajectory.states[-1]
-    return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)
