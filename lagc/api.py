@@ -21,7 +21,7 @@ from lagc.loaded import Loaded
 from lagc.numerals import number
 from lagc.records import dataclass, names
 from lagc.run.problem import System
-from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
+from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
@@ -125,6 +125,8 @@ class CompiledModel:
         bound._given = self._with_given(parameters)
         bound._own, bound._recent = {}, None
         bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
+        if self.interface.limits:
+            keep_limits(bound.system)
         return bound
 
     def __getstate__(self) -> dict[str, object]:
@@ -202,7 +204,9 @@ class CompiledModel:
             return own
         values, recent = self._bound(parameters), self._recent
         if recent is None or recent.backend != own.backend or repr(recent.parameters) != repr(tuple(values)):
-            recent = self._recent = own.bind(values)
+            recent = own.bind(values)
+            keep_limits(recent)
+            self._recent = recent
         return recent
 
     def simulate(

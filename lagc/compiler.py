@@ -221,8 +221,8 @@ def _faults(
 
 
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """A warning where the start cannot be tried because a parameter has no value.  Raises Refused where a
-    run would before its first step."""
+    """Warnings: the start cannot be tried because a parameter has no value; an output has none at the start.
+    Raises Refused where a run would before its first step."""
     from lagc.run.blame import placed
     from lagc.run.request import bound_parameters
     from lagc.run.trial import NoStart, try_start
@@ -240,10 +240,14 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
     try:
         with stage("trying the start", PER_OPERATION * interface.operations):
-            try_start(program, values)
+            strange = try_start(program, values)
     except NoStart as found:
         raise placed(equations, found) from None
-    return []
+    return [
+        Fault("LAG0616", f"output `{o.name}` has no finite value at the start", o.span, severity="warning")
+        for o in model.outputs
+        if o.name in strange
+    ]
 
 
 def _unknown(choice: Choice, known: set[str]) -> list[Fault]:

@@ -118,6 +118,7 @@ class Interface:
     parameters: tuple[Field, ...]
     inputs: tuple[Field, ...]
     outputs: tuple[Field, ...]
+    limits: tuple[Field, ...]  # values made of parameters that have bounds
     rate_names: tuple[str, ...]  # rates that are stated and no speeds: further unknowns of the start
     rate_units: tuple[str, ...]
     start_levels: tuple[int, ...]  # of q, v and these rates: how firmly stated, from 0 (not) to 4 (fixed)
@@ -137,6 +138,9 @@ class Interface:
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
     timed: bool = False  # the rates depend on time itself
+    doubtful: bool = (
+        False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
+    )
     driven: bool = False  # and so do constraints
 
     @property
@@ -193,6 +197,7 @@ class Program:
       conditions  (p,t,x)         -> c[n], J[], sizes[n]   of a consistent start: phi, psi, initial section,
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
                                      `sizes` those of the terms
+      limits      (p)             -> b[]   those of `limits`
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
-from lagc.run.request import Request
+from lagc.run.request import Request, keep_limits
 from lagc.run.start import Anchor, Start, names
 
 MOST_NAMED = 12  # conditions of a conflict
@@ -31,7 +32,8 @@ class NoStart(Refused):
 
 def begin(system: System, request: Request) -> Start:
     """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
-    value that is not finite (LAG0611)."""
+    value that is not finite (LAG0611); and as `_energies`."""
+    keep_limits(system)
     start = consistent_start(system, 0.0, request.starts)
     if start.missed:
         anchors = [*(m.anchor for m in start.missed), *start.anchors]
@@ -42,7 +44,29 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(
                 fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system
             )
+    _energies(system, start.x)
     return start
+
+
+def _energies(system: System, x: Sequence[float]) -> None:
+    """Raises NoStart where an energy has no finite value (LAG0613), or some speeds have a negative kinetic
+    energy (LAG0615)."""
+    for name, value in zip(("kinetic", "potential", "total"), system.energies(0.0, x)):
+        if not isfinite(value):
+            fault = Fault("LAG0613", f"the {name} energy is not a finite number at the start")
+            raise NoStart(fault, (), x, system)
+    if system.interface.doubtful:
+        from lagc.run.inertia import negative_speed  # where it is asked
+
+        k = negative_speed(system, 0.0, x)
+        if k is not None:
+            message = f"the kinetic energy of motions along {speed_name(system, k)} is negative at the start"
+            raise NoStart(Fault("LAG0615", message), [("speed", system.interface.v_names[k])], x, system)
+
+
+def strange_outputs(system: System, x: Sequence[float]) -> list[int]:
+    """The outputs, by index, that have no finite value at the start."""
+    return [k for k, value in enumerate(system.outputs(0.0, x)) if not isfinite(value)]
 
 
 def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:

@@ -111,6 +111,10 @@ class System(Protocol):
         """c, J and sizes of a consistent start (see `Program`)."""
         ...
 
+    def limits(self) -> list[float]:
+        """Values made of parameters that have bounds (`interface.limits`)."""
+        ...
+
     def measures(self) -> tuple[list[float], list[float]]:
         """s and largest (see `Program`)."""
         ...

@@ -10,6 +10,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
+from lagc.run.problem import System
 
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
@@ -148,6 +149,8 @@ def bound_parameters(
     result: list[float] = []
     for f in fields:
         found = values.get(f.name, f.value)
+        if found is not None and f.name not in given:
+            faults += _bounds(f, found)
         if found is None:
             if demanding and f.name not in given:
                 unit = f" [{f.unit}]" if f.unit else ""
@@ -158,6 +161,15 @@ def bound_parameters(
     if faults:
         raise Refused(faults)
     return result
+
+
+def keep_limits(system: System) -> None:
+    """Raises Refused, LAG0602, where a value made of parameters is out of its bounds."""
+    limits = system.interface.limits
+    if limits and not any(p != p for p in system.parameters):
+        faults = [fault for f, value in zip(limits, system.limits()) for fault in _bounds(f, value)]
+        if faults:
+            raise Refused(faults)
 
 
 def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
@@ -212,6 +224,8 @@ def _bounds(field: Field, value: float) -> list[Fault]:
     if field.minimum <= value <= field.maximum:
         return []
     unit = f" {field.unit}" if field.unit else ""
+    if value != value:
+        return [Fault("LAG0602", f"`{field.name}` is no number for these parameters ({field.place})")]
     low = value < field.minimum
     bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
     return [Fault("LAG0602", f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]

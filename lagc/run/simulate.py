@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from lagc.run.accuracy import verified_run
-from lagc.run.begin import begin, demand
+from lagc.run.begin import begin, demand, strange_outputs
 from lagc.run.counted import Counted
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
@@ -60,6 +60,8 @@ def simulate(
             from lagc.run.still import told as still_told
 
             notes += still_told(system, trajectory, found.still)
+    for k in strange_outputs(system, start.x):
+        notes.append(f"output `{system.interface.outputs[k].name}` has no finite value at the start")
     if trajectory.redundant_rows and told.status == "ok":
         notes.append(redundancy(system, trajectory))
     return Solution(

@@ -71,6 +71,7 @@ def sizes(interface: Interface) -> dict[str, int]:
         "NCOND": len(interface.condition_ends), "NRATE": len(interface.rate_names),
         "NPOSITION": sum(max(row, default=0) < interface.nq for row in rows),
         "NBOUNDED": len(_bounded(interface)),
+        "NLIMITS": len(interface.limits),
     }  # fmt: skip
 
 
@@ -117,6 +118,7 @@ def _numbers(interface: Interface) -> dict[str, Sequence[int] | Sequence[str]]:
     return {
         "BOUNDED": bounded,
         "BOUNDS": [f"{{{_bound(fields[i].minimum)}, {_bound(fields[i].maximum)}}}" for i in bounded],
+        "LIMITS": [f"{{{_bound(f.minimum)}, {_bound(f.maximum)}}}" for f in interface.limits],
         "STATUS_TEXTS": [f'"{text}"' for _, text, _ in STATUSES],
         "KINDS_OF_X": interface.kinds, "KINDS": [max(interface.kinds) + 1],
         "NWORK": [interface.work_size], "QUATERNIONS": interface.quaternions, "NJ": [len(columns)],

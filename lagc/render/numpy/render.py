@@ -22,7 +22,6 @@ SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quat
            "listening.py", "integrate.py", "record.py")  # fmt: skip
 START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
          "start.py")  # fmt: skip
-_LATER = ("energies", "outputs")  # asked for by runs
 _IMPORTS = """\
 from __future__ import annotations
 
@@ -51,7 +50,7 @@ def functions(program: Program) -> str:
     """The sizes and functions of the model alone, for whoever has the support as modules."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_IMPORTS + ARITHMETIC, _constants(program.interface)]
-    parts += [function_text(f, names) for f in program.functions.values() if f.name not in _LATER]
+    parts += [function_text(f, names) for f in program.functions.values()]
     return "\n\n".join(parts)
 
 
@@ -104,7 +103,11 @@ def _start_tables(interface: Interface) -> str:
 def _bounds(interface: Interface) -> str:
     fields = [*interface.parameters, *interface.inputs]
     rows = [f"    {n!r}: ({f.minimum!r}, {f.maximum!r}),\n" for n, f in zip(member_names(interface), fields)]
-    return "".join(["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"])
+    derived = [f"    {f.name!r}: ({f.minimum!r}, {f.maximum!r}),\n" for f in interface.limits]
+    text = ["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"]
+    if derived:
+        text += ["LIMITS = {  # value made of parameters: (least, largest)\n", *derived, "}\n"]
+    return "".join(text)
 
 
 def _row(field: Field) -> str:

@@ -105,6 +105,9 @@ class CompiledSystem(ABC):
         s, largest = self._fill("measures", (rates, units))
         return s, largest
 
+    def limits(self) -> list[float]:
+        return self._fill("limits", (len(self.interface.limits),))[0]
+
     @abstractmethod
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         """The arrays of these lengths that the function `name` of the Program gives, at (t, x) where

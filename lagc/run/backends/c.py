@@ -32,7 +32,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
-    **dict.fromkeys(("solve", "begin", "conditions", "measures"), None),
+    **dict.fromkeys(("solve", "begin", "conditions", "measures", "limits"), None),
 }
 
 

@@ -19,12 +19,16 @@ static int lagc_bad_option(const lagc_options *o)
 }
 
 #if LAGC_COMPLETE
-/* The parameter that is not finite or out of its bounds, or -1. */
+/* The parameter that is not finite or out of its bounds, or the value made of some that is, or -1. */
 static int lagc_bad_parameter(const lagc_params *p)
 {
 #if LAGC_NBOUNDED
     static const int bounded[] = {LAGC_BOUNDED};
     static const double bounds[][2] = {LAGC_BOUNDS};
+#endif
+#if LAGC_NLIMITS
+    static const double limits[][2] = {LAGC_LIMITS};
+    double derived[sizeof limits / sizeof *limits];
 #endif
     const double *values = (const double *)p; /* they are all doubles */
     size_t k;
@@ -35,6 +39,12 @@ static int lagc_bad_parameter(const lagc_params *p)
     for (k = 0; k < sizeof bounded / sizeof *bounded; k++)
         if (!(values[bounded[k]] >= bounds[k][0] && values[bounded[k]] <= bounds[k][1]))
             return LAGC_BAD_PARAMETER + bounded[k];
+#endif
+#if LAGC_NLIMITS
+    lagc_fn_limits(p, derived);
+    for (k = 0; k < sizeof limits / sizeof *limits; k++)
+        if (!(derived[k] >= limits[k][0] && derived[k] <= limits[k][1]))
+            return LAGC_BAD_PARAMETER + (int)(sizeof *p / sizeof *values + k);
 #endif
     return -1;
 }

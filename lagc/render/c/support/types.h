@@ -70,7 +70,8 @@ typedef struct {
     double max_step;   /* 0: no limit */
 } lagc_options;
 
-/* The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params. */
+/* The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params; behind
+ * these, of a value that is made of parameters: its place in lagc_limits. */
 enum {
     LAGC_BAD_METHOD = 0,
     LAGC_BAD_MAX_STEPS = 1,
