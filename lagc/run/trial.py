@@ -37,7 +37,7 @@ class _Model(NumpyModel):
 
 def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
     """The outputs without a finite value at the start.  Raises Refused as a run with the array p would before
-    its first step: NoStart, LAG0602 or LAG0604."""
+    its first step: NoStart, LAG0617 or LAG0604."""
     request = Request().completed(program.interface.simulate)
     system = _Model(program).bind(parameters)
     x = begin(system, request).x

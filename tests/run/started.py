@@ -68,6 +68,18 @@ class Twins:
         found: list[float] = self.module["start"]()
         return found
 
+    def checked(self, p: Sequence[float]) -> int | None:
+        """Which of the parameters, then of the values made of them, `check` refuses, in C and in Python."""
+        found, given = ctypes.c_int(-1), (ctypes.c_double * len(p))(*p)
+        status = getattr(self.library, f"{self.prefix}_check")(given, None, ctypes.byref(found))
+        try:
+            self.module["check"](list(p))
+        except ValueError:
+            assert status != 0
+            return found.value - 16  # BAD_PARAMETER
+        assert status == 0
+        return None
+
     def by_python(self, t: float, x: Sequence[float], levels: Sequence[int]) -> tuple[int, int, list[float]]:
         """Status, culprit where it failed, and x."""
         search = self.module["Consistency"](self.module["_conditions"](self.model), t, x, levels)

@@ -136,6 +136,25 @@ model Bob
 end Bob;
 """,
     ),
+    "LAG0617": Entry(
+        "a value made of parameters is out of its bounds",
+        "The value of a parameter is computed from others and leaves the `min` or `max` of its declaration, "
+        "for the values of this run; or a mass or a moment of inertia is negative.",
+        """
+model Bob
+  parameter Mass total = 1, fuel = 2;
+  coordinate Length x;
+  body bob = Particle(mass = total - fuel, at = {x, 0, 0});
+end Bob;
+""",
+        """
+model Bob
+  parameter Mass total = 2, fuel = 1;
+  coordinate Length x;
+  body bob = Particle(mass = total - fuel, at = {x, 0, 0});
+end Bob;
+""",
+    ),
     "LAG0620": Entry(
         "the simulation failed",
         "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "
