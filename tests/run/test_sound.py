@@ -64,7 +64,7 @@ def test_bounds_of_derived_parameters_hold_in_commands(
     file = tmp_path / "m.lag"
     file.write_text(DERIVED.format(q=3, derived="q"))
     assert main(["check", str(file)]) == 1
-    assert "`p` = 3 is above its maximum, 2" in capsys.readouterr().err
+    assert "`p` = 3 is above its maximum, 2" in capsys.readouterr().out
     assert main(["sim", str(file), "--backend", "numpy"]) == 1
     assert main(["sim", str(file), "--backend", "numpy", "--stop", "0", "-p", "q=2"]) == 0
     assert main(["check", str(file), "-p", "q=2"]) == 0
