@@ -118,7 +118,6 @@ class Interface:
     parameters: tuple[Field, ...]
     inputs: tuple[Field, ...]
     outputs: tuple[Field, ...]
-    limits: tuple[Field, ...]  # values made of parameters that have bounds
     rate_names: tuple[str, ...]  # rates that are stated and no speeds: further unknowns of the start
     rate_units: tuple[str, ...]
     start_levels: tuple[int, ...]  # of q, v and these rates: how firmly stated, from 0 (not) to 4 (fixed)
@@ -142,6 +141,7 @@ class Interface:
         False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
     )
     driven: bool = False  # and so do constraints
+    limits: tuple[Field, ...] = ()  # values made of parameters that have bounds
 
     @property
     def nx(self) -> int:

@@ -184,7 +184,9 @@ def redundancy(system: System, trajectory: Trajectory) -> str:
     kept = _kept(system, trajectory)
     if kept is not None:
         return _nearly(system, *kept)
-    rows = ", ".join(row_name(system, k) for k in trajectory.redundant_rows)
-    several = len(trajectory.redundant_rows) > 1
+    from lagc.run.dependence import spare_rows
+
+    spare = spare_rows(system, trajectory)
+    rows, several = ", ".join(row_name(system, k) for k in spare), len(spare) > 1
     return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "
             "the multipliers are the smallest ones possible")  # fmt: skip
