@@ -204,7 +204,7 @@ def test_memory_grows_with_the_coordinates(make: Callable[[int], str]) -> None:
         finally:
             tracemalloc.stop()
     one, two, four = peaks
-    assert four - two < 2.4 * (two - one)  # tables grow in steps
+    assert four - two < 3 * (two - one)  # 2 and the steps in which tables grow; 4 where it is quadratic
 
 
 def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
