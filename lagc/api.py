@@ -11,8 +11,7 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from time import perf_counter
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
@@ -22,7 +21,7 @@ from lagc.loaded import Loaded
 from lagc.numerals import number
 from lagc.records import dataclass, names
 from lagc.run.problem import System
-from lagc.run.request import Quantity, Request, bound_parameters, bound_starts
+from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
@@ -126,6 +125,8 @@ class CompiledModel:
         bound._given = self._with_given(parameters)
         bound._own, bound._recent = {}, None
         bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
+        if self.interface.limits:
+            keep_limits(bound.system)
         return bound
 
     def __getstate__(self) -> dict[str, object]:
@@ -203,7 +204,9 @@ class CompiledModel:
             return own
         values, recent = self._bound(parameters), self._recent
         if recent is None or recent.backend != own.backend or repr(recent.parameters) != repr(tuple(values)):
-            recent = self._recent = own.bind(values)
+            recent = own.bind(values)
+            keep_limits(recent)
+            self._recent = recent
         return recent
 
     def simulate(
@@ -245,7 +248,9 @@ class CompiledModel:
                 return self._run("c", request, parameters, progress, "compiled before")
             except CannotCompile as error:
                 return self._run("numpy", request, parameters, progress, str(error))
-        patience = _Patience(compile_time(self.interface), progress)
+        from lagc.run.patience import Patience, TakesLong, compile_time
+
+        patience = Patience(compile_time(self.interface), progress)
         try:
             return self._run("numpy", request, parameters, patience, "done sooner than C compiles")
         except TakesLong:
@@ -349,42 +354,6 @@ class CompiledModel:
             return equations_latex(self.equations)
 
 
-class TakesLong(Exception):
-    """The run has lasted as long as compiling it to C would."""
-
-
-class _Patience:
-    """Progress that gives up after `limit` s: at worst, then, the run costs twice what it must."""
-
-    def __init__(self, limit: float, inner: Progress | None):
-        self.end = perf_counter() + limit
-        self.inner = inner
-
-    def __call__(self, t: float) -> None:
-        if perf_counter() > self.end:
-            from lagc.run.backends.compile import compiler
-
-            if compiler() is None:
-                self.end = float("inf")
-            else:
-                raise TakesLong
-        if self.inner is not None:
-            try:
-                self.inner(t)
-            except Refused:  # it would take too long: perhaps C does not
-                from lagc.run.backends.compile import compiler
-
-                if compiler() is None:
-                    raise
-                raise TakesLong from None
-
-
-def compile_time(interface: Interface) -> float:
-    """How long a C compiler will take, s: a guess from the size of the program."""
-    support = 0.8 if interface.nc else 0.4
-    return support + 1.0e-3 * interface.operations
-
-
 def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:
     return {name: _quantity(name, value) for name, value in given.items()}
 
@@ -403,12 +372,12 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 
 def _float(value: object) -> float:
     """Text is read as strictly as on the command line."""
-    if isinstance(value, (str, bytes)):
-        found = number(value) if isinstance(value, str) else None
-        if found is None:
-            raise ValueError
-        return found
-    return float(value)  # type: ignore[arg-type]
+    if isinstance(value, SupportsFloat):
+        return float(value)
+    found = number(value) if isinstance(value, str) else None
+    if found is None:
+        raise ValueError
+    return found
 
 
 def _seconds(name: str, value: Value | None) -> float | None:

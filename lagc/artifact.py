@@ -106,14 +106,14 @@ def version_key() -> str:
 
 def interface_to_plain(interface: Interface) -> dict[str, Any]:
     plain: dict[str, Any] = {name: getattr(interface, name) for name in names(Interface)}
-    for name in ("parameters", "inputs", "outputs"):
+    for name in ("parameters", "inputs", "outputs", "limits"):
         plain[name] = [_row(field) for field in getattr(interface, name)]
     return plain
 
 
 def interface_from_plain(plain: Mapping[str, Any]) -> Interface:
     values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
-    for name in ("parameters", "inputs", "outputs"):
+    for name in ("parameters", "inputs", "outputs", "limits"):
         values[name] = tuple(Field(*row) for row in plain[name])
     return Interface(**values)
 

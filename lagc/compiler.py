@@ -166,6 +166,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
     scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
     parameters of `choice` are given to those that have them."""
+    from lagc.frontend.scenes import ByScene
     from lagc.meaning.variants import variants
 
     try:
@@ -177,6 +178,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         return [*_faults(tree, choice, roots, known).values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
     models: set[str | None] = set()
+    scenes = ByScene(tree)
     for v in variants(tree, choice.model, roots):
         each = replace(
             choice,
@@ -186,7 +188,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             without_effects=(*choice.without_effects, *v.without_effects),
         )
         # The first look at a model tells what is wrong between its scenes.
-        file = _with_scene(tree, v.scene) if v.scene and v.model in models else tree
+        file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
         found = _faults(file, each, roots, known)
         if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
@@ -196,19 +198,6 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         for key, fault in found.items():
             faults.setdefault(key, fault)
     return [*faults.values(), *_unknown(choice, known)]
-
-
-def _with_scene(tree: Tree, name: str) -> Tree:
-    """`tree` without the other scenes of its models: of n scenes, each is looked at n times else."""
-    from lagc.frontend.tree import Declaration, ModelDeclaration, Package, Scene
-
-    def left(declarations: Sequence[Declaration]) -> tuple[Declaration, ...]:
-        kept = [d for d in declarations if not isinstance(d, Scene) or d.name == name]
-        return tuple(
-            [replace(d, body=left(d.body)) if isinstance(d, ModelDeclaration | Package) else d for d in kept]
-        )
-
-    return replace(tree, declarations=left(tree.declarations))
 
 
 def _faults(
@@ -233,8 +222,8 @@ def _faults(
 
 
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """A warning where the start cannot be tried because a parameter has no value.  Raises Refused where a
-    run would before its first step."""
+    """Warnings: the start cannot be tried because a parameter has no value; an output has none at the start.
+    Raises Refused where a run would before its first step."""
     from lagc.run.blame import placed
     from lagc.run.request import bound_parameters
     from lagc.run.trial import NoStart, try_start
@@ -252,10 +241,14 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
                           remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
     try:
         with stage("trying the start", PER_OPERATION * interface.operations):
-            try_start(program, values)
+            strange = try_start(program, values)
     except NoStart as found:
         raise placed(equations, found) from None
-    return []
+    return [
+        Fault("LAG0616", f"output `{o.name}` has no finite value at the start", o.span, severity="warning")
+        for o in model.outputs
+        if o.name in strange
+    ]
 
 
 def _unknown(choice: Choice, known: set[str]) -> list[Fault]:

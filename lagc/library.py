@@ -108,7 +108,7 @@ def content(path: str, pipes: bool = False) -> bytes:
                 os.set_blocking(found, True)
             data = file.read(LARGEST + 1) or b""  # None where a file of the system would wait
     except (OSError, ValueError) as error:
-        raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
+        raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
     if S_ISFIFO(mode) and not data:
         raise Unreadable("LAG0702", "cannot be read: it is a pipe into which nothing is written")
     return _bounded(data)
@@ -137,7 +137,7 @@ def _standard_input() -> bytes:
             os.set_blocking(sys.stdin.fileno(), True)
         return _bounded(sys.stdin.buffer.read(LARGEST + 1) or b"")
     except (OSError, ValueError) as error:
-        raise Unreadable("LAG0702", f"cannot be read: {_reason(error)}") from None
+        raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
 
 
 def _bounded(data: bytes) -> bytes:
@@ -145,7 +145,3 @@ def _bounded(data: bytes) -> bytes:
         size = LARGEST // 1_000_000
         raise Unreadable("LAG0704", f"is larger than {size} MB, the largest model file that is read")
     return data
-
-
-def _reason(error: Exception) -> str:
-    return (error.strerror if isinstance(error, OSError) else None) or str(error)

@@ -15,6 +15,7 @@ import sys
 from _thread import _local as Local
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from errno import ENOMEM
 from math import inf
 from time import monotonic
 from types import FrameType, TracebackType
@@ -58,10 +59,13 @@ class Limits:
         self.room: tuple[int, int] | None = None  # RLIMIT_AS before
 
     def __enter__(self) -> Limits:
+        if self.memory is not None and self.memory < reserved():
+            self.most = self.memory
+            raise self._too_small()  # where nothing more is given, nothing can be done, not even told
         self.outer, _inside.block = _inside.block, self
         self.told = ""
         if self.outer is not None:
-            self.end, self.limit = self.outer.end, self.outer.limit
+            self.end, self.limit, self.doing = self.outer.end, self.outer.limit, self.outer.doing
         if self.time is not None:
             self._bound_time(self.time, f"the {time_text(self.time)} that were given")
         if self.memory is not None:
@@ -86,14 +90,15 @@ class Limits:
                 "give it more: `--max-time 1h`, or `none`",
             )
             raise Refused([Fault("LAG0801", message, remedy=remedy)]) from None
-        if isinstance(error, MemoryError) and self.memory is not None:
-            most, more = "there is", None
-            if self.most < inf:
-                most = f"{size_text(self.most)}, the limit"
-                more = "allow more: `--max-memory 8G`, or `none`"
-            raise Refused(
-                [Fault("LAG0802", f"{self.doing} needs more memory than {most}", remedy=more)]
-            ) from None
+        if error is not None and self.memory is not None and _of_memory(error):
+            raise self._too_small() from None
+
+    def _too_small(self) -> Refused:
+        most, more = "there is", None
+        if self.most < inf:
+            most = f"{size_text(self.most)}, the limit"
+            more = "allow more: `--max-memory 8G`, or `none`"
+        return Refused([Fault("LAG0802", f"{self.doing} needs more memory than {most}", remedy=more)])
 
     def ask(self) -> None:
         """Raises Exhausted where the time is up."""
@@ -172,6 +177,13 @@ class Limits:
                 self._set()
 
 
+def _of_memory(error: BaseException) -> bool:
+    """Whether there was no memory left: for an object, a process, or a library, in the words of loaders."""
+    if isinstance(error, ImportError):
+        return any(words in str(error) for words in ("failed to map", "allocate memory"))
+    return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == ENOMEM)
+
+
 def _at_an_edge(frame: FrameType | None) -> bool:
     """Whether a block begins or ends: nobody would answer there."""
     while frame is not None:
@@ -248,6 +260,17 @@ def size_text(size: float) -> str:
         if size >= unit:
             return f"{size / unit:.3g} {name}"
     return f"{size:.0f} bytes"
+
+
+def reserved() -> float:
+    """Bytes of memory that this process has reserved by now; 0 where the system does not tell."""
+    import os
+
+    try:
+        with open("/proc/self/statm", "rb", buffering=0) as file:
+            return float(int(file.read().split()[0]) * os.sysconf("SC_PAGE_SIZE"))
+    except (OSError, AttributeError, ValueError, IndexError):
+        return 0.0
 
 
 def of_this_machine() -> float:

@@ -19,6 +19,8 @@ from io import BufferedWriter
 from time import monotonic, sleep
 from types import TracebackType
 
+from lagc.leftovers import FILES, FOLDERS, mark, sweep
+
 LONGEST = 60  # bytes of a file's name in that of another one, which has to stay a name
 READER = 5.0  # s in which the reader of a pipe has to come
 _NOT_SYNCED = {errno.EINVAL, errno.ENOTSUP, errno.ENOSYS}  # by file systems that cannot
@@ -56,7 +58,7 @@ class Files:
         if old is not None and not os.access(target, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), path)
         folder, base = os.path.split(target)
-        beside = os.path.join(folder, f".{shortened(base)}.{os.urandom(6).hex()}.lagc-tmp")
+        beside = os.path.join(folder, f".{shortened(base)}.{mark()}.lagc-tmp")
         draft = _Draft(None, beside, target, fresh)
         self._drafts.append(draft)  # before there is such a file: a signal may come at any time
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
@@ -77,9 +79,10 @@ class Files:
                     draft.finish(self.sync)
                 for draft in self._drafts:
                     draft.take_place()
-                if self.sync:
-                    for folder in {os.path.dirname(d.target) for d in self._drafts if d.target}:
+                for folder in {os.path.dirname(d.target) for d in self._drafts if d.target}:
+                    if self.sync:
                         _sync_folder(folder)
+                    sweep(folder or ".", FILES)
         finally:
             for draft in self._drafts:
                 draft.discard()
@@ -139,7 +142,9 @@ def scratch() -> Iterator[str]:
     """A folder for temporary files, which goes with all that is in it.  Raises OSError."""
     import shutil
 
-    folder = os.path.join(_temporary_folder(), f"lagc-{os.urandom(8).hex()}")
+    place = _temporary_folder()
+    sweep(place, FOLDERS)
+    folder = os.path.join(place, f"lagc-{mark()}")
     try:
         os.mkdir(folder, 0o700)
         yield folder

@@ -67,7 +67,7 @@ def test_a_time_is_a_number_with_one_unit_of_time_bare_or_in_brackets() -> None:
 
 def test_python_takes_text_no_less_strictly() -> None:
     model = lagc.load("simple_pendulum").compile(backend="numpy")
-    assert model.bind({"l": "0.5"}).start() is not None  # type: ignore[dict-item]
+    assert model.bind({"l": "0.5"}).start() is not None
     for wrong in ("1_0", "\N{ARABIC-INDIC DIGIT ONE}", b"1", "", [], None, 10**400, ("1_0", "m"), ("1",)):
         with pytest.raises(lagc.Refused, match="LAG0602"):
-            model.bind({"l": wrong})  # type: ignore[dict-item]
+            model.bind({"l": wrong})

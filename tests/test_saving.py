@@ -12,6 +12,7 @@ import threading
 from collections.abc import Callable
 from itertools import product
 from pathlib import Path
+from time import time
 from typing import IO, Any
 
 import pytest
@@ -316,3 +317,31 @@ def test_a_pipe_whose_reader_reads_nothing_is_given_up_by_an_interrupt(tmp_path:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         signal.signal(signal.SIGALRM, before)
         os.close(reader)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes")
+def test_what_the_dead_left_goes_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By name, kind, age and process: only where all of them say that nobody uses it."""
+    child = os.fork()
+    if child == 0:
+        os._exit(0)
+    os.waitpid(child, 0)
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    left, kept = set[str](), set[str]()
+    cases = product(
+        (child, os.getpid()), (10.0, 7200.0), (False, True),
+        (".{}.lagc-tmp", ".a.csv.{}.lagc-tmp", "a.{}.lagc-tmp", "lagc-{}", "lagc-a.{}", "lagc-{}0", "{}"),
+    )  # fmt: skip
+    for number, (process, age, folder, form) in enumerate(cases):
+        path = tmp_path / form.format(f"{process}-{number:012x}")
+        if folder:
+            (path / "inner").mkdir(parents=True)
+        else:
+            path.write_bytes(b"")
+        os.utime(path, (time() - age, time() - age))
+        ours = form == ("lagc-{}" if folder else ".a.csv.{}.lagc-tmp")
+        (left if ours and process == child and age > 3600.0 else kept).add(path.name)
+    saving.write(str(tmp_path / "new"), NEW)
+    with saving.scratch() as own:
+        assert {path.name for path in tmp_path.iterdir()} == kept | {"new", os.path.basename(own)}
+    assert len(left) == 2 and {path.name for path in tmp_path.iterdir()} == kept | {"new"}

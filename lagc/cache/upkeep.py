@@ -10,12 +10,12 @@ from time import time
 
 from lagc import numerals
 from lagc.cache import Folder, Unfit, note, reason
+from lagc.leftovers import SOON, gone
 from lagc.records import dataclass
 
 LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
 BLOCK = 4096  # bytes of the disk that a file takes at least
 LEFT = 0.75  # of the limit, after the entries used least recently have gone
-SOON = 3600.0  # s in which whatever is being written is done
 _ENTRY = re.compile(r"([a-z]+)-[0-9a-f]{64}")
 _TEMPORARY = re.compile(r"tmp-([0-9]+)-[0-9a-f]{16}")
 
@@ -105,20 +105,8 @@ def _sweep(place: Folder) -> None:
     """Remove what was left by processes that are gone.  Where one of another machine is not, its entry
     is not kept, no more."""
     for name, match, status in _files(place, _TEMPORARY):
-        if time() - status.st_mtime > SOON or _gone(int(match[1])):
+        if time() - status.st_mtime > SOON or gone(int(match[1])):
             place.remove(name)
-
-
-def _gone(process: int) -> bool:
-    if os.name != "posix":  # elsewhere, to ask is to end it
-        return False
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return True
-    except (OSError, OverflowError):
-        return False
-    return False
 
 
 def _remove(place: Folder, name: str) -> None:

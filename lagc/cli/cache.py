@@ -40,7 +40,7 @@ def facts_of(options: argparse.Namespace) -> dict[str, Any]:
     place = cache.opened()
     facts: dict[str, Any] = {"status": "ok", "folder": cache.folder()}
     if place is None:
-        if cache.notes:
+        if cache.notes and facts["folder"] is not None:
             facts.update(status="refused", reason=cache.notes[-1])
         return facts
     try:

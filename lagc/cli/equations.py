@@ -27,8 +27,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.limits import stage
     from lagc.view.equations import write
 
-    source = library.read(options.file)
-    equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
+    equations = compiler.Compilation(library.read(options.file), choice_of(options)).equations
     with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):
         text = write(equations, options.format)
     if options.json:

@@ -24,8 +24,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.limits import stage
     from lagc.view.explain import explanation, text
 
-    source = library.read(options.file)
-    equations = compiler.derive(compiler.resolve(compiler.parse(source), choice_of(options)))
+    equations = compiler.Compilation(library.read(options.file), choice_of(options)).equations
     program = compiler.optimize(equations, work=False)
     with stage("examining the equations", compiler.PER_PAIR * len(equations.v) ** 2):
         facts = explanation(equations, program)

@@ -93,6 +93,8 @@ def run(options: argparse.Namespace) -> int:
             progress = Forecast(bar, stop) if options.max_time is None else bar
             found = model.run(request, parameters, progress)
         except CannotCompile as error:
+            if error.starved:
+                raise MemoryError from None
             wrong = Unwritten if error.full else Usage
             raise wrong(f"{error}; --backend numpy needs no compiler") from None
     return deliver(found, options)

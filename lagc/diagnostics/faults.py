@@ -13,7 +13,7 @@ class Source:
     """A model text and the name it is shown under."""
 
     name: str
-    text: str
+    text: str = field(repr=False)
 
     @cached_property
     def line_starts(self) -> tuple[int, ...]:

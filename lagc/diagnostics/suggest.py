@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+from operator import itemgetter
 
 _FOREIGN = {
     "ln": "write `log`, the natural logarithm", "lg": "write `log10`", "log2": "write `log(x)/log(2)`",
@@ -38,7 +40,8 @@ _FOREIGN_TYPES = {
 }  # fmt: skip
 
 LONGEST = 64  # characters of a name that is compared
-MOST = 2000  # known names that are compared
+MOST = 2000  # known names that are looked at
+NEAREST = 50  # of them, by their letters, that are compared
 
 
 def closest(name: str, known: Iterable[str]) -> str | None:
@@ -46,21 +49,40 @@ def closest(name: str, known: Iterable[str]) -> str | None:
 
     Letter case and `_` count little: `Theta0` finds `theta_0`.
     """
+    candidates = tuple(dict.fromkeys(known))[:MOST]
+    return _closest(name, candidates) if candidates and len(name) <= LONGEST else None
+
+
+@lru_cache(maxsize=256)
+def _closest(name: str, known: Sequence[str]) -> str | None:
+    """Remembered, as every scene of a model asks for the same."""
     import difflib
 
-    candidates = list(dict.fromkeys(known))[:MOST]
-    if not candidates or len(name) > LONGEST:
-        return None
     plain = _plain(name)
-    same = [c for c in candidates if _plain(c) == plain and c != name]
+    same = [c for c in known if _plain(c) == plain and c != name]
     if same:
         return same[0]
-    found = difflib.get_close_matches(name, candidates, n=1, cutoff=0.6)
+    near = _nearest(name, known)
+    found = difflib.get_close_matches(name, near, n=1, cutoff=0.6)
     if found:
         return found[0]
-    by_plain = {_plain(c): c for c in reversed(candidates)}
+    by_plain = {_plain(c): c for c in reversed(near)}
     found = difflib.get_close_matches(plain, by_plain, n=1, cutoff=0.7)
     return by_plain[found[0]] if found else None
+
+
+def _nearest(name: str, known: Sequence[str]) -> Sequence[str]:
+    """Those of `known`, in their order, that share the most letters with `name`: comparing names letter by
+    letter takes long."""
+    if len(known) <= NEAREST:
+        return known
+    letters = set(_plain(name))
+    alike = []
+    for k, candidate in enumerate(known):
+        other = set(_plain(candidate))
+        length = abs(len(candidate) - len(name))
+        alike.append((-len(letters & other) / (len(letters | other) or 1), length, k))
+    return [known[k] for _, _, k in sorted(sorted(alike)[:NEAREST], key=itemgetter(2))]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:

@@ -1,20 +1,22 @@
-"""Vectors and 3x3 matrices of nodes, as plain tuples (matrices by rows)."""
+"""Vectors of nodes or numbers and 3x3 matrices of nodes, as plain tuples (matrices by rows)."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from lagc.expr.graph import Node
+from lagc.expr.turning import without_turns
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]
+T = TypeVar("T", Node, float)
 
 
 def add(a: Vector, b: Vector) -> Vector:
     return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
 
 
-def sub(a: Vector, b: Vector) -> Vector:
+def sub(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
@@ -22,11 +24,11 @@ def scale(c: Node | float, a: Vector) -> Vector:
     return (a[0] * c, a[1] * c, a[2] * c)
 
 
-def dot(a: Vector, b: Vector) -> Node:
+def dot(a: tuple[T, T, T], b: tuple[T, T, T]) -> T:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def cross(a: Vector, b: Vector) -> Vector:
+def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -35,7 +37,8 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def norm(a: Vector) -> Node:
-    square = dot(a, a)
+    """Its length; angles by which it is turned as a whole are not in it."""
+    square = without_turns(dot(a, a))
     return square.graph.sqrt(square)
 
 

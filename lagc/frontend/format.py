@@ -8,12 +8,9 @@ on one line stays there.  The tokens are never changed, so that the meaning cann
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.lexer import END, WORD, Lexed, Token, tokenise
-from lagc.frontend.machine import Machine
-from lagc.frontend.parse import faults_of
+from lagc.frontend.lexer import END, WORD, Lexed, Token
+from lagc.frontend.parse import read
 from lagc.frontend.spacing import Spacing, wrapped
-from lagc.frontend.tables import tables
-from lagc.frontend.tree import Tree
 from lagc.records import dataclass, field
 
 WIDTH = 100
@@ -24,11 +21,8 @@ _HEADS = frozenset({"MODEL", "PACKAGE", "EFFECT", "SCENE", "FOR", "WHEN", "PARTI
 
 def format_source(source: Source) -> str:
     """The text of `source` laid out.  Raises Refused where its syntax is at fault."""
-    lexed = tokenise(source)
-    machine = Machine(source, tables(), lexed)
-    tree = machine.run()
-    faults = faults_of(lexed, machine)
-    if faults or not isinstance(tree, Tree):
+    tree, lexed, faults = read(source)
+    if faults:
         raise Refused(faults)
     return _Layout(source, lexed, Spacing(tree, lexed.tokens)).text()
 

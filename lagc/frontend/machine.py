@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -89,9 +90,9 @@ class Machine:
             None if name is None else getattr(self.builder, name) for _, _, name, _ in tables.rules
         ]
 
-    def run(self) -> Any:
+    def run(self, recover: Callable[[Machine], bool]) -> Any:
         """The tree; `faults` and `builder.faults` tell what was wrong.  None where nothing could
-        be read on."""
+        be read on: where `recover`, called at a fault, says so."""
         actions = self.tables.actions
         states = self.states
         accept = self.tables.accept
@@ -112,8 +113,6 @@ class Machine:
                         if again != terminal:
                             terminal = again
                             continue
-                    from lagc.frontend.recovery import recover
-
                     if not recover(self):
                         return None
                     break

@@ -19,19 +19,30 @@ def parse(source: Source) -> Tree:
 
 def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
     """What could be read of a text, and the faults of its syntax in the order of the text."""
+    tree, _, faults = read(source)
+    return tree, faults
+
+
+def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
+    """The same, with what the text is made of."""
     nul = source.text.find("\0")
     if nul >= 0:  # in a comment too
-        message = "the character U+0000 is not a sign of the language"
-        remedy = "save the file as text, in UTF-8"
-        return Tree(source, ()), [Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)]
+        message, remedy = "the character U+0000 is not a sign of the language", "save the file as UTF-8 text"
+        fault = Fault("LAG0101", message, Span(source, nul, nul + 1), remedy=remedy)
+        return Tree(source, ()), Lexed([], [], []), [fault]
     lexed = tokenise(source)
     machine = Machine(source, tables(), lexed)
-    tree = machine.run()
-    faults = faults_of(lexed, machine)
-    return tree if tree is not None else Tree(source, ()), faults
+    tree = machine.run(_recover)
+    return tree if tree is not None else Tree(source, ()), lexed, _faults_of(lexed, machine)
 
 
-def faults_of(lexed: Lexed, machine: Machine) -> list[Fault]:
+def _recover(machine: Machine) -> bool:
+    from lagc.frontend.recovery import recover  # where there is a fault
+
+    return recover(machine)
+
+
+def _faults_of(lexed: Lexed, machine: Machine) -> list[Fault]:
     """What was wrong with a text that has been read, in the order of the text."""
     found = {(fault.code, _start(fault)): fault for fault in machine.faults + machine.builder.faults}
     lost = [_start(fault) for fault in lexed.faults if fault.code == "LAG0103"]

@@ -19,11 +19,12 @@ from lagc.kernels.records import (
     Options,
     State,
 )
-from lagc.kernels.sizes import COMPLETE, NBOUNDED, NP, NX
+from lagc.kernels.model import fn_limits
+from lagc.kernels.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NX
 from lagc.kernels.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.tableau import METHODS
-from lagc.kernels.tables import bounded, bounds
-from lagc.kernels.words import Cell, Params, Real, Status, present, public, static
+from lagc.kernels.tables import bounded, bounds, limits
+from lagc.kernels.words import Cell, Params, Real, Status, present, public, static, vector
 
 
 def bad_option(o: Options) -> int:
@@ -48,7 +49,7 @@ def bad_option(o: Options) -> int:
 
 
 def bad_parameter(p: Params) -> int:
-    """The parameter that is not finite or out of its bounds, or -1."""
+    """The parameter that is not finite or out of its bounds, or the value made of some that is, or -1."""
     for k in range(NP):
         if not fabs(p[k]) < inf:
             return BAD_PARAMETER + k
@@ -57,6 +58,12 @@ def bad_parameter(p: Params) -> int:
             value = p[bounded[k]]
             if not (value >= bounds[k][0] and value <= bounds[k][1]):
                 return BAD_PARAMETER + bounded[k]
+    if NLIMITS > 0:
+        derived = vector(NLIMITS)
+        fn_limits(p, derived)
+        for k in range(NLIMITS):
+            if not (derived[k] >= limits[k][0] and derived[k] <= limits[k][1]):
+                return BAD_PARAMETER + NP + k
     return -1
 
 

@@ -21,7 +21,8 @@ from lagc.kernels.sizes import (
 )
 from lagc.kernels.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, record
 
-# The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params.
+# The culprit of INVALID; of a parameter or an input: LAGC_BAD_PARAMETER + its place in lagc_params; behind
+# these, of a value that is made of parameters: its place in lagc_limits.
 BAD_METHOD = Code(0)
 BAD_MAX_STEPS = Code(1)
 BAD_RTOL = Code(2)

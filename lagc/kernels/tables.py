@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-from lagc.kernels.sizes import NBOUNDED, NE, NJ, NQUAT, NU, NX, TWO
+from lagc.kernels.sizes import NBOUNDED, NE, NJ, NLIMITS, NQUAT, NU, NX, TWO
 from lagc.kernels.words import IVec, Mat
 
 kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
@@ -15,3 +15,4 @@ ends: IVec[NE]  # where the derivatives of each condition end
 column: IVec[NJ]  # the unknown of each derivative
 bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # least and largest
+limits: Mat[NLIMITS, TWO]  # the same of values made of parameters

@@ -82,7 +82,9 @@ class Context:
         self.faults.append(fault)
 
     def attempt(self, job: Callable[..., object], *arguments: Any) -> bool:
-        """Call `job`; False where it is at fault, which is reported."""
+        """Call `job`; False where it is at fault, which is reported, or where there are enough faults."""
+        if len(self.faults) >= MOST_FAULTS:
+            return False
         try:
             job(*arguments)
         except Wrong as wrong:

@@ -50,6 +50,18 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
+class Limit:
+    """A value made of parameters that is not to leave its bounds."""
+
+    name: str
+    value: Node
+    unit: str
+    minimum: float
+    maximum: float
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Input:
     name: str
     symbol: Node
@@ -279,7 +291,18 @@ class Output:
 
 
 Noun: TypeAlias = (
-    Parameter | Input | Coordinate | Orientation | Speed | Frame | Point | Body | Action | Constraint | Output
+    Parameter
+    | Input
+    | Coordinate
+    | Orientation
+    | Speed
+    | Frame
+    | Point
+    | Body
+    | Action
+    | Constraint
+    | Output
+    | Limit
 )
 
 
@@ -311,6 +334,7 @@ class Model:
     effects: tuple[Effect, ...]
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
+    limits: tuple[Limit, ...] = ()  # of derived parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"

@@ -68,7 +68,7 @@ class Namespace:
             if found is not None:
                 return found, space
             for declaration in space.imports:
-                brought = space.importer.brought(declaration, name)
+                brought = space.importer.brought(declaration, name, space)
                 if brought is not None:
                     return brought
             space = space.parent
@@ -126,8 +126,11 @@ class Importer:
             space = self._packages[id(package)] = Namespace(package.body, parent, self)
         return space
 
-    def brought(self, declaration: tree.Import, name: str) -> tuple[Declared, Namespace] | None:
-        """What `import ...` brings under `name`, if anything.  Raises Wrong where the import is at fault."""
+    def brought(
+        self, declaration: tree.Import, name: str, space: Namespace
+    ) -> tuple[Declared, Namespace] | None:
+        """What `import ...` in `space` brings under `name`, if anything.  Raises Wrong where the import is
+        at fault."""
         if declaration.file is None and not declaration.wildcard:
             if name != (declaration.alias or declaration.path[-1]):
                 return None
@@ -136,37 +139,40 @@ class Importer:
         key = (id(declaration), name)
         if key not in self._done:
             self._done[key] = None  # an import that asks for itself brings nothing
-            self._done[key] = self._bring(declaration, name)
+            self._done[key] = self._bring(declaration, name, space)
         return self._done[key]
 
     def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
         """Note the faults of the imports among `declarations`, also of those whose names nobody uses."""
         for declaration in declarations:
             try:
-                if isinstance(declaration, tree.ModelDeclaration | tree.Package):
+                if isinstance(declaration, tree.Package):
+                    self.look_at(declaration.body, self.inside(declaration, space))
+                elif isinstance(declaration, tree.ModelDeclaration):
                     self.look_at(declaration.body, space)
                 elif not isinstance(declaration, tree.Import):
                     continue
                 elif declaration.file is not None:
                     self._file(declaration)
                 else:
-                    self._path(declaration, declaration.path)
+                    self._path(declaration, declaration.path, space)
             except Wrong as wrong:
                 self.report(wrong)
 
-    def _bring(self, declaration: tree.Import, name: str) -> tuple[Declared, Namespace] | None:
+    def _bring(
+        self, declaration: tree.Import, name: str, space: Namespace
+    ) -> tuple[Declared, Namespace] | None:
+        if declaration.file is None and not declaration.wildcard:
+            return self._path(declaration, declaration.path, space)
         if declaration.file is not None:
-            space = self._file(declaration)
-            found = space.names.get(name)
-            return None if found is None else (found, space)
-        if declaration.wildcard:
-            container, outer = self._path(declaration, declaration.path)
+            source = self._file(declaration)
+        else:
+            container, outer = self._path(declaration, declaration.path, space)
             if not isinstance(container, tree.Package):
                 raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
-            space = self.inside(container, outer)
-            found = space.names.get(name)
-            return None if found is None else (found, space)
-        return self._path(declaration, declaration.path)
+            source = self.inside(container, outer)
+        found = source.names.get(name)
+        return None if found is None else (found, source)
 
     def _file(self, declaration: tree.Import) -> Namespace:
         written = declaration.file or ""
@@ -183,7 +189,13 @@ class Importer:
     def _allowed(self, path: str) -> bool:
         return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
 
-    def _path(self, declaration: tree.Import, names: tuple[str, ...]) -> tuple[Declared, Namespace]:
+    def _path(
+        self, declaration: tree.Import, names: tuple[str, ...], space: Namespace
+    ) -> tuple[Declared, Namespace]:
+        """What `names` mean in `space`, of the packages known there; else, in the files."""
+        known = space.lookup(names[0])
+        if known is not None and isinstance(known[0], tree.Package):
+            return space.find(names, declaration.span, "declaration")
         for root in self.roots:
             for length in range(len(names), 0, -1):
                 path = os.path.join(root, *names[:length]) + ".lag"
@@ -192,9 +204,9 @@ class Importer:
                     continue
                 if not self._allowed(os.path.realpath(path)):
                     continue
-                space = self._read(path, declaration.span)
-                if names[length - 1] in space.names:
-                    return space.find(names[length - 1 :], declaration.span, "declaration")
+                file = self._read(path, declaration.span)
+                if names[length - 1] in file.names:
+                    return file.find(names[length - 1 :], declaration.span, "declaration")
         raise Wrong(
             "LAG0216",
             f"there is nothing to import called `{'.'.join(names)}`",

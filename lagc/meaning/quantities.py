@@ -139,6 +139,10 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
             still(context, scalar.node, span, f"the parameter `{name}`")
             if not scalar.node.is_const:
                 context.built_in.append(name)
+                if bounds != (-math.inf, math.inf):
+                    entry.nouns.append(
+                        nouns.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
+                    )
                 found.append(Scalar(scalar.node, quantity.type.dimension))
                 continue
             value = scalar.node.value

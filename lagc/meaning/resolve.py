@@ -191,6 +191,7 @@ def _model(
         effects=effects,
         scenes=setting.names,
         simulate=simulate,
+        limits=_of(found, nouns.Limit),
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=notes,

@@ -42,7 +42,8 @@ class Setting:
 def choose_model(
     file: tree.Tree, space: Namespace, wanted: str | None
 ) -> tuple[tree.ModelDeclaration, Namespace]:
-    """The model that is meant: `wanted`, else the last of the file that is not partial.  Raises Wrong."""
+    """The model that is meant: `wanted`, else the last of the file that is not partial; one in a package
+    where there is no other.  Raises Wrong."""
     if wanted is not None:
         nowhere = Span(file.source, 0, 0)
         try:
@@ -59,19 +60,17 @@ def choose_model(
     whole = [m for m in models if not m.partial]
     if whole:
         return whole[-1], space
+    inner = models_of(file.declarations)
+    if inner:  # in packages
+        return choose_model(file, space, inner[-1])
     if models:
         raise Wrong(
             "LAG0211",
             f"`{models[-1].name}` is partial, and the file has no other model",
             models[-1].name_span,
         )
-    inner = models_of(file.declarations)
-    raise Wrong(
-        "LAG0215",
-        "the file has no model" if not inner else "the models of the file are all in packages",
-        Span(file.source, 0, min(1, len(file.source.text))),
-        "write `model Name ... end Name;`" if not inner else f"choose one: `--model {inner[-1]}`",
-    )
+    start = Span(file.source, 0, min(1, len(file.source.text)))
+    raise Wrong("LAG0215", "the file has no model", start, "write `model Name ... end Name;`")
 
 
 def models_of(declarations: Sequence[tree.Declaration], path: str = "") -> list[str]:

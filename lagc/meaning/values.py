@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.diagnostics.faults import Fault, Span
@@ -9,7 +10,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Vector
 from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.types import describe
-from lagc.meaning.units import NONE, Dimension, M, si_text
+from lagc.meaning.units import NONE, Dimension, M, over, si_text
 from lagc.records import dataclass
 
 if TYPE_CHECKING:
@@ -140,10 +141,21 @@ def expect(
     """Raises Wrong where `what` has another dimension than it should, which messages call `named`."""
     if dimension is not None and dimension != wanted:
         message = f"{what} is {named or describe(wanted)}, this is {describe(dimension)}"
-        remedy = (
-            f"give a number in it its unit, such as `1 [{si_text(wanted)}]`" if dimension == NONE else None
-        )
-        raise Wrong("LAG0302", message, span, remedy)
+        raise Wrong("LAG0302", message, span, _to_fit(wanted, dimension, span))
+
+
+def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
+    """What to write where something of dimension `found` stands."""
+    unit = f"[{si_text(wanted)}]"
+    if found == NONE:
+        return f"give a number in it its unit, such as `1 {unit}`"
+    written = span.source.text[span.start : span.end] if span else ""
+    literal = re.fullmatch(r"[-+.\w]+\s*(\[[^\]]*\])", written)
+    if literal is None:
+        return f"a factor in `[{si_text(over(wanted, found))}]` is missing in it"
+    if wanted == NONE:
+        return f"leave out `{literal[1]}`"
+    return f"write `{unit}` in place of `{literal[1]}`"
 
 
 def flat(value: Value, span: Span, what: str) -> list[Scalar]:

@@ -38,6 +38,8 @@ POLES = frozenset(("mul", "pow", "tan", "atan2"))  # beside which values may dif
 ENDS = frozenset(("sqrt", "log", "asin", "acos"))  # slopes alone may
 _PIECES = STEPS | CORNERS
 _ELSEWHERE = frozenset(("asin", "acos", "tan"))  # change where the argument is not zero
+_RATIONAL = frozenset(("add", "scale", "mul"))
+_ENTIRE = frozenset(("sin", "cos", "sinh", "cosh", "tanh", "exp", "atan"))  # on the real line
 _LOGIC = frozenset(("and", "or", "not"))
 _ALIKE = 1e-11  # of their terms: two sides agree
 _BESIDE = 1e-6  # of the way to a change: one side of it
@@ -112,7 +114,8 @@ def find_break(
     `rows`: `nodes` are zero along the motion, which does not come to changes where one of them is not.
     """
     graph = states.graph
-    nodes = states.in_rates(nodes)
+    everything = states.in_rates(nodes)
+    nodes = _unlike_quotients(everything, leaves)
     pairs = [(x, _ways(x, leaves)) for x in _switches(states, nodes, leaves, slopes)]
     pairs = [(x, ways) for x, ways in pairs if ways]
     if not pairs:
@@ -125,16 +128,18 @@ def find_break(
         more = [_moved(e, end) for table in first for e in table.values() for end in (0.5, -0.5)]
         for (x, ways), found in zip(pairs, edges):
             found.extend(e for state in more for e in _edges(x, state, ways))
+    crossed = dict.fromkeys(e.leaf for found in edges for e in found)
+    rates = {leaf: tangent(graph, nodes, {leaf: graph.one}) for leaf in crossed}
     cut: Break | None = None
     for switch, found in zip(switches, edges):
-        if rows and _never_zero(nodes, switch, leaves, found):
+        if rows and _never_zero(everything, switch, leaves, found):
             continue
         if switch.pieces:
             wrt = leaves if slopes else ()
             kinds = {_kind(graph, nodes, wrt, e) for e in found if e.crosses}
         else:
             ends = switch.node.op in ENDS or switch.node.op == "pow"  # beyond what they cross is nothing
-            kinds = {_kind_beside(graph, nodes, slopes, e) for e in found if not (ends and e.crosses)}
+            kinds = {_kind_beside(nodes, rates[e.leaf], slopes, e) for e in found if not (ends and e.crosses)}
         for kind in ("jump", "kink"):
             if kind in kinds:
                 broken = Break(kind, _where(switch), switch.node.op == "atan2")
@@ -148,6 +153,23 @@ def find_break(
 # -- what may change --------------------------------------------------------------------------
 
 
+def _unlike_quotients(nodes: Sequence[Node], leaves: Sequence[Node]) -> list[Node]:
+    """Those of `nodes` that are not quotients of functions analytic everywhere: where such a quotient has no
+    pole, it is smooth, and beside a pole it grows beyond bounds."""
+    moving = depends(nodes, leaves)
+    poles: set[Node] = set()
+    others: set[Node] = set()
+    for node in reachable(nodes):
+        if node not in moving or not node.args:
+            continue
+        op, args = node.op, node.args
+        if not others.isdisjoint(args) or not (op in _RATIONAL or (op in _ENTIRE and poles.isdisjoint(args))):
+            others.add(node)
+        elif not poles.isdisjoint(args) or (op == "mul" and min(node.value) < 0):
+            poles.add(node)
+    return [node for node in nodes if node in others]
+
+
 def _switches(
     states: States, nodes: Sequence[Node], leaves: Sequence[Node], slopes: bool
 ) -> Iterator[Switch]:
@@ -156,7 +178,12 @@ def _switches(
     if not any(node.op in ops for node in below):
         return
     moving = depends(nodes, leaves)
-    found = [x for node in below if node.op in ops and node in moving for x in _of_node(states.graph, node)]
+    switches: dict[tuple[str, Node], Switch] = {}  # of all that is divided by the same, one
+    for node in below:
+        if node.op in ops and node in moving:
+            for x in _of_node(states.graph, node):
+                switches.setdefault((node.op, x.side if node.op == "mul" else node), x)
+    found = list(switches.values())
     if not found:
         return
     bounds: dict[Node, Interval] = {p.symbol: (p.minimum, p.maximum) for p in states.model.parameters}
@@ -234,7 +261,7 @@ def _changes(switch: Switch, level: float, value: Callable[[float], float], x: f
 
 def _moved(edge: Edge, end: float) -> State:
     x = edge.at[edge.leaf]
-    return {**edge.at, edge.leaf: x + end * (abs(x) or 1.0)}
+    return {**edge.at, edge.leaf: x + end * max(abs(x), edge.reach)}
 
 
 def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], edges: Sequence[Edge]) -> bool:
@@ -254,7 +281,7 @@ def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], e
 
 def _meets(node: Node, switch: Switch, state: State, leaf: Node) -> bool:
     """Whether `node` is zero somewhere along `leaf` at the change."""
-    found = zeros(along(node, state, leaf), 0.0, 1.0)
+    found = zeros(along(node, state, leaf), state[leaf], abs(state[leaf]) or 1.0)
     return any(zero.crosses and switch.active({**state, leaf: zero.at}) for zero in found)
 
 
@@ -270,9 +297,9 @@ def _signs(node: Node, edge: Edge) -> list[int]:
 # -- what changes -----------------------------------------------------------------------------
 
 
-def _kind_beside(graph: Graph, nodes: Sequence[Node], slopes: bool, edge: Edge) -> str:
-    """How `nodes` differ on both sides of an end of a domain, however near."""
-    rates = tangent(graph, nodes, {edge.leaf: graph.one})
+def _kind_beside(nodes: Sequence[Node], rates: Sequence[Node], slopes: bool, edge: Edge) -> str:
+    """How `nodes`, with their `rates` along the edge's leaf, differ on both sides of an end of a domain,
+    however near."""
     found: list[list[tuple[float, float]]] = []
     x = edge.at[edge.leaf]
     for way in _NEARER:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.expr.evaluate import evaluate, extend
 from lagc.expr.graph import Node
+from lagc.expr.vectors import dot, sub
 from lagc.meaning.model import Frame
 from lagc.mechanics.equations import Row
 from lagc.mechanics.manifold import onto
@@ -40,7 +41,7 @@ class Motion:
         if not all(map(math.isfinite, still)):  # a law such as that of dry friction: its mean
             forth, back = (find(state) for state in self.near)
             still = _halfway(forth, back)
-        return less(moving, still)
+        return sub(moving, still)
 
     def given(self, values: Mapping[Node, float]) -> Motion:
         """The same with other values of parameters."""
@@ -122,24 +123,12 @@ def turned(frame: Frame, x: Numbers, state: State) -> Numbers:
     return a, b, c
 
 
-def less(a: Numbers, b: Numbers) -> Numbers:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
 def scaled(c: float, a: Numbers) -> Numbers:
     return c * a[0], c * a[1], c * a[2]
 
 
 def _halfway(a: Numbers, b: Numbers) -> Numbers:
     return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2
-
-
-def dot(a: Numbers, b: Numbers) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def cross(a: Numbers, b: Numbers) -> Numbers:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def length(a: Numbers) -> float:

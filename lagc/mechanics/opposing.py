@@ -13,7 +13,7 @@ from itertools import chain, combinations, groupby, islice
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, add, cross, matvec, sub
+from lagc.expr.vectors import Vector, add, cross, dot, matvec, sub
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
 from lagc.mechanics.equations import Contribution, Row
@@ -24,10 +24,8 @@ from lagc.mechanics.motions import (
     Motion,
     Numbers,
     State,
-    dot,
     equal_speeds,
     length,
-    less,
     random_motions,
     scaled,
     turned,
@@ -175,7 +173,7 @@ def _is_law(pair: _Pair, motions: Sequence[Motion]) -> bool:
         reach, size = length(velocity), length(force)
         for v, f in known:
             part = dot(v, velocity)
-            velocity, force = less(velocity, scaled(part, v)), less(force, scaled(part, f))
+            velocity, force = sub(velocity, scaled(part, v)), sub(force, scaled(part, f))
             size += abs(part) * length(f)
         left = length(velocity)
         if left > _APART * reach:

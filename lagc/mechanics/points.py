@@ -14,7 +14,7 @@ from itertools import chain
 from lagc.diagnostics.faults import Fault
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector
+from lagc.expr.vectors import Vector, cross, sub
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Body, Force, Frame
 from lagc.mechanics.equations import Row
@@ -23,9 +23,7 @@ from lagc.mechanics.motions import (
     Motion,
     Numbers,
     State,
-    cross,
     length,
-    less,
     random_motions,
     turned,
     values,
@@ -93,10 +91,10 @@ def _carries(body: Body, force: Force, at: Vector, motions: Sequence[Motion]) ->
     """Whether the point moves like the material point of the body that is there."""
 
     def slip(state: State) -> Numbers:
-        return less(values(force.velocity, state), _material(body, at, state))
+        return sub(values(force.velocity, state), _material(body, at, state))
 
     if body.frame is None:
-        return all(_vanishes(less(values(at, m.state), values(body.position, m.state)),
+        return all(_vanishes(sub(values(at, m.state), values(body.position, m.state)),
                              length(values(at, m.state))) for m in motions)  # fmt: skip
     return bool(motions) and all(
         _vanishes(
@@ -110,8 +108,8 @@ def _material(body: Body, at: Vector, state: State) -> Numbers:
     velocity = values(body.velocity, state)
     if body.frame is None:
         return velocity
-    arm = less(values(at, state), values(body.position, state))
-    return less(velocity, cross(arm, turned(body.frame, values(body.frame.angular_velocity, state), state)))
+    arm = sub(values(at, state), values(body.position, state))
+    return sub(velocity, cross(arm, turned(body.frame, values(body.frame.angular_velocity, state), state)))
 
 
 def _vanishes(x: Numbers, size: float) -> bool:
@@ -150,12 +148,12 @@ def _turns_about(
     motions: Sequence[Motion],
 ) -> bool:
     def turn(state: State) -> Numbers:
-        arm = less(values(at, state), values(place, state))
+        arm = sub(values(at, state), values(place, state))
         return cross(turned(frame, values(frame.angular_velocity, state), state), arm)
 
     def slip(state: State) -> Numbers:
-        relative = less(values(force.velocity, state), values(velocity, state))
-        return less(relative, turn(state))
+        relative = sub(values(force.velocity, state), values(velocity, state))
+        return sub(relative, turn(state))
 
     sizes = [length(values(force.velocity, m.state)) for m in motions]
     return all(_vanishes(m.change(slip), size) for m, size in zip(motions, sizes)) and not all(

@@ -89,7 +89,7 @@ def _suspect(
 ) -> _Suspect | None:
     given = {p.symbol for p in states.model.parameters}
     moving, repeated = _factors(x.row.residual, given)
-    search = _Search(states, x.row.kind == "velocity")
+    search = _Search(states, x.row.kind == "velocity", scales(states))
     vanishing = [f for f in repeated if _touches(f, given) or search.finds(f, tries)]
     if vanishing:
         regular = any(search.finds(f, tries) for f in moving if f not in repeated)
@@ -107,7 +107,7 @@ def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero, tries: 
     turned = [{**zero.state, **{p: other[p] for p in given}} for other in tries]
     if not zero.multiple or not any(z.multiple for z in search.zeros(node, slopes, turned[_STATES:])):
         return False
-    sizes, chance = scales(search.states), Chance(911)
+    sizes, chance = search.sizes, Chance(911)
     moving = [x for x in search.moving if x in symbols([node])]
     beside = []
     for _ in range(_PAIRS):
@@ -128,10 +128,11 @@ class _Zero:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """Newton's method in the positions, or in the speeds of a velocity row."""
+    """Newton's method in the positions, or in the speeds of a velocity row, each over its size."""
 
     states: States
     velocity: bool
+    sizes: Mapping[Node, float]
 
     @property
     def moving(self) -> Sequence[Node]:
@@ -166,16 +167,17 @@ class _Search:
         first = abs(evaluate([node], state)[0])
         for _ in range(_STEPS):
             value, *gradients = evaluate([node, *slopes.values()], state)
-            square = sum(g * g for g in gradients)
-            if value == 0.0 or not 0.0 < square < math.inf:
+            slope = {v: g * self.sizes[v] for v, g in zip(slopes, gradients)}
+            steep = math.hypot(*slope.values())
+            if value == 0.0 or not 0.0 < steep < math.inf:
                 break
-            steepness.append(math.sqrt(square) * (abs(value) if rooted else 1.0))
-            share = 0.5 if rooted else 1.0
-            step = {v: -share * value * g / square for v, g in zip(slopes, gradients)}
+            steepness.append(steep * (abs(value) if rooted else 1.0))
+            length = (0.5 if rooted else 1.0) * value / steep
+            step = {v: -length * (a / steep) * self.sizes[v] for v, a in slope.items()}
             change = step if self.velocity else _displacement(self.states, state, step)
             state.update((x, state[x] + d) for x, d in change.items())
-            lengths.append(math.hypot(*change.values()))
-            reach = max(abs(state[x]) for x in self.moving)
+            lengths.append(math.hypot(*(d / self.sizes[x] for x, d in change.items())))
+            reach = max(abs(state[x]) / self.sizes[x] for x in self.moving)
             if lengths[-1] <= _ARRIVED * reach:
                 break
             if len(lengths) > 2 and lengths[-2] < lengths[-1] < _NOISE * reach:

@@ -5,8 +5,8 @@ Only what keeps the value up to rounding and is certain to pay: nothing is distr
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from heapq import heappop, heappush
+from collections.abc import Iterable, Iterator, Sequence
+from heapq import heapify, heappop, heappush, heapreplace
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
@@ -87,26 +87,15 @@ def _collect(graph: Graph, terms: list[Term]) -> Node:
     The recursion is as deep as a monomial has factors.
     """
     total = graph.zero
-    left = terms
-    while True:
-        key = _common(left)
-        if key is None:
-            break
+    shared = _Shared(terms)
+    while (key := shared.most_common()) is not None:
         base, sign = key
-        inside: list[Term] = []
-        others: list[Term] = []
-        for c, powers in left:
-            if _holds(c, powers, key):
-                inside.append(_without(c, powers, key))
-            else:
-                others.append((c, powers))
-        left = others
-        inner = _collect(graph, inside)
+        inner = _collect(graph, [_without(c, powers, key) for c, powers in shared.take(key)])
         if isinstance(base, float):
             total = graph.add(total, graph.scale(base, inner))
         else:
             total = graph.add(total, graph.mul(graph.power(base, sign), inner))
-    for c, powers in left:
+    for c, powers in shared.left.values():
         product = graph.one
         for base, exponent in powers.items():
             product = graph.mul(product, graph.power(base, exponent))
@@ -117,21 +106,52 @@ def _collect(graph: Graph, terms: list[Term]) -> Node:
 Key = tuple["Node | float", int]  # a base with the sign of its exponent; or a coefficient, 1
 
 
-def _common(terms: list[Term]) -> Key | None:
-    """The factor that the most terms share, where taking it out of them saves an operation."""
-    counts: dict[Key, int] = {}
-    for c, powers in terms:
-        degree = sum([abs(e) for e in powers.values()]) + (abs(c) != 1.0)
-        for base, exponent in powers.items():
-            key: Key = (base, 1 if exponent > 0 else -1)
-            counts[key] = counts.get(key, 0) + (degree > 1 or exponent < 0)
-        if abs(c) != 1.0 and powers:
-            counts[(abs(c), 1)] = counts.get((abs(c), 1), 0) + 1
-    best: Key | None = None
-    for key, count in counts.items():
-        if count > 1 and (best is None or _rank(key, count) < _rank(best, counts[best])):
-            best = key
-    return best
+class _Shared:
+    """How many of the terms that are `left` would save an operation if a factor were taken out of them."""
+
+    def __init__(self, terms: list[Term]) -> None:
+        self.left = dict(enumerate(terms))
+        self.counts: dict[Key, int] = {}
+        self.holders: dict[Key, list[int]] = {}
+        for number, term in self.left.items():
+            for key, saves in _keys(term):
+                self.counts[key] = self.counts.get(key, 0) + saves
+                self.holders.setdefault(key, []).append(number)
+        # Counts only fall: those in the heap may be too large.
+        self.heap = [(_rank(key, count), key) for key, count in self.counts.items() if count > 1]
+        heapify(self.heap)
+
+    def most_common(self) -> Key | None:
+        """The factor that the most terms share, where taking it out of them saves an operation."""
+        while self.heap:
+            rank, key = self.heap[0]
+            count = self.counts[key]
+            if count == -rank[0]:
+                return key
+            if count > 1:
+                heapreplace(self.heap, (_rank(key, count), key))
+            else:
+                heappop(self.heap)
+        return None
+
+    def take(self, key: Key) -> list[Term]:
+        """The terms that hold `key`, which are left no more."""
+        taken = [self.left.pop(number) for number in self.holders[key] if number in self.left]
+        for term in taken:
+            for other, saves in _keys(term):
+                self.counts[other] -= saves
+        return taken
+
+
+def _keys(term: Term) -> Iterator[tuple[Key, bool]]:
+    """The factors of a term, and whether taking each out of it can save an operation."""
+    c, powers = term
+    scaled = abs(c) != 1.0
+    degree = sum([abs(e) for e in powers.values()]) + scaled
+    for base, exponent in powers.items():
+        yield (base, 1 if exponent > 0 else -1), degree > 1 or exponent < 0
+    if scaled and powers:
+        yield (abs(c), 1), True
 
 
 def _rank(key: Key, count: int) -> tuple[int, int, float]:
@@ -139,13 +159,6 @@ def _rank(key: Key, count: int) -> tuple[int, int, float]:
     if isinstance(base, float):
         return (-count, 1, base)
     return (-count, 0, sign * base.index)
-
-
-def _holds(c: float, powers: dict[Node, int], key: Key) -> bool:
-    base, sign = key
-    if isinstance(base, float):
-        return abs(c) == base and bool(powers)
-    return powers.get(base, 0) * sign > 0
 
 
 def _without(c: float, powers: dict[Node, int], key: Key) -> Term:
@@ -161,9 +174,10 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
 
     Greedy: the pair of factors that most products hold becomes a factor of its own, while any
     two products share one (M. Breuer, *Generation of optimal code for expressions via
-    factorization*, CACM 12 (1969)).
+    factorization*, CACM 12 (1969)).  As products have few factors (`MOST_FACTORS`), the work is linear
+    in the number of products.
     """
-    products: dict[Product, list[int]] = {}
+    products: dict[Product, Row] = {}
     atoms: list[Product] = []  # what each factor number stands for
     numbers: dict[Node, int] = {}
     for node in reachable(nodes):
@@ -171,9 +185,8 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
             for part in split(node):
                 if part and part not in products:
                     products[part] = _numbered(part, atoms, numbers)
-    rows = list(products.values())
     made: dict[Product, tuple[Product, Product]] = {}
-    pairs = _Pairs(rows)
+    pairs = _Pairs(list(products.values()))
     while (pair := pairs.most_common()) is not None:
         i, j = pair
         whole = _joined(atoms[i], atoms[j])
@@ -181,8 +194,9 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
         atoms.append(whole)
         pairs.replace(pair, len(atoms) - 1)
     for product, row in products.items():
-        whole = atoms[row[0]]
-        for k in row[1:]:
+        first, *others = [k for k, power in row.items() for _ in range(power)]
+        whole = atoms[first]
+        for k in others:
             longer = _joined(whole, atoms[k])
             if longer not in made:
                 made[longer] = (whole, atoms[k])
@@ -191,70 +205,84 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
     return made
 
 
-def _numbered(product: Product, atoms: list[Product], numbers: dict[Node, int]) -> list[int]:
-    row: list[int] = []
+Row = dict[int, int]  # the numbers of the factors of a product, with their exponents
+
+
+def _numbered(product: Product, atoms: list[Product], numbers: dict[Node, int]) -> Row:
+    row: Row = {}
     for base, exponent in product:
         k = numbers.get(base)
         if k is None:
             k = numbers[base] = len(atoms)
             atoms.append(((base, 1),))
-        row.extend([k] * exponent)
+        row[k] = exponent
     return row
 
 
 class _Pairs:
     """How often each pair of factors occurs in `rows`, kept up to date as rows change."""
 
-    def __init__(self, rows: list[list[int]]) -> None:
+    def __init__(self, rows: list[Row]) -> None:
         self.rows = rows
         self.counts: dict[tuple[int, int], int] = {}
-        self.heap: list[tuple[int, tuple[int, int]]] = []  # counts, perhaps too large
-        self.holders: dict[tuple[int, int], dict[int, None]] = {}  # rows, as an ordered set
-        for number in range(len(rows)):
-            self._add(number, 1)
+        self.holders: dict[tuple[int, int], set[int]] = {}  # rows that hold a pair, or did
+        self.new: list[tuple[int, int]] = []  # pairs that are counted, but not in the heap yet
+        self.heap: list[tuple[int, tuple[int, int]]] = []  # counts, perhaps too large: they only fall
+        for number, row in enumerate(rows):
+            self._count(number, 1, row)
 
     def most_common(self) -> tuple[int, int] | None:
         """The pair that most rows hold (or one row twice), at least two."""
+        for pair in self.new:
+            if self.counts[pair] > 1:
+                heappush(self.heap, (-self.counts[pair], pair))
+        self.new.clear()
         while self.heap:
             known, pair = self.heap[0]
             count = self.counts[pair]
             if -known == count:
                 return pair
-            heappop(self.heap)
-            if 1 < count < -known:
-                heappush(self.heap, (-count, pair))
+            if count > 1:
+                heapreplace(self.heap, (-count, pair))
+            else:
+                heappop(self.heap)
         return None
 
     def replace(self, pair: tuple[int, int], by: int) -> None:
         i, j = pair
         for number in sorted(self.holders[pair]):
             row = self.rows[number]
-            if i in row and (row.count(i) > 1 if i == j else j in row):
-                self._add(number, -1, pair)
-                while i in row and (row.count(i) > 1 if i == j else j in row):
-                    row.remove(i)
-                    row.remove(j)
-                    row.append(by)
-                self._add(number, 1, (*pair, by))
+            times = row.get(i, 0) // 2 if i == j else min(row.get(i, 0), row.get(j, 0))
+            if times:
+                self._count(number, -1, pair)
+                for k in pair:
+                    row[k] -= times
+                    if not row[k]:
+                        del row[k]
+                row[by] = times
+                self._count(number, 1, (i, j, by))
 
-    def _add(self, number: int, sign: int, changing: Iterable[int] | None = None) -> None:
-        """Count the pairs of a row, or those with the factors `changing` alone."""
-        held: dict[int, int] = {}
-        for k in self.rows[number]:
-            held[k] = held.get(k, 0) + 1
-        left = sorted(held)
-        for i in left[:] if changing is None else sorted({k for k in changing if k in held}):
-            left.remove(i)
-            if held[i] > 1:
-                self._count(number, (i, i), sign * (held[i] // 2))
-            for j in left:
-                self._count(number, (i, j) if i < j else (j, i), sign * min(held[i], held[j]))
+    def _count(self, number: int, sign: int, changing: Iterable[int]) -> None:
+        """Count the pairs of a row that hold any of `changing`, each once."""
+        left = dict(self.rows[number])
+        for i in changing:
+            power = left.pop(i, 0)
+            if power > 1:
+                self._change(number, (i, i), sign * (power // 2))
+            if power:
+                for j, other in left.items():
+                    self._change(number, (i, j) if i < j else (j, i), sign * min(power, other))
 
-    def _count(self, number: int, pair: tuple[int, int], change: int) -> None:
-        count = self.counts[pair] = self.counts.get(pair, 0) + change
-        self.holders.setdefault(pair, {})[number] = None
-        if change > 0 and count > 1:
-            heappush(self.heap, (-count, pair))
+    def _change(self, number: int, pair: tuple[int, int], change: int) -> None:
+        count = self.counts.get(pair)
+        if count is None:
+            self.counts[pair] = change
+            self.holders[pair] = {number}
+            self.new.append(pair)
+        else:
+            self.counts[pair] = count + change
+            if change > 0:
+                self.holders[pair].add(number)
 
 
 def _joined(a: Product, b: Product) -> Product:

@@ -248,6 +248,14 @@ def start(places: Places, work: bool) -> Function:
     return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
 
 
+def limits(places: Places) -> Function | None:
+    """The values made of parameters that have bounds."""
+    found = [limit.value for limit in places.equations.model.limits]
+    parts = (("b", found),)
+    described = "derived values that have bounds"
+    return _function(places, "limits", ("p",), parts, described, seldom=True) if found else None
+
+
 def conditions(places: Places) -> Function | None:
     """What a consistent start satisfies, c = 0: phi, psi, the `initial` section, and the rates that were
     stated (less their values, which are unknowns too); with the derivatives by q and v that are not

@@ -9,7 +9,7 @@ from itertools import accumulate
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
-from lagc.meaning.model import Input, Parameter
+from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.kinds import kinds
@@ -19,8 +19,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends", "timed",
-    "driven",
+    "initial_places", "bends", "timed", "driven", "doubtful",
 )  # fmt: skip
 
 _BENDING = ("abs", "floor", "sign", "min", "max", "select")
@@ -72,6 +71,7 @@ def interface(
         parameters=tuple([_parameter(p) for p in parameters]),
         inputs=tuple([_input(u) for u in model.inputs]),
         outputs=_outputs(equations),
+        limits=tuple([_limit(x) for x in model.limits]),
         rate_names=tuple([s.name for s in equations.stated_rates]),
         rate_units=tuple([s.unit for s in equations.stated_rates]),
         start_levels=tuple([s.stated.level for s in equations.starts]),
@@ -91,6 +91,7 @@ def interface(
         dropped=dropped,
         bends=_bends(functions["system"]),
         timed=_timed(functions["system"]),
+        doubtful=_doubtful(model),
         driven="velocity" in functions and _timed(functions["velocity"]),
     )
     digest = _digest(found, functions)
@@ -106,6 +107,14 @@ def _bends(function: Function) -> bool:
         if moving[-1] and o.op in _BENDING:
             return True
     return False
+
+
+def _doubtful(model: Model) -> bool:
+    """Whether masses and moments of inertia that are not negative may leave a kinetic energy that is."""
+    tensors = [body.inertia for body in model.bodies if body.inertia is not None]
+    products = [row[k] for tensor in tensors for i, row in enumerate(tensor) for k in range(i)]
+    free = any(isinstance(action, Lagrangian) for action in model.actions)
+    return free or not all(product.is_zero for product in products)
 
 
 def _timed(function: Function) -> bool:
@@ -140,6 +149,10 @@ def _parameter(p: Parameter) -> Field:
     return Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description)
 
 
+def _limit(x: Limit) -> Field:
+    return Field(x.name, None, x.minimum, x.maximum, x.unit, x.unit, place(x.span), "")
+
+
 def _input(u: Input) -> Field:
     inf = float("inf")
     return Field(u.name, u.default, -inf, inf, u.unit, u.unit, place(u.span), u.description)
@@ -163,7 +176,7 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
     for name in names(Interface):
         if name not in _UNHASHED:
             value = getattr(interface, name)
-            if name in ("parameters", "inputs", "outputs"):
+            if name in ("parameters", "inputs", "outputs", "limits"):
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
             elif name == "simulate":
                 value = sorted(value.items())

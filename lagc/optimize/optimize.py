@@ -10,10 +10,12 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.ldlt import Elimination, Entry, flops
+from lagc.optimize.limits import bounded
 from lagc.optimize.massless import with_pivots
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places
+from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
@@ -27,6 +29,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     """
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
+    equations = replace(equations, model=bounded(equations.model))
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
@@ -51,7 +54,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
 
 def _roots(equations: EquationsOfMotion) -> list[Node]:
     """Every node that any function stores."""
-    return [*equations.qdot, *(s.value for s in equations.starts), *sources(equations)]
+    limits = [limit.value for limit in equations.model.limits]
+    return [*equations.qdot, *(s.value for s in equations.starts), *limits, *sources(equations)]
 
 
 def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
@@ -85,6 +89,7 @@ def _functions(
         made.append(functions.reaches(at))
     made += [functions.energies(at), functions.power(at), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
+    made.append(functions.limits(at))
     return {f.name: f for f in made if f is not None}
 
 

@@ -137,7 +137,11 @@ class Interface:
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
     timed: bool = False  # the rates depend on time itself
+    doubtful: bool = (
+        False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
+    )
     driven: bool = False  # and so do constraints
+    limits: tuple[Field, ...] = ()  # values made of parameters that have bounds
 
     @property
     def nx(self) -> int:
@@ -147,6 +151,10 @@ class Interface:
     def needs_consistency(self) -> bool:
         """Whether the start values alone need not be a consistent start."""
         return bool(self.condition_ends or self.quaternions)
+
+    def condition_entries(self, k: int) -> range:
+        """Where in J the derivatives of condition k are."""
+        return range(self.condition_ends[k - 1] if k else 0, self.condition_ends[k])
 
     @property
     def angles(self) -> tuple[int, ...]:
@@ -189,6 +197,7 @@ class Program:
       conditions  (p,t,x)         -> c[n], J[], sizes[n]   of a consistent start: phi, psi, initial section,
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
                                      `sizes` those of the terms
+      limits      (p)             -> b[]   those of `limits`
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """

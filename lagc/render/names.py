@@ -106,16 +106,12 @@ class Names:
 
 
 def prefix(model: str) -> str:
-    """What every public symbol of the generated C begins with, less the underscore: FourBar's is
-    `four_bar`, F's `f_model`, as F_OK is a constant of POSIX."""
+    """What every public symbol of the generated C begins with, less the underscore, and the name of the
+    generated files, less their ending: FourBar's is
+    `four_bar`, F's `f_model`, as F_OK is a constant of POSIX, and Time's `time_model`, as its files are not
+    to be called time.h."""
     name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", identifier(model).rstrip("_")).lower()
-    return f"{name}_model" if name in FAMILIES else name
-
-
-def stem(model: str) -> str:
-    """The name of the generated files, less their ending."""
-    name = prefix(model)
-    return f"{name}_model" if name in HEADERS or name in RESERVED else fitting(name)
+    return f"{name}_model" if name in FAMILIES | HEADERS | RESERVED else fitting(name)
 
 
 def comment(text: str) -> str:

@@ -4,30 +4,31 @@ The error of a trajectory is the largest |x_i - exact_i| / scale_i over all reco
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
 same kind (coordinates, or speeds, of the same unit).  It behaves as C tol^p.  Pilots
 at 1e-5 and 1e-6 give C and p; the run is made at the predicted tolerance and at ten times it, and the
-finer one is returned with the error that their difference tells.  What both share is added to it, the
-part of rounding (`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
+finer one is returned with the error that their difference tells.  Where forces may bend or jump, C is
+chance, and three differences tell it.  What all runs share is added, the part of rounding
+(`lagc.run.rounding`), and the energy has to be in balance (`lagc.run.balance`).
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
 from math import floor, inf, log10
 from typing import TYPE_CHECKING
 
-from lagc import cache
-from lagc.cache.sources import tool_fingerprint
 from lagc.kernels.methods import order
 from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes, spread
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
+from lagc.run.remembered import Remembered, name_of, recall, remember, strays
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
     from lagc.run.growth import Rounding
 
 SAFETY = 2.0  # on every estimate
-BENT = 2.0  # more, where forces may bend or jump: errors then follow no law, and runs may err alike
+BENT = 30.0  # on errors in proportion to their tolerances, where forces may bend or jump
+SAMPLES = 3  # of these
+NEAR = 4.0  # times the finest tolerance is the next
 HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is enough
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
@@ -79,15 +80,15 @@ def verified_run(
 ) -> Verified:
     """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
     search = _Search(system, x0, times, accuracy, progress)
-    name = _memory_name(system, x0, times, accuracy, search.method)
-    remembered = _recall(name)
+    name = name_of(system, x0, times, accuracy, search.method)
+    remembered = recall(name)
     if remembered is not None:
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
             still = dict(remembered.still)
-            strays = _strays(trajectory, remembered.end, moving(sizes(trajectory, system.interface), still))
-            if strays <= remembered.estimated:
+            away = strays(trajectory, remembered.end, moving(sizes(trajectory, system.interface), still))
+            if away <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
     before = search.tried
     search = _Search(system, x0, times, accuracy, progress)
@@ -96,8 +97,7 @@ def verified_run(
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
     if found.trajectory.status == OK and trusted:
         last = found.trajectory.states[-1]
-        answer = _Remembered(found.options.rtol, found.estimated, last, [*found.still.items()])
-        cache.store("accuracy", name, json.dumps(vars(answer)).encode())
+        remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.still.items()]))
     return found
 
 
@@ -116,6 +116,11 @@ class _Search:
     balance: Balance | None = None
     along: Rounding | None = None  # the motion
     still: dict[int, float] = field(default_factory=dict)  # kinds that rounding alone moves, and how far
+
+    @property
+    def _bends(self) -> bool:
+        """Whether steps may cross a bend or a jump, and errors follow no law."""
+        return self.system.interface.bends
 
     @property
     def method(self) -> str:
@@ -152,17 +157,15 @@ class _Search:
 
     def verify(self) -> Verified:
         stopped = self._pilots()
-        tol = FINE
         for _ in range(ATTEMPTS + 1):
             if stopped is not None:
                 return stopped
             settled = self._settled()
             if self._interrupted:
                 return self._kept()
-            if settled or tol <= FINEST:
+            if settled or min(self.runs) <= FINEST:
                 break
-            coarse = max(10.0 * FINEST, min(self._predicted(), tol))
-            for tol in (_plain(coarse), _plain(coarse / 10.0)):
+            for tol in self._following():
                 if tol not in self.runs and stopped is None:
                     stopped = self._stopped(tol)
         return stopped or self._result()
@@ -229,6 +232,8 @@ class _Search:
 
     def _settled(self) -> bool:
         """Whether no finer run is needed, or none would help."""
+        if self._bends and len(self.runs) <= SAMPLES:
+            return False
         if self.truncation() > self.accuracy:
             return len(self.runs) > 2 and self.drift() > self.accuracy
         if self.estimate() > self.accuracy:
@@ -279,8 +284,22 @@ class _Search:
 
     def truncation(self) -> float:
         """The error of the finest run that its steps bring."""
-        found = self._by_differences()
-        return max(found * BENT, SMALLEST) if self.system.interface.bends else found
+        return self._across_bends() if self._bends else self._by_differences()
+
+    def _across_bends(self) -> float:
+        """Where in a step a bend lies is chance, at every tolerance anew, and so is the part that the step
+        errs by of what it may.
+
+        What it may goes with the tolerance.  So each run is a sample of one distribution, of errors over
+        tolerances.  Few are beyond 30 times its median, and that all samples are far below it, or that the
+        finest run and all others err alike, is seldom enough where there are three.  Now and then one of
+        them is a freak, where all that a formula sees of a bend cancels: the largest of four is left out.
+        """
+        tols = sorted(self.runs)
+        if len(tols) < 2:
+            return inf
+        found = sorted(self._difference(tols[0], tol) / tol for tol in tols[1 : 2 + SAMPLES])[:SAMPLES]
+        return max(BENT * found[-1] * tols[0], SMALLEST)
 
     def _by_differences(self) -> float:
         """The error of the finest run: of the next coarser one by their difference, carried on by the
@@ -322,21 +341,32 @@ class _Search:
         consistent = all(SLOPES[0] <= s <= SLOPES[1] for s in slopes)
         return min(1.0, *slopes) if consistent else None
 
+    def _following(self) -> list[float]:
+        """The tolerances of the next runs.  Across bends a near one tells most: a run that errs by much
+        differs from it."""
+        fine = self._predicted()
+        if not self._bends:
+            coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
+            return [_plain(coarse), _plain(coarse / 10.0)]
+        near = len(self.runs) >= SAMPLES and min(self.runs) <= NEAR * fine
+        return [_plain(fine)] if near else [_plain(NEAR * fine), _plain(fine)]
+
     def _predicted(self) -> float:
-        """The coarser tolerance of the pair that should meet the target, in steps of a quarter decade."""
+        """The tolerance that should meet the target, in steps of a quarter decade."""
         tols = sorted(self.runs)
         if self.balance is not None:  # the runs agree, and yet they are wrong
-            return tols[0] / 10.0
-        slope = self._slope() or 1.0
-        difference = self._difference(tols[0], tols[1])
-        error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
-        error *= BENT if self.system.interface.bends else 1.0
+            return max(FINEST, tols[0] / 100.0)
+        slope, error = 1.0, self.truncation()
+        if not self._bends:
+            slope = self._slope() or 1.0
+            difference = self._difference(tols[0], tols[1])
+            error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
-            tol = max(tol, tols[0] / 100.0)
+            tol = max(tol, tols[0] / (NEAR if self._bends else 100.0))
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
-        return 10.0 * max(FINEST, fine)
+        return max(FINEST, fine)
 
     def _difference(self, fine: float, coarse: float) -> float:
         found = self.compared.get((fine, coarse))
@@ -362,7 +392,8 @@ class _Search:
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 noise = self._rounded_away(found.beside)
-                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / SAFETY, noise)
+                safety = BENT * tols[0] / tols[1] if self._bends else SAFETY
+                _, found.horizon = difference(finest, found.beside, interface, self.accuracy / safety, noise)
                 if found.horizon is not None and self.along is not None:
                     found.horizon = min(found.horizon, self.along.until(found.drift, self.accuracy))
         return found
@@ -371,33 +402,3 @@ class _Search:
 def _plain(tol: float) -> float:
     """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
     return float(f"{tol:.2e}")
-
-
-def _memory_name(
-    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str
-) -> str:
-    """The same question has the same answer, whether it is remembered or not; so all of it counts."""
-    interface = system.interface
-    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
-    tool = tool_fingerprint()
-    return cache.key("accuracy 8", tool, interface.model_hash, method, system.backend, *values)
-
-
-@dataclass
-class _Remembered:
-    """`end`: the last state, which the same run reaches again.  `still`: see `lagc.run.still`."""
-
-    rtol: float
-    estimated: float
-    end: list[float]
-    still: list[tuple[int, float]]
-
-
-def _recall(name: str) -> _Remembered | None:
-    return cache.load("accuracy", name, lambda body: _Remembered(**json.loads(body)))
-
-
-def _strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:
-    """The scaled distance between the last state and `end`."""
-    last = trajectory.states[-1]
-    return max((abs(last[i] - end[i]) / size for group, size in groups if size for i in group), default=0.0)

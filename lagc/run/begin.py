@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.run.names import row_name, speed_name, state_name
+from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
-from lagc.run.request import Request
-from lagc.run.start import Anchor, Start, consistent_start, names
+from lagc.run.request import Request, keep_limits
+from lagc.run.start import Anchor, Start, names
 
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -31,7 +32,8 @@ class NoStart(Refused):
 
 def begin(system: System, request: Request) -> Start:
     """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
-    value that is not finite (LAG0611)."""
+    value that is not finite (LAG0611); and as `_energies`."""
+    keep_limits(system)
     start = consistent_start(system, 0.0, request.starts)
     if start.missed:
         anchors = [*(m.anchor for m in start.missed), *start.anchors]
@@ -42,7 +44,43 @@ def begin(system: System, request: Request) -> Start:
             raise NoStart(
                 fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system
             )
+    _energies(system, start.x)
     return start
+
+
+def _energies(system: System, x: Sequence[float]) -> None:
+    """Raises NoStart where an energy has no finite value (LAG0613), or some speeds have a negative kinetic
+    energy (LAG0615)."""
+    for name, value in zip(("kinetic", "potential", "total"), system.energies(0.0, x)):
+        if not isfinite(value):
+            fault = Fault("LAG0613", f"the {name} energy is not a finite number at the start")
+            raise NoStart(fault, (), x, system)
+    if system.interface.doubtful:
+        from lagc.run.inertia import negative_speed  # where it is asked
+
+        k = negative_speed(system, 0.0, x)
+        if k is not None:
+            message = f"the kinetic energy of motions along {speed_name(system, k)} is negative at the start"
+            raise NoStart(Fault("LAG0615", message), [("speed", system.interface.v_names[k])], x, system)
+
+
+def strange_outputs(system: System, x: Sequence[float]) -> list[int]:
+    """The outputs, by index, that have no finite value at the start."""
+    return [k for k, value in enumerate(system.outputs(0.0, x)) if not isfinite(value)]
+
+
+def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
+    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
+    the run, in place of the model's."""
+    guess, given = list(system.start()), given or {}
+    stated = {i: given[name] for i, name in enumerate(names(system)) if name in given}
+    for i, value in stated.items():
+        guess[i] = value
+    if not system.interface.needs_consistency:
+        return Start(guess)
+    from lagc.run.consistency import search  # where there is something to search for
+
+    return search(system, t, guess, stated)
 
 
 def demand(system: System, run: Trajectory) -> None:
@@ -71,15 +109,11 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 def _conflict(start: Start) -> Fault:
     missed, held = list(map(str, start.missed)), list(start.held)
-    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{_more(missed)}"
+    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
     if held:
         verb = "is" if len(held) == 1 else "are"
-        message += f", where {', '.join(held[:MOST_NAMED])}{_more(held)} {verb} held fixed"
+        message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
     remedy = "let one of these conditions go" if len(missed) > 1 else None
     if held:
         remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
     return Fault("LAG0610", message, remedy=remedy)
-
-
-def _more(parts: list[str]) -> str:
-    return f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""

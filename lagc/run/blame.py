@@ -10,7 +10,7 @@ from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.text import text
 from lagc.expr.walk import reachable
-from lagc.meaning.model import Coordinate
+from lagc.meaning.model import Coordinate, Potential
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
@@ -125,6 +125,9 @@ def _suspects(
     if code != "LAG0613":
         return
     spans = {thing.name: thing.span for thing in (*equations.model.bodies, *equations.model.actions)}
+    for action in equations.model.actions:
+        if isinstance(action, Potential):
+            yield action.span, [action.energy]
     for contribution in equations.contributions:
         nodes = [*contribution.forces.values(), contribution.power]
         yield spans.get(contribution.name), nodes

@@ -17,9 +17,9 @@ from math import exp, inf, isfinite, log, sqrt
 
 from lagc.run.distance import kinds, sizes
 from lagc.run.names import row_name, state_name
-from lagc.run.problem import FAILED, REDUNDANT, System, Trajectory
+from lagc.run.problem import FAILED, REDUNDANT, System, Trajectory, rates_at
 
-NEAR = 1e3  # radians or sizes of the mechanism, per size of a row's terms: it loses rank nearby
+NEAR = 1e3  # radians or sizes of their kind, per size of a row's terms: it loses rank nearby
 WAYS = tuple([10.0**-k for k in range(3, 11)])  # of the time, to both sides of a state
 JUMP = 0.01  # of the rates
 MOMENT = 1e-5  # of the time: speeds that double in less are without bound
@@ -37,13 +37,14 @@ def cause(system: System, run: Trajectory, t: float, x: list[float]) -> str:
 
 def pinned(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """A reason at (t, x) beyond which no method of this kind gets; empty where there is none."""
-    return losing_rank(system, t, x) or bent(system, run, t, x) or _jump(system, run, t, x)
+    return losing_rank(system, run, t, x) or bent(system, run, t, x) or _jump(system, run, t, x)
 
 
-def losing_rank(system: System, t: float, x: list[float]) -> str:
+def losing_rank(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """Which constraint all but depends on others at (t, x), in words; empty where none does.
 
-    To change its residual by the size of its terms alone, the coordinates would have to move very far.
+    To change its residual by the size of its terms alone, a coordinate would have to move very far beside
+    the size of its kind, or the angles many turns.
     """
     if system.nc == 0 or len(x) < system.nx:
         return ""
@@ -52,12 +53,12 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
         return ""
     row, farthest = system.culprit, inf
     if status != REDUNDANT:
-        reach = min(1.0, max(abs(a) for a in x[: system.nq])) or 1.0
-        row, farthest = -1, NEAR * reach
+        row, farthest, reach = -1, NEAR, _reach(system, run, x)
         for i, scale in enumerate(system.scales(t, x)):
             r = [0.0] * (system.nv + system.nc)
             r[system.nv + i] = scale
-            way = max(map(abs, system.solve(r)[: system.nv]))
+            moved = system.displace(t, x, system.solve(r)[: system.nv])
+            way = max((abs(a) / b for a, b in zip(moved, reach)), default=0.0)
             if way > farthest:
                 row, farthest = i, way
     return (
@@ -67,12 +68,24 @@ def losing_rank(system: System, t: float, x: list[float]) -> str:
     )
 
 
+def _reach(system: System, run: Trajectory, x: list[float]) -> list[float]:
+    """What each coordinate may move by: the size of its kind so far, an angle by 1 rad; anything where a kind
+    has been zero."""
+    found = [0.0] * system.nq
+    for group in kinds(system.interface):
+        size = max(abs(y[i]) for y in [*run.states, x] for i in group) or inf
+        for i in group:
+            if i < system.nq:
+                found[i] = 1.0 if i in system.interface.angles else size
+    return found
+
+
 def bent(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """Which constraint is not smooth at (t, x), in words; empty where all are.
 
     Along the motion r(t + h) - 2 r(t) + r(t - h) goes with h^2 where r is smooth, with h at a kink.
     """
-    rates = _rates(system, t, x) if len(x) == system.nx else None
+    rates = rates_at(system, t, x) if len(x) == system.nx else None
     if rates is None:
         return ""
     here = system.position(t, x)
@@ -88,11 +101,6 @@ def bent(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     return ""
 
 
-def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:
-    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
-
-
 def _span(run: Trajectory, t: float) -> float:
     return abs(t - run.times[0]) if run.times else 0.0
 
@@ -100,11 +108,11 @@ def _span(run: Trajectory, t: float) -> float:
 def _jump(system: System, run: Trajectory, t: float, x: list[float]) -> str:
     """Forces that jump: what an acceleration changes by from before to after does not go with the time
     between, as it does where it is smooth."""
-    here = _rates(system, t, x)
+    here = rates_at(system, t, x)
     changes: list[list[float]] = []
     for way in WAYS if here is not None else ():
         step = way * _span(run, t)
-        ends = [_rates(system, t + d, [a + d * b for a, b in zip(x, here or ())]) for d in (-step, step)]
+        ends = [rates_at(system, t + d, [a + d * b for a, b in zip(x, here or ())]) for d in (-step, step)]
         if ends[0] is None or ends[1] is None:
             return ""
         speeds = slice(system.nq, system.nq + system.nv)
@@ -120,7 +128,7 @@ def _jump(system: System, run: Trajectory, t: float, x: list[float]) -> str:
 
 
 def _singular(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    rates = _rates(system, t, x)
+    rates = rates_at(system, t, x)
     if rates is None:
         return ""
     for i in range(system.nq, system.nq + system.nv):
@@ -131,7 +139,7 @@ def _singular(system: System, run: Trajectory, t: float, x: list[float]) -> str:
 
 
 def _stiff(system: System, run: Trajectory, t: float, x: list[float]) -> str:
-    rates = _rates(system, t, x)
+    rates = rates_at(system, t, x)
     if rates is None or run.steps == 0:
         return ""
     fastest = _fastest(system, run, t, x, rates)
@@ -156,7 +164,7 @@ def _fastest(system: System, run: Trajectory, t: float, x: list[float], rates: l
     way = [1.0 / sqrt(n) if i < n else 0.0 for i in range(system.nx)]
     norm, products = 0.0, []
     for _ in range(20):
-        moved = _rates(system, t, [a + 1e-7 * w * d for a, w, d in zip(x, weights, way)])
+        moved = rates_at(system, t, [a + 1e-7 * w * d for a, w, d in zip(x, weights, way)])
         if moved is None or 0.0 in (1e-7 * w for w in weights):
             return 0.0
         change = [(b - a) / (1e-7 * w) for a, b, w in zip(rates, moved, weights)][:n]

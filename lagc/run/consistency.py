@@ -7,7 +7,7 @@ one after the other while the search still fails.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.leastnorm import inner, least_norm
@@ -18,6 +18,7 @@ from lagc.run.start import Anchor, Change, Missed, Start, names
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
+_PATIENCE = (1, 2, 4)  # times that such a search goes on from where it came to
 _MOST_FOUND = 6  # values or conditions that are named in one note
 _COMPARED = 24  # conditions among which the fewest that force a value are looked for
 _PART = 1e-6  # of the largest: the share of a condition that takes part in a combination
@@ -128,13 +129,13 @@ class _Words:
         strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
         strange = strange or [row for row in (search.directionless(),) if row >= 0]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
-        rows = strange or self._minimal(levels, search.rows)
+        rows = strange or self._minimal(levels, search)
         held, anchors = [], []
         for i in [] if strange else range(search.n):
             if levels[i] == FIXED and not search.part[i]:
                 whole = _whole(self.conditions, i)
                 tried = [UNSTATED if j in whole else level for j, level in enumerate(levels)]
-                if self._fails(tried, rows):
+                if self._fails(tried, rows, self.guess):
                     levels = tried
                 else:
                     name = _owner(self.names[i]) if len(whole) > 1 else self.names[i]
@@ -144,18 +145,36 @@ class _Words:
         missed = [Missed(self.rows[k][0], a, *self.rows[k][1:]) for k, a in zip(rows, amounts)]
         return tuple(missed), tuple(held), tuple(anchors)
 
-    def _minimal(self, levels: list[int], rows: Iterable[int]) -> list[int]:
-        """Of `rows`, which have no common solution, some that have none either, but any fewer of them do."""
-        kept = list(rows)
-        for k in sorted(kept, reverse=True):
-            fewer = [row for row in kept if row != k]
-            if self._fails(levels, fewer):
-                kept = fewer
-        return sorted(kept)
+    def _minimal(self, levels: list[int], search: Consistency) -> list[int]:
+        """Of the rows of `search`, which have no common solution, some that have none either, but any fewer
+        of them do; where such are not found, all of them, less the rates where those of positions do.
 
-    def _fails(self, levels: list[int], rows: Sequence[int]) -> bool:
-        search = Consistency(self.conditions, self.t, self.guess, levels, rows)
-        return not search.solve(0, _TRIED)
+        What is left out sets others free to go far, as all links of a chain but the last ones: that no start
+        is near the guess does not say yet that there is none.
+        """
+        rows, ended = list(search.rows), self._ended(search, self.guess)
+        for patience in _PATIENCE:
+            kept = rows
+            for k in sorted(rows, reverse=True):
+                fewer = [row for row in kept if row != k]
+                if self._fails(levels, fewer, self.guess, patience):
+                    kept = fewer
+            if all(self._fails(levels, kept, guess, 2 * patience) for guess in (ended, self.guess)):
+                return sorted(kept)
+        positions = [row for row in rows if row < self.interface.nh]
+        return positions if self._fails(levels, positions, self.guess, patience) else rows
+
+    def _fails(self, levels: list[int], rows: Sequence[int], guess: list[float], patience: int = 1) -> bool:
+        """Whether no start is found from the guess, and from where the search came to, so many times."""
+        for _ in range(patience):
+            search = Consistency(self.conditions, self.t, guess, levels, rows)
+            if search.solve(0, _TRIED):
+                return False
+            guess = self._ended(search, guess)
+        return True
+
+    def _ended(self, search: Consistency, guess: list[float]) -> list[float]:
+        return [*search.y[: search.state], *guess[search.state :]]
 
     def _tied(self, search: Consistency, values: Sequence[int]) -> list[int]:
         """The rows that `values` reach, from row to row by what is free."""

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import sqrt
 
 from lagc.run.distance import sizes
-from lagc.run.problem import System, Trajectory
+from lagc.run.problem import System, Trajectory, row_gradients
 
 LOOKED_AT = 40  # of the recorded states
 ROUNDING = 1e-11  # a share that rows may have by rounding of states and gradients
@@ -21,8 +21,16 @@ OWN = 1e-3  # a share that no solve leaves out
 def kept_share(system: System, run: Trajectory) -> tuple[int, float] | None:
     """The first row left out that keeps a share of its own at most of the states, and that share:
     the part of its gradient in the speeds, over their sizes, that is at right angles to the others."""
-    every = range(len(run.states))[:: -(-len(run.states) // LOOKED_AT) or 1]
-    return own_share(system, run, run.redundant_rows, [(run.times[k], run.states[k]) for k in every])
+    return own_share(system, run, run.redundant_rows, _looked_at(run))
+
+
+def spare_rows(system: System, run: Trajectory) -> list[int]:
+    """The rows that follow from those before them at most of the states, as `explain` names them: which of
+    the rows that depend on each other is left out changes from posture to posture.  Where there are none,
+    those that were left out somewhere."""
+    shares = _shares(system, run, range(system.nc), _looked_at(run), OWN)
+    spare = [row for row, found in enumerate(shares) if _middle(found) < OWN]
+    return spare or list(run.redundant_rows)
 
 
 def own_share(
@@ -31,39 +39,53 @@ def own_share(
     """The same for the rows `asked` at `states`, (t, x)."""
     if not asked or not states:
         return None
+    order = [*(i for i in range(system.nc) if i not in asked), *asked]
+    shares = _shares(system, run, order, states, ROUNDING)
+    for row in asked:
+        if ROUNDING < _middle(shares[row]) < OWN:
+            return row, _middle(shares[row])
+    return None
+
+
+def _shares(
+    system: System,
+    run: Trajectory,
+    order: Sequence[int],
+    states: Sequence[tuple[float, Sequence[float]]],
+    least: float,
+) -> list[list[float]]:
+    """What each row has of its own beside those before it in `order`, at each of the states; a row counts
+    as one of those before where that is more than `least`."""
     weights = [0.0] * system.nx
     for group, size in sizes(run, system.interface):
         for i in group:
             weights[i] = size or 1.0
-    shares: dict[int, list[float]] = {row: [] for row in asked}
-    order = [*(i for i in range(system.nc) if i not in shares), *asked]
+    shares: list[list[float]] = [[] for _ in order]
     for t, x in states:
         rows = _rows(system, t, x, weights)
         basis: list[list[float]] = []
         for i in order:
             rest, share = _remainder(rows[i], basis)
-            if i in shares:
-                shares[i].append(share)
-            if share > ROUNDING:
+            shares[i].append(share)
+            if share > least:
                 basis.append(rest)
-    for row, found in shares.items():
-        middle = sorted(found)[len(found) // 2]
-        if ROUNDING < middle < OWN:
-            return row, middle
-    return None
+    return shares
+
+
+def _looked_at(run: Trajectory) -> list[tuple[float, list[float]]]:
+    every = range(len(run.states))[:: -(-len(run.states) // LOOKED_AT) or 1]
+    return [(run.times[k], run.states[k]) for k in every]
+
+
+def _middle(values: Sequence[float]) -> float:
+    return sorted(values)[len(values) // 2]
 
 
 def _rows(system: System, t: float, x: Sequence[float], weights: Sequence[float]) -> list[list[float]]:
-    """The gradients of all rows in the speeds, as unit vectors; zero where a row vanishes."""
-    interface = system.interface
-    _, slopes, _ = system.conditions(t, x)
+    """The gradients of all rows in the sized speeds, as unit vectors; zero where a row vanishes."""
     found = []
-    for k in range(system.nh, system.nh + system.nc):
-        row = [0.0] * system.nv
-        for place in range(interface.condition_ends[k - 1] if k else 0, interface.condition_ends[k]):
-            column = interface.condition_columns[place]
-            if system.nq <= column < system.nq + system.nv:
-                row[column - system.nq] = slopes[place] * weights[column]
+    for gradient in row_gradients(system, t, x):
+        row = [a * weights[system.nq + j] for j, a in enumerate(gradient)]
         largest = max(map(abs, row), default=0.0)
         length = largest * sqrt(sum((a / largest) ** 2 for a in row)) if largest > 0.0 else 1.0
         found.append([a / length for a in row])

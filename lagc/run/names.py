@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from lagc.run.problem import System
 
 
@@ -22,3 +24,8 @@ def speed_name(system: System, k: int) -> str:
 def row_name(system: System, k: int) -> str:
     labels = system.interface.row_labels
     return f"constraint `{labels[k]}`" if 0 <= k < len(labels) else "a constraint"
+
+
+def more(parts: Sequence[object], most: int) -> str:
+    """What stands for those behind the first `most`."""
+    return f" and {len(parts) - most} more" if len(parts) > most else ""

@@ -31,6 +31,7 @@ from lagc.render.numpy.support.problem import Problem, Vector
 __all__ = [
     "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS", "NOT_FINITE", "OK",
     "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
+    "rates_at", "row_gradients",
 ]  # fmt: skip
 
 
@@ -110,6 +111,30 @@ class System(Protocol):
         """c, J and sizes of a consistent start (see `Program`)."""
         ...
 
+    def limits(self) -> list[float]:
+        """Values made of parameters that have bounds (`interface.limits`)."""
+        ...
+
     def measures(self) -> tuple[list[float], list[float]]:
         """s and largest (see `Program`)."""
         ...
+
+
+def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
+    """dx/dt at (t, x); None where it cannot be told."""
+    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
+
+
+def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[float]]:
+    """The gradients of all rows in the speeds, nc x nv."""
+    interface, slopes = system.interface, system.conditions(t, x)[1]
+    found = []
+    for k in range(system.nh, system.nh + system.nc):
+        row = [0.0] * system.nv
+        for place in interface.condition_entries(k):
+            j = interface.condition_columns[place] - system.nq
+            if 0 <= j < system.nv:
+                row[j] = slopes[place]
+        found.append(row)
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
@@ -11,12 +12,13 @@ from lagc.kernels import METHODS
 from lagc.kernels.methods import adapts
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
+from lagc.run.problem import System
 
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
 FINEST = 1e-15  # relative tolerance of a step
 POINTS = 501  # recorded where no grid is asked for
-MOST_POINTS = 50_000_000  # numbers that one run records at most
+MOST_POINTS = sys.maxsize // 2  # that a list can count
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ def bound_parameters(
     without a value where that is allowed (`demanding` False).
 
     Raises Refused: LAG0601 unknown name, LAG0602 outside its bounds or not a number, LAG0603 no
-    value, LAG0605 wrong unit.
+    value, LAG0605 wrong unit, LAG0617 a value of the model outside bounds.
     """
     fields = [*interface.parameters, *interface.inputs]
     known = {f.name: f for f in (*fields, *unused)}
@@ -153,6 +155,8 @@ def bound_parameters(
     result: list[float] = []
     for f in fields:
         found = values.get(f.name, f.value)
+        if found is not None and f.name not in given:
+            faults += _bounds(f, found, "LAG0617")
         if found is None:
             if demanding and f.name not in given:
                 unit = f" [{f.unit}]" if f.unit else ""
@@ -163,6 +167,17 @@ def bound_parameters(
     if faults:
         raise Refused(faults)
     return result
+
+
+def keep_limits(system: System) -> None:
+    """Raises Refused, LAG0617, where a value made of parameters is out of its bounds."""
+    limits = system.interface.limits
+    if limits and not any(p != p for p in system.parameters):
+        faults = [
+            fault for f, value in zip(limits, system.limits()) for fault in _bounds(f, value, "LAG0617")
+        ]
+        if faults:
+            raise Refused(faults)
 
 
 def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
@@ -213,13 +228,15 @@ def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
     return Fault(code, f"there is no {what} `{name}`", remedy=remedy)
 
 
-def _bounds(field: Field, value: float) -> list[Fault]:
+def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
     if field.minimum <= value <= field.maximum:
         return []
     unit = f" {field.unit}" if field.unit else ""
+    if value != value:
+        return [Fault(code, f"`{field.name}` is no number for these parameters ({field.place})")]
     low = value < field.minimum
     bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
-    return [Fault("LAG0602", f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
+    return [Fault(code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
 
 
 def _request(message: str) -> Fault:

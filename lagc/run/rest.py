@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.run.problem import FAILED, OK, System, Trajectory
-from lagc.run.rounding import rounded_rates
+from lagc.run.problem import FAILED, OK, System, Trajectory, rates_at, row_gradients
+from lagc.run.rounding import ULP, rounded_rates
 
-ULP = 2.0**-52
 WAYS = 8  # in which time, state and parameters are changed in their last place
+CLEAR = 2.0**26  # times what last places change: a rate that keeps half its digits is no rounding
 SEVERAL = 2.0  # such changes of a rate are rounding
 MET = 1e-13  # scaled residual: farther off, a mechanism at a singular posture may seem to be locked
 
@@ -22,18 +22,25 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
         return False
     nq, span = system.nq, times[-1] - times[0]
     kinds = system.interface.kinds[:nq]
-    plain = _rates(system, times[0], x)
+    plain = rates_at(system, times[0], x)
     sizes = {kind: max(abs(a) for a, k in zip(x, kinds) if k == kind) for kind in kinds}
     if plain is None or any(abs(a) * span > ULP * sizes[kind] for a, kind in zip(plain, kinds)):
         return False
-    return all(abs(a) <= limit for a, limit in zip(plain[nq:], _limits(system, times[0], x, plain)))
+    if any(plain[nq + system.nv :]):  # work is done
+        return False
+    accelerations = plain[nq : nq + system.nv]
+    changes = _last_places(system, times[0], x, plain)
+    if any(abs(a) > CLEAR * c > 0.0 for a, c in zip(accelerations, changes)):
+        return False
+    changes = [*map(max, changes, _other_rounding(system, times[0], x, plain))]
+    return all(abs(a) <= SEVERAL * c for a, c in zip(accelerations, changes))
 
 
 def locked(system: System, x: Sequence[float], t: float) -> bool:
     """Whether constraints that do not depend on time hold x where it is: no speed is one of theirs, and
     they tell all speeds.  The rank of their rows is the trace of the projection, in the metric of the
     mass matrix, onto what they see of the speeds; it counts as at the right-hand side."""
-    nq, nv, nh = system.nq, system.nv, system.nh
+    nq, nv = system.nq, system.nv
     if system.nc < nv or system.interface.driven:
         return False
     still = [*x[:nq], *[0.0] * (len(x) - nq)]
@@ -41,14 +48,8 @@ def locked(system: System, x: Sequence[float], t: float) -> bool:
         return False
     if any(abs(a) > MET * size for a, size in zip(system.position(t, still), system.scales(t, still))):
         return False
-    interface, slopes = system.interface, system.conditions(t, still)[1]
-    seen = [[0.0] * (nv + system.nc) for _ in range(nv)]
-    for k in range(nh, nh + system.nc):
-        for place in range(interface.condition_ends[k - 1] if k else 0, interface.condition_ends[k]):
-            j = interface.condition_columns[place] - nq
-            if 0 <= j < nv:
-                seen[j][nv + k - nh] = slopes[place]
-    return sum(system.solve(column)[j] for j, column in enumerate(seen)) > nv - 0.5
+    columns = zip(*row_gradients(system, t, still))
+    return sum(system.solve([*[0.0] * nv, *column])[j] for j, column in enumerate(columns)) > nv - 0.5
 
 
 def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:
@@ -56,23 +57,24 @@ def resting(x: Sequence[float], times: Sequence[float]) -> Trajectory:
     return Trajectory(list(times), [list(x) for _ in times], times[-1], list(x), OK)
 
 
-def _limits(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
-    """What rounding may bring to each acceleration; 0 for the work, whose rate has to vanish."""
+def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
+    """How far each acceleration changes where all numbers are changed in their last place."""
     p, others = system.parameters, []
     for way in range(WAYS):
         last = [1.0 - ULP if (i + 1) * (2 * way + 3) >> 1 & 1 else 1.0 + ULP for i in range(len(x) + len(p))]
         other = system.bind([a * b for a, b in zip(p, last[len(x) :])])
-        others.append(_rates(other, t, [a * b for a, b in zip(x, last)]))
-    for way in (1, -1):
-        others += rounded_rates(system, [t], [x], way)
+        others.append(rates_at(other, t, [a * b for a, b in zip(x, last)]))
+    return _changes(system, others, plain)
+
+
+def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
+    """How far each acceleration changes where arithmetic is rounded up, or down."""
+    return _changes(system, [r for way in (1, -1) for r in rounded_rates(system, [t], [x], way)], plain)
+
+
+def _changes(system: System, others: Sequence[Sequence[float] | None], plain: Sequence[float]) -> list[float]:
     found = [0.0] * system.nv
     for rates in others:
         moved = zip(found, (rates or plain)[system.nq :], plain[system.nq :])
         found = [max(c, abs(a - b)) for c, a, b in moved]
-    return [SEVERAL * c for c in found] + [0.0] * system.nz
-
-
-def _rates(system: System, t: float, x: Sequence[float]) -> list[float] | None:
-    """None where they cannot be told."""
-    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
+    return found

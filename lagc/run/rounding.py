@@ -15,7 +15,7 @@ from itertools import pairwise
 from math import inf
 
 from lagc.run.distance import Sizes
-from lagc.run.problem import FAILED, System, Trajectory
+from lagc.run.problem import FAILED, System, Trajectory, rates_at
 
 ULP = 2.0**-52
 SAMPLES = 12  # of the recorded states
@@ -100,12 +100,6 @@ def _shifted(x: Sequence[float], k: int) -> list[float]:
     """Every state changed in its last place, up or down by a rule without pattern, another at each k."""
     return [a * (1.0 + (ULP if (i * 0x9E3779B1 + k * 0x85EBCA6B) & 0x4000 else -ULP))
             for i, a in enumerate(x)]  # fmt: skip
-
-
-def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
-    """None where they cannot be told."""
-    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
 
 
 def close_look(system: System, trajectory: Trajectory, groups: Sizes) -> list[tuple[int, float]]:

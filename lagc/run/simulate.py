@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any
 
 from lagc.run.accuracy import verified_run
-from lagc.run.begin import begin, demand
+from lagc.run.begin import begin, demand, strange_outputs
 from lagc.run.counted import Counted
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
@@ -44,17 +44,11 @@ def simulate(
         demand(system, trajectory)
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
-    elif locked(system, start.x, times[0]):
-        still = [*start.x[: system.nq], *[0.0] * (system.nx - system.nq)]
-        trajectory, options = resting(still, times), Options()
+    elif (rest := _rest(counted, start.x, times)) is not None:
+        trajectory, options = resting(rest[0], times), Options()
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
-        notes.append(LOCKED)
-    elif len(times) > 1 and rests(counted, start.x, times):
-        trajectory, options = resting(start.x, times), Options()
-        tried = [trajectory]
-        told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
-        notes.append(RESTS)
+        notes.append(rest[1])
     else:
         assert request.accuracy is not None
         found = verified_run(counted, start.x, times, request.accuracy, progress)
@@ -66,6 +60,8 @@ def simulate(
             from lagc.run.still import told as still_told
 
             notes += still_told(system, trajectory, found.still)
+    for k in strange_outputs(system, start.x):
+        notes.append(f"output `{system.interface.outputs[k].name}` has no finite value at the start")
     if trajectory.redundant_rows and told.status == "ok":
         notes.append(redundancy(system, trajectory))
     return Solution(
@@ -83,6 +79,15 @@ def simulate(
             compile_s=compile_s, run_s=perf_counter() - began, integrations=len(tried),
         ),
     )  # fmt: skip
+
+
+def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:
+    """The state in which it stays from the start x on, and why; None where it moves."""
+    if locked(system, x, times[0]):
+        return [*x[: system.nq], *[0.0] * (system.nx - system.nq)], LOCKED
+    if len(times) > 1 and rests(system, x, times):
+        return x, RESTS
+    return None
 
 
 def by_hand(request: Request) -> Options:

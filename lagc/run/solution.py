@@ -83,6 +83,12 @@ class Solution:
     backend_reason: str = ""  # why `auto` took this backend
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
+    def __repr__(self) -> str:
+        interface, t = self.system.interface, self.times[-1] if self.times else 0.0
+        found = "" if self.estimated is None else f", estimated error {self.estimated:.1g}"
+        return (f"<{type(self).__name__} of {interface.model}, scene {interface.scene}: {self.status}, "
+                f"{len(self.times)} points to t = {t:g} s{found}>")  # fmt: skip
+
     @property
     def parameters(self) -> list[float]:
         """The array p of the run: parameters, then inputs."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
 from lagc.records import dataclass
+from lagc.run.names import more
 from lagc.run.problem import System
 
 _MOST_FOUND = 6  # values or conditions that are named in one note
@@ -78,22 +79,18 @@ class Start:
             lines = [_together(stated)]
         if found:
             shown = [f"`{c.name}` = {_value(c.used, c.unit)}" for c in found[:_MOST_FOUND]]
-            lines.append(f"found for the start: {', '.join(shown)}{_more(found)}")
+            lines.append(f"found for the start: {', '.join(shown)}{more(found, _MOST_FOUND)}")
         return tuple(lines)
 
 
 def _together(changes: Sequence[Change]) -> str:
     """Stated values that moved, and why, in one line."""
     forced = list(dict.fromkeys(name for c in changes for name in c.forced))
-    shown = ", ".join(f"`{c.name}`" for c in changes[:_MOST_FOUND]) + _more(changes)
-    reason = f" to meet {', '.join(forced[:_MOST_FOUND])}{_more(forced)}" if forced else ""
+    shown = ", ".join(f"`{c.name}`" for c in changes[:_MOST_FOUND]) + more(changes, _MOST_FOUND)
+    reason = f" to meet {', '.join(forced[:_MOST_FOUND])}{more(forced, _MOST_FOUND)}" if forced else ""
     return (
         f"stated values moved by at most {max(c.share for c in changes):.2g} of their size{reason}: {shown}"
     )
-
-
-def _more(parts: Sequence[object]) -> str:
-    return f" and {len(parts) - _MOST_FOUND} more" if len(parts) > _MOST_FOUND else ""
 
 
 def names(system: System) -> list[str]:
@@ -101,23 +98,9 @@ def names(system: System) -> list[str]:
     return [*system.interface.q_names, *system.interface.v_names]
 
 
-def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
-    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
-    the run, in place of the model's."""
-    guess, given = list(system.start()), given or {}
-    stated = {i: given[name] for i, name in enumerate(names(system)) if name in given}
-    for i, value in stated.items():
-        guess[i] = value
-    if not system.interface.needs_consistency:
-        return Start(guess)
-    from lagc.run.consistency import search  # where there is something to search for
-
-    return search(system, t, guess, stated)
-
-
 def _listed(parts: Sequence[str]) -> str:
     if len(parts) > _MOST_FOUND:
-        return f"{', '.join(parts[:_MOST_FOUND])}{_more(parts)}"
+        return f"{', '.join(parts[:_MOST_FOUND])}{more(parts, _MOST_FOUND)}"
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 

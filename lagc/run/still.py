@@ -11,9 +11,9 @@ from collections.abc import Iterable, Sequence
 from math import isfinite
 
 from lagc.run.distance import Sizes, sizes
-from lagc.run.names import state_name
-from lagc.run.problem import System, Trajectory
-from lagc.run.rounding import ULP, generic, picked, rates_at
+from lagc.run.names import more, state_name
+from lagc.run.problem import System, Trajectory, rates_at
+from lagc.run.rounding import ULP, generic, picked
 
 FAINT = 1e4  # times the rounding of its rates over the time: a kind that goes farther soon moves
 SEVERAL = 10.0  # times what is seen at a few states is rounding
@@ -62,8 +62,9 @@ def told(system: System, run: Trajectory, still: Bounds) -> list[str]:
     for k, (group, size) in enumerate(sizes(run, system.interface)):
         if 0.0 < size <= still.get(k, 0.0):
             names = ", ".join([state_name(system, i) for i in group[:MOST_NAMED]])
-            more = f" and {len(group) - MOST_NAMED} more" if len(group) > MOST_NAMED else ""
-            found.append(f"{names}{more} (up to {size:.1g} {units[group[0]]}".rstrip() + ")")
+            found.append(
+                f"{names}{more(group, MOST_NAMED)} (up to {size:.1g} {units[group[0]]}".rstrip() + ")"
+            )
     return [f"moved by rounding only, and of no accuracy: {'; '.join(found)}"] if found else []
 
 

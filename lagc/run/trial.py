@@ -13,8 +13,8 @@ from lagc.optimize.program import Program
 from lagc.render.numpy.render import functions
 from lagc.render.numpy.support.linear import Equations
 from lagc.run.backends.numpy import NumpyModel
-from lagc.run.begin import NoStart, begin, undetermined
-from lagc.run.problem import FAILED
+from lagc.run.begin import NoStart, begin, strange_outputs, undetermined
+from lagc.run.problem import FAILED, System
 from lagc.run.request import Request
 from lagc.run.rest import locked
 
@@ -35,15 +35,21 @@ class _Model(NumpyModel):
         return space
 
 
-def try_start(program: Program, parameters: Sequence[float]) -> None:
-    """Raises Refused as a run with the array p would before its first step: NoStart, or LAG0604."""
+def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
+    """The outputs without a finite value at the start.  Raises Refused as a run with the array p would before
+    its first step: NoStart, LAG0617 or LAG0604."""
     request = Request().completed(program.interface.simulate)
     system = _Model(program).bind(parameters)
     x = begin(system, request).x
     if request.stop == 0.0 or locked(system, x, 0.0):
-        return
+        return _strange(system, x)
     equations: Equations = system.equations()
     equations.inspect(0.0, x)
     status = equations.rhs(0.0, x, [0.0] * system.nx, [0.0] * system.nc)
     if status in FAILED:
         raise undetermined(system, status, equations.culprit, x)
+    return _strange(system, x)
+
+
+def _strange(system: System, x: Sequence[float]) -> list[str]:
+    return [system.interface.outputs[k].name for k in strange_outputs(system, x)]

@@ -26,6 +26,7 @@ from lagc.run.problem import (
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
 
+SHORTEST = 1e-140  # s: of a shorter run, errors per step have no squares
 STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
 UNKNOWN = "the cause is not known"
 
@@ -83,6 +84,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
             return "failed", f"at {t} {_nearly(system, *own)}"
         why = bent(system, trajectory, trajectory.t, trajectory.x)
         return "failed", f"at {t} {why or f'the constraints contradict each other: {row_name(system, k)}'}"
+    if status != MAX_STEPS and trajectory.steps == 0 and 0.0 < stop < SHORTEST:
+        return "failed", f"numbers are too coarse for a run of {stop:g} s: ask for a longer one"
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
@@ -181,7 +184,9 @@ def redundancy(system: System, trajectory: Trajectory) -> str:
     kept = _kept(system, trajectory)
     if kept is not None:
         return _nearly(system, *kept)
-    rows = ", ".join(row_name(system, k) for k in trajectory.redundant_rows)
-    several = len(trajectory.redundant_rows) > 1
+    from lagc.run.dependence import spare_rows
+
+    spare = spare_rows(system, trajectory)
+    rows, several = ", ".join(row_name(system, k) for k in spare), len(spare) > 1
     return (f"{rows} {'depend' if several else 'depends'} on other constraints: the motion is determined, "
             "the multipliers are the smallest ones possible")  # fmt: skip

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from lagc.run.cause import pinned
 from lagc.run.distance import kinds
-from lagc.run.problem import FAILED, System, Trajectory
+from lagc.run.problem import System, Trajectory, rates_at
 
 CREEPING = 1e-4  # of their sizes: what states move by in a step that is too short for any smooth motion
 NOTHING = 1e-20  # of the kinetic energy
@@ -68,11 +68,11 @@ def _creeps(system: System, run: Trajectory, step: float) -> bool:
         if min(group) >= system.nq and abs(system.energies(run.t, y)[0] - kinetic) <= NOTHING * kinetic:
             moving.remove(group)
             x = y
-    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
-    if system.rhs(run.t, x, xdot, lam) in FAILED:
+    rates = rates_at(system, run.t, x)
+    if rates is None:
         return True
     for group in moving:
         size = max((abs(y[i]) for y in [*run.states, run.x] for i in group), default=0.0)
-        if any(abs(xdot[i]) * step > CREEPING * size for i in group):
+        if any(abs(rates[i]) * step > CREEPING * size for i in group):
             return False
     return True

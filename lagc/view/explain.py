@@ -165,7 +165,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("actions", map(_action_line, facts["actions"]), verbose),
         _count_text(facts),
         _section("cyclic coordinates", _cyclic_lines(facts) or ["none"], verbose),
-        _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing"], verbose),
+        _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing found"], verbose),
         _energies_text(facts),
         _section("not examined", facts["not_examined"], verbose),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),

@@ -29,7 +29,7 @@ def matrices(equations: EquationsOfMotion) -> Matrices:
     """Raises ImportError, with what to install, where SymPy is missing."""
     try:
         import sympy
-    except ImportError:
+    except ModuleNotFoundError:
         raise ImportError("matrices need SymPy: pip install 'lagc[sympy]'") from None
     from lagc.expr.sympy import to_sympy
 

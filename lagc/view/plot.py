@@ -210,6 +210,6 @@ def _matplotlib() -> Any:
     try:
         import matplotlib
         import matplotlib.figure
-    except ImportError:
+    except ModuleNotFoundError:
         raise ImportError("a picture needs matplotlib: pip install 'lagc[plot]'") from None
     return matplotlib

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.api import TakesLong, _Patience
 from lagc.run.backends import compile as c_compiler
 from lagc.run.files import CannotSave
+from lagc.run.patience import Patience, TakesLong
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -155,7 +155,7 @@ def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: 
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
     short = lagc.load("simple_pendulum").compile(scene="room")
     assert short.simulate(stop=1).system.backend == "numpy"
-    monkeypatch.setattr("lagc.api.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
@@ -173,7 +173,7 @@ def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_p
 @needs_c
 def test_patience_ends() -> None:
     with pytest.raises(TakesLong):
-        _Patience(-1.0, None)(0.0)
+        Patience(-1.0, None)(0.0)
 
 
 @needs_c
@@ -194,3 +194,11 @@ def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_pa
     answers = [p.communicate(timeout=120)[0] for p in running]
     assert all(p.returncode == 0 for p in running) and len(set(answers)) == 1
     assert not list(tmp_path.rglob("*.tmp"))
+
+
+def test_what_a_console_shows_is_one_line() -> None:
+    pendulum = lagc.load("simple_pendulum")
+    run = pendulum.compile(backend="numpy").simulate(stop=1, points=4000)
+    assert repr(run).startswith("<Run of SimplePendulum, scene vacuum: ok, 4000 points to t = 1 s, estimated")
+    for shown in (pendulum, run, run.accuracy, run.energy, run.cost):
+        assert len(repr(shown)) < 200 and "\n" not in repr(shown)

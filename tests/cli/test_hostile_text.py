@@ -57,7 +57,7 @@ def test_every_character_that_is_not_printable_is_escaped_and_told_apart() -> No
         shown = one_line(f"a{char}b")
         assert is_harmless(shown) and "\n" not in shown
         assert unicodedata.category(char)[0] in "CZ" or shown == f"a{char}b"
-        assert printable(char) == (char if char.isprintable() or char == "\n" else printable(char))
+        assert (printable(char) == char) == (char.isprintable() or char == "\n")
         found = json_text({"a": f"{char}"})
         assert is_harmless(found) and json.loads(found)["a"] == char
         assert json_text({"a": char}, encoding="ascii").isascii()

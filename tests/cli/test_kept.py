@@ -9,6 +9,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,12 +35,16 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def after_the_run(monkeypatch: pytest.MonkeyPatch, happens: Callable[[], object]) -> None:
     run = CompiledModel.run
 
-    def changed(*arguments: object, **named: object) -> Run:
-        found = run(*arguments, **named)  # type: ignore[arg-type]
+    def changed(*arguments: Any, **named: Any) -> Run:
+        found = run(*arguments, **named)
         happens()
         return found
 
     monkeypatch.setattr(CompiledModel, "run", changed)
+
+
+def full(*_: object) -> None:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 
 def kept(here: Path, said: str) -> Path:
@@ -105,10 +110,7 @@ def test_every_fault_of_the_disk_is_told_and_leaves_the_old_file(
 def test_where_nothing_can_be_written_the_result_is_printed(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    def faulty(*_: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    after_the_run(monkeypatch, lambda: monkeypatch.setattr(os, "fsync", faulty))
+    after_the_run(monkeypatch, lambda: monkeypatch.setattr(os, "fsync", full))
     assert main([*SIM, "-o", str(here / "far" / "run.csv")]) == 74
     out, err = capsys.readouterr()
     assert "theta" in out and "could not be kept elsewhere" in err
@@ -147,9 +149,6 @@ def test_a_full_disk_is_no_wrong_usage(
 ) -> None:
     ugly = "model  A\ncoordinate Length x;body b=Particle(mass=1[kg],at={x,0,0});end A;"
     Path("ugly.lag").write_text(ugly)
-
-    def full(*_: object) -> None:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(os, "fsync", full)
     assert main(words) == 74

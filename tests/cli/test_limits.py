@@ -6,9 +6,13 @@ import csv
 import importlib
 import json
 import math
+import os
 import random
 import signal
+import subprocess
+import sys
 import tracemalloc
+from contextlib import nullcontext
 from pathlib import Path
 from time import monotonic
 
@@ -20,6 +24,7 @@ from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.numerals import seconds, size
 from lagc.run import forecast
+from lagc.run.backends.compile import compiler
 from lagc.run.request import Request
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -106,6 +111,19 @@ def test_the_time_of_a_block_is_that_of_all_in_it() -> None:
             endless()
 
 
+@pytest.mark.parametrize("stage_of", [None, "outer", "inner"])
+def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> None:
+    """Whose limit ends it, and where the stage began, changes nothing."""
+    doing = f"the stage of the {stage_of}" if stage_of else "the work"
+    for times in ((0.1, None), (None, 0.1), (0.1, 9.0), (9.0, 0.1)):
+        outer, inner = (
+            limits.stage(doing) if stage_of == name else nullcontext() for name in ("outer", "inner")
+        )
+        with pytest.raises(Refused, match=f"LAG0801: {doing} took longer than"):  # noqa: SIM117
+            with lagc.Limits(times[0]), outer, lagc.Limits(times[1]), inner:
+                endless()
+
+
 def test_a_run_in_python_ends_with_what_it_has() -> None:
     system = lagc.loads(SPRING).compile(backend="numpy")
     with lagc.Limits(time=1.5):
@@ -121,6 +139,39 @@ def test_more_memory_than_allowed_is_told_and_the_limit_goes() -> None:
         bytearray(1 << 30)
     assert resource.getrlimit(resource.RLIMIT_AS) == before
     bytearray(1 << 26)
+
+
+def test_less_memory_than_is_taken_is_refused_before_anything_is_done() -> None:
+    """Where there is none left, nothing that comes after could be relied on, no report of it either."""
+    taken = limits.reserved()
+    if not taken:
+        pytest.skip("the system does not tell")
+    for part in (1e-9, 1e-3, 0.1, 0.5, 0.99):
+        with pytest.raises(Refused, match="LAG0802: the work needs more memory"):  # noqa: SIM117
+            with lagc.Limits(memory=part * taken):
+                pytest.fail("it began")
+    with lagc.Limits(memory=limits.reserved() + 1e8):
+        bytearray(10_000_000)
+
+
+@pytest.mark.skipif(compiler() is None or sys.platform != "linux", reason="limits of memory")
+@pytest.mark.parametrize("words", [["--backend", "c"], ["--backend", "auto"], ["--plot", "a.svg"]])
+def test_any_limit_of_memory_is_kept_or_reached(spring: str, words: list[str], tmp_path: Path) -> None:
+    """Whatever it hits: Python, a library that is loaded, or the compiler, which is several programs."""
+    rng, codes = random.Random(4), list[int]()
+    env = {
+        **os.environ,
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+        "LAGC_CACHE": "",
+        "OPENBLAS_NUM_THREADS": "1",
+    }
+    for size_of in (16, 400, *(rng.randrange(17, 75) for _ in range(3))):
+        command = [sys.executable, "-m", "lagc", "sim", spring, *words, "--max-memory", f"{size_of}M"]
+        done = subprocess.run(command, env=env, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode in (0, 4), (size_of, done.stderr)
+        assert ("error[LAG0802]" in done.stderr) == (done.returncode == 4)
+        codes.append(done.returncode)
+    assert codes[:2] == [4, 0]
 
 
 @pytest.mark.parametrize(
@@ -200,6 +251,42 @@ def test_a_run_of_more_steps_than_any_says_so(
     assert "would take more than 1e+38 steps" in json.loads(capsys.readouterr().out)["message"]
 
 
+@pytest.mark.parametrize("name", ["simple_pendulum", "string_pendulum", "four_bar"])
+@pytest.mark.parametrize("method", [[], ["--method", "dop853"], ["--method", "dopri5"]])
+def test_a_run_too_short_for_numbers_says_so(
+    name: str, method: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is done, or the numbers are to blame: never the model, nor too many steps."""
+    rng = random.Random(name)
+    for exponent in (323, 320, *(rng.randrange(100, 320) for _ in range(6)), 100):
+        words = ["--stop", f"9e-{exponent}", "--backend", "numpy", "--json", *method]
+        code = main(["sim", name, *words])
+        found = json.loads(capsys.readouterr().out)
+        assert code == (0 if found["status"] == "ok" else 3)
+        assert found["status"] == "ok" or "numbers are too coarse for a run of " in found["message"]
+    assert code == 0
+
+
+@pytest.mark.parametrize("words", ["--points 60000000", "--points 600000000000000000", "--every 1e-15"])
+def test_any_number_of_points_may_be_asked_for(
+    spring: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The remedy says what allows it; then the memory there is decides, here that of a limit."""
+    option, word = words.split()
+    assert main(["sim", spring, option, word, "--json"]) == 4
+    (fault,) = json.loads(capsys.readouterr().out)["faults"]
+    assert fault["code"] == "LAG0804"
+    allowed = size(fault["remedy"].split("`")[-2].split()[1])
+    interface = lagc.loads(SPRING).compile(backend="numpy").interface
+    request = Request(points=int(word)) if option == "--points" else Request(every=float(word))
+    forecast.check_memory(request.completed({}), interface, allowed or 0.0)
+
+
+@pytest.mark.parametrize("words", [["--points", "9" * 19], ["--points", "9" * 400], ["--every", "1e-320"]])
+def test_more_points_than_any_list_has_are_wrong_usage(spring: str, words: list[str]) -> None:
+    assert main(["sim", spring, *words, "--max-memory", "none"]) == 2
+
+
 @pytest.mark.parametrize("start", ["1e-320", "-5e-324", "1e-310", "1e-303"])
 def test_states_that_leave_no_digits_are_no_internal_error(spring: str, start: str) -> None:
     assert main(["sim", spring, "--backend", "numpy", "--start", f"x={start}", "--json"]) in (0, 3)
@@ -207,12 +294,12 @@ def test_states_that_leave_no_digits_are_no_internal_error(spring: str, start: s
 
 @pytest.mark.parametrize("kind", [MemoryError, type("ArrayMemoryError", (MemoryError,), {})])
 def test_memory_of_any_kind_is_told(kind: type[MemoryError]) -> None:
-    with pytest.raises(Refused, match="LAG0802: the work needs more memory than 1 GB"):  # noqa: SIM117
-        with lagc.Limits(memory=1e9), lagc.Limits(memory=2e9):
-            raise kind("of arrays")
-    with pytest.raises(Refused, match="LAG0802: the work needs more memory than there is"):  # noqa: SIM117
-        with lagc.Limits(memory=math.inf):
-            raise kind("of arrays")
+    given = pytest.raises(Refused, match="LAG0802: the work needs more memory than 1 GB")
+    with given, lagc.Limits(memory=1e9), lagc.Limits(memory=2e9):
+        raise kind("of arrays")
+    without = pytest.raises(Refused, match="LAG0802: the work needs more memory than there is")
+    with without, lagc.Limits(memory=math.inf):
+        raise kind("of arrays")
 
 
 @pytest.mark.parametrize("word", ["0", "-1", "nan", "inf", "2 weeks", "1e3", "", "٣"])

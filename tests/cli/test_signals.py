@@ -1,6 +1,6 @@
 """Signals at any time: files are the old ones or whole new ones, nothing is left, and the exit code says it.
 
-LAGC_KILLS is the number of signals (30 where it is not set).
+LAGC_KILLS is the number of signals (10 where it is not set).
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="signals")
-KILLS = int(os.environ.get("LAGC_KILLS", "30"))
+KILLS = int(os.environ.get("LAGC_KILLS", "10"))
 ROOT = str(Path(__file__).parents[2])
 UGLY = "model  A\ncoordinate Length x;body b=Particle(mass=1[kg],at={x,0,0});end A;"
 SIM = "sim simple_pendulum -q --backend numpy --points 2001 --stop 20 -o"

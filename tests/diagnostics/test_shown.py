@@ -145,7 +145,8 @@ error[LAG0302]: the potential `V` is Energy [J], this is Length [m]
   --> sub/lib.lag:3:17
    |
  3 |   potential V = x;
-   |                 ^"""
+   |                 ^
+   = help: a factor in `[N]` is missing in it"""
     )
 
 

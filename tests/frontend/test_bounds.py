@@ -40,6 +40,20 @@ def test_line_ends_tabs_and_byte_order_mark() -> None:
     assert format_source(Source("x", text)) == "model M\n  parameter Mass m = 1 [kg];\nend M;\n"
 
 
+@pytest.mark.parametrize(
+    "where", ["model M // {}\nend M;\n", 'model M "{}"\nend M;\n', "model M {}\nend M;\n"]
+)
+def test_no_command_takes_nul_anywhere(where: str) -> None:
+    source = Source("x", where.format("\0"))
+    for command in (parse, format_source):
+        with pytest.raises(Refused) as refused:
+            command(source)
+        (fault,) = refused.value.faults
+        assert fault.code == "LAG0101"
+        assert fault.span is not None
+        assert source.text[fault.span.start] == "\0"
+
+
 def test_columns_count_characters() -> None:
     source = Source("x", "model M\n  /* ünïcödé 𝛼 */ parameter Mass m == 1;\nend M;\n")
     assert faults(source) == [("LAG0115", 2, 36)]

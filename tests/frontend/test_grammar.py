@@ -12,6 +12,7 @@ from lagc.diagnostics.faults import Source
 from lagc.frontend import tables
 from lagc.frontend.lexer import tokenise
 from lagc.frontend.machine import Machine
+from lagc.frontend.recovery import recover
 
 MODELS = sorted((Path(__file__).resolve().parents[2] / "models").rglob("*.lag"))
 
@@ -26,7 +27,7 @@ def test_lark_reads_the_models(lark: Lark, path: Path) -> None:
     """Fed with the same tokens (which a lexer alone cannot tell apart, as the grammar says)."""
     source = Source(str(path), path.read_text("utf-8"))
     lexed = tokenise(source)
-    ours = Machine(source, tables.tables(), lexed).run()
+    ours = Machine(source, tables.tables(), lexed).run(recover)
     theirs = lark.parse_interactive()
     for token in lexed.tokens[:-1]:
         theirs.feed_token(Token(token.terminal, token.text))

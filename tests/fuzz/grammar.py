@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from lagc.diagnostics.faults import Source
 from lagc.frontend.lexer import tokenise
 from lagc.frontend.machine import Machine
+from lagc.frontend.recovery import recover
 from lagc.frontend.tables import tables
 
 
@@ -26,7 +27,7 @@ def rules(texts: Iterable[str]) -> dict[str, int]:
         source = Source("text", text)
         machine = _Counting(source, own, tokenise(source))
         machine.used = used
-        machine.run()
+        machine.run(recover)
     found: Counter[str] = Counter()
     for number, (_, _, name, _) in enumerate(own.rules):
         if name is not None:

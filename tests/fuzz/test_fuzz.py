@@ -29,6 +29,7 @@ from tests.fuzz.mutations import library, mutated
 from tests.fuzz.statements import spliced
 
 COUNT = int(os.environ.get("LAGC_FUZZ", "16"))  # texts of each kind
+SLOW = {"models": 2, "guided": 2}  # of which there are that many times fewer
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.lag"))
 UNUSED = {"annotation", "when", "statement"}  # are read, and not yet of the language
 
@@ -47,7 +48,8 @@ def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
         pytest.skip("calls are disturbed by a library that is loaded before that of C")
     monkeypatch.setenv("LAGC_CC", os.environ.get("LAGC_CC", ""))  # is set by the trials
     monkeypatch.setenv("LAGC_CACHE", "")
-    words = ["--kinds", kind, "--texts", str(COUNT), "--jobs", "1", "-o", str(tmp_path)]
+    count = -(-COUNT // SLOW.get(kind, 1))
+    words = ["--kinds", kind, "--texts", str(count), "--jobs", "1", "-o", str(tmp_path)]
     assert main(words) == 0
 
 

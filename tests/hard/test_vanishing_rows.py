@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
+from lagc.mechanics.equations import EquationsOfMotion
 
 ANGLES = """
 model Track
@@ -122,6 +123,12 @@ model Two
   %(lines)s
 end Two;
 """
+
+
+def derived(length: float, size: float, lines: str) -> EquationsOfMotion:
+    return lagc.loads(TWO % {"l": length, "size": size, "lines": lines}).compile().equations
+
+
 APART = "position(a) - position(b)"
 SAME = "`position(a) = position(b)`"
 GENERIC = "a row of its own: `a = b`"
@@ -173,7 +180,7 @@ TOUCHING[STEEP[0]] = "`2*y/one = 0`"
 ])  # fmt: skip
 def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: float) -> None:
     with pytest.raises(lagc.Refused) as refused:
-        lagc.loads(TWO % {"l": 0.3, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+        derived(0.3, size, f"constraint c: {row};")
     (fault,) = refused.value.faults
     assert fault.code == "LAG0413"
     assert fault.remedy is not None and TOUCHING.get(row, GENERIC) in fault.remedy
@@ -181,12 +188,40 @@ def test_rows_that_touch_zero_are_refused_with_what_they_say(row: str, size: flo
 
 @pytest.mark.parametrize("size", [1e-6, 0.3, 1e6])
 @pytest.mark.parametrize("row", CROSSING)
-@pytest.mark.parametrize("l", [1e-9, 0.3, 1e9])
-def test_rows_that_cross_zero_are_accepted(row: str, l: float, size: float) -> None:  # noqa: E741
+@pytest.mark.parametrize("length", [1e-9, 0.3, 1e9])
+def test_rows_that_cross_zero_are_accepted(row: str, length: float, size: float) -> None:
     try:
-        lagc.loads(TWO % {"l": l, "size": size, "lines": f"constraint c: {row};"}).compile().equations  # noqa: B018
+        derived(length, size, f"constraint c: {row};")
     except lagc.Refused as refused:
         assert "LAG0413" not in [fault.code for fault in refused.faults]
+
+
+MIXED = """
+model Mixed
+  coordinate Length x(start = %(size)s [m]), y(start = 0.4*%(size)s [m]), z;
+  coordinate Angle u(start = 0.4), v(start = 0.3);
+  parameter Length one = %(size)s [m];
+  body a = Particle(mass = 1, at = {x + one*sin(v), y + one*cos(v)*sin(u), z});
+  body b = Particle(mass = 1, at = {z, one*sin(u), one*cos(v)});
+  constraint c: %(row)s;
+end Mixed;
+"""
+TOUCHES = ["1 - cos(u) = 0", "cosh(u) = 1", "u - sin(u) = 0", "(u - v)^3*exp(v) = 0", "cosh(x/one) = 1",
+           "1 - cos(x/one) = 0", "x - one*sin(x/one) = 0"]  # fmt: skip
+CROSSES = ["sin(u) = 0", "exp(u) = 1.2", "x^3 = one^3", "x*y = one^2", "u^2 - v^2 = 0.01",
+           "u^2 + x^2/one^2 = 1"]  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1e-15, 1e-12, 1e-4, 1e4, 1e12, 1e15])
+def test_angles_beside_lengths_of_any_size(size: float) -> None:
+    for row in (*TOUCHES, *CROSSES):
+        try:
+            assert lagc.loads(MIXED % {"size": size, "row": row}).compile().equations.rows
+            touches = False
+        except lagc.Refused as refused:
+            touches = [fault.code for fault in refused.faults] == ["LAG0413"]
+            assert touches, row
+        assert touches == (row in TOUCHES), row
 
 
 def forms(seed: int) -> dict[str, str]:
@@ -218,7 +253,7 @@ def test_where_gradients_vanish_over_random_forms(made: str) -> None:
         found = forms(7 * seed + len(made))
         line = f"constraint c: {''.join(found.get(c, c) for c in made)} = 0;"
         try:
-            lagc.loads(TWO % {"l": 0.3, "size": 0.3, "lines": line}).compile().equations  # noqa: B018
+            derived(0.3, 0.3, line)
             where = "nowhere"
         except lagc.Refused as refused:
             (fault,) = refused.faults
@@ -231,4 +266,4 @@ def test_where_gradients_vanish_over_random_forms(made: str) -> None:
 def test_values_of_parameters_refuse_no_row(row: str) -> None:
     """With r = 0 it only touches; what is compiled holds for any r."""
     lines = f"parameter Length r = 0; constraint c: {row};"
-    lagc.loads(TWO % {"l": 0.3, "size": 0.3, "lines": lines}).compile().equations  # noqa: B018
+    assert derived(0.3, 0.3, lines).rows

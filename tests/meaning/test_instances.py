@@ -284,3 +284,93 @@ def test_an_effect_that_no_scene_uses_is_not_blamed_for_others() -> None:
     assert check(Source("model.lag", text.replace("{}", "")), Choice()) == []
     faults = check(Source("model.lag", text.replace("{}", "potential V = 3 [m];")), Choice())
     assert [f.code for f in faults] == ["LAG0302"]
+
+
+WHOLE = "model A coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0}); end A; "
+PARTS = """
+package P
+  constant Length l = 2 [m];
+  model C
+    coordinate Length x;
+    body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  end C;
+  package Q
+    constant Length l = 3 [m];
+    model D
+      extends C;
+    end D;
+  end Q;
+end P;
+"""
+
+
+@pytest.mark.parametrize(
+    ("imports", "type_name", "length", "expected"),
+    [
+        ("import P.C;", "C", "P.l", 2.0),
+        ("import P.*;", "C", "l", 2.0),
+        ("import P.Q;", "Q.D", "Q.l", 3.0),
+        ("import P.Q.D;", "D", "P.Q.l", 3.0),
+        ("import P.Q.*;", "D", "l", 3.0),
+        ("import R = P.Q; import R.*;", "D", "R.l", 3.0),
+        ("import P.*; import Q.D;", "D", "Q.l", 3.0),
+    ],
+)
+@pytest.mark.parametrize("where", ["here", "there", "a file of that name"])
+def test_imports_find_packages_that_are_known_and_files(
+    imports: str, type_name: str, length: str, expected: float, where: str, tmp_path: Path
+) -> None:
+    """A package of this file, or of another that is imported, or of a file that has its name."""
+    text = f"{imports}\nmodel M\n  {type_name} c;\n  parameter Length k = {length};\nend M;\n"
+    if where == "there":
+        (tmp_path / "parts.lag").write_text(PARTS)
+        text = 'import "parts.lag";\n' + text
+    elif where == "here":
+        (tmp_path / "P.lag").write_text("package P end P;")  # what is known goes first
+        text = PARTS + text
+    else:
+        (tmp_path / "P.lag").write_text(PARTS)
+        if "P." in length or "Q." in length:
+            text = text.replace(length, length.rpartition(".")[2]).replace("model M", "import P.*;\nmodel M")
+            expected = 2.0 if "P.Q.*" not in imports and "R.*" not in imports else 3.0
+    path = tmp_path / "m.lag"
+    path.write_text(text)
+    source = Source(str(path), text)
+    assert check(source, Choice()) == []
+    model = resolve(parse(source))
+    assert [c.name for c in model.coordinates] == ["c.x"]
+    assert {p.name: p.value for p in model.parameters}["k"] == expected
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "import P.C;",
+        "import P.*;",
+        "import P.Q.*; import Q.P.*;",
+        "import P.P; package P end P;",
+        "import C.*;",
+    ],
+)
+def test_imports_of_what_is_not_there_end_with_a_fault(text: str, tmp_path: Path) -> None:
+    """Those that look for each other, too."""
+    text += " model M coordinate Length x; C c; end M;"
+    with pytest.raises(Refused) as refused:
+        resolve(parse(Source(str(tmp_path / "m.lag"), text)))
+    assert {f.code for f in refused.value.faults} <= {"LAG0203", "LAG0206", "LAG0216"}
+
+
+@pytest.mark.parametrize("model", ["", "partial model A end A; ", WHOLE])
+@pytest.mark.parametrize(
+    "rest", ["", "package P constant Real k = 1; end P;", PARTS, "package P partial model C end C; end P;"]
+)
+def test_what_check_passes_can_be_built(model: str, rest: str) -> None:
+    """Also where the models of a file are all in packages: the last one is meant."""
+    source = Source("m.lag", model + rest)
+    try:
+        found = resolve(parse(source)).name
+    except Refused as refused:
+        assert {f.code for f in check(source, Choice())} == {f.code for f in refused.faults}
+    else:
+        assert check(source, Choice()) == []
+        assert found == ("A" if model == WHOLE else "D")

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -110,9 +111,9 @@ ODD = [make_pipe, make_socket, make_device, make_link_to_device, Path.mkdir, mak
 @pytest.mark.parametrize(
     "text", [MAIN, MAIN.replace('"lib.lag"', "lib.x0"), MAIN.replace('"lib.lag"', "lib.*")]
 )
-def test_an_import_is_a_file(tmp_path: Path, make: object, text: str) -> None:
+def test_an_import_is_a_file(tmp_path: Path, make: Callable[[Path], object], text: str) -> None:
     """Whatever else stands under its name is a fault with its place; nobody waits for it."""
-    make(tmp_path / "lib.lag")  # type: ignore[operator]
+    make(tmp_path / "lib.lag")
     found = faults(tmp_path, text)
     assert {f.code for f in found} <= {"LAG0216", "LAG0217", "LAG0201"}
     assert all(f.span is not None for f in found)
@@ -121,9 +122,9 @@ def test_an_import_is_a_file(tmp_path: Path, make: object, text: str) -> None:
 
 @only_posix
 @pytest.mark.parametrize("make", [m for m in ODD if m is not make_link_to_device], ids=lambda m: m.__name__)
-def test_a_model_is_a_file_or_a_pipe(tmp_path: Path, make: object) -> None:
+def test_a_model_is_a_file_or_a_pipe(tmp_path: Path, make: Callable[[Path], object]) -> None:
     path = tmp_path / "m.lag"
-    make(path)  # type: ignore[operator]
+    make(path)
     assert refusal(str(path)).code == ("LAG0704" if make is make_hole else "LAG0702")
 
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import math
+import random
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lagc.diagnostics.faults import Refused, Source
+from lagc.frontend.parse import parse
+from lagc.meaning.resolve import resolve
 from lagc.meaning.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
 
 
@@ -91,3 +96,23 @@ def test_dimensions_form_a_group(a: tuple[int, ...], b: tuple[int, ...]) -> None
 @given(_DIMENSIONS)
 def test_the_name_of_a_dimension_is_read_back(a: tuple[int, ...]) -> None:
     assert unit(si_text(a) or "1").dimension == a
+
+
+def test_the_remedy_for_a_wrong_unit_mends_it() -> None:
+    """Of random types and units: what is written as the fault says has the declared dimension."""
+    rng = random.Random(7)
+    types = ["Mass", "Length", "Velocity", "Force", "Inertia", "Pressure", "Real", "Viscosity", "Charge"]
+    units = ["kg", "mm", "m/s", "N.m", "kg.m2/s2", "1/s", "A", "K", "W/(m2.K)", "l", "bar"]
+    mended = 0
+    for _ in range(60):
+        value = rng.choice((f"{rng.randrange(1, 99)}", "2.5e-3", "-7.")) + f" [{rng.choice(units)}]"
+        text = f"model A\n  parameter {rng.choice(types)} p = {value};\n  coordinate Real x;\nend A;\n"
+        try:
+            resolve(parse(Source("a.lag", text)))
+        except Refused as refused:
+            (fault,) = [f for f in refused.faults if f.code == "LAG0302"]
+            words = re.findall("`([^`]*)`", fault.remedy or "")
+            new = value.replace(words[-1], words[0] if len(words) == 2 else "")
+            resolve(parse(Source("a.lag", text.replace(value, new))))
+            mended += 1
+    assert mended > 40

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import math
 import random
+from typing import Any
 
 import numpy
 import pytest
@@ -14,8 +15,9 @@ import lagc
 from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.vectors import Vector
 from lagc.frontend.parse import parse
-from lagc.meaning.model import Body, Model
+from lagc.meaning.model import Body, Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.mechanics import opposing
 from lagc.mechanics.derive import derive
@@ -54,25 +56,26 @@ end Two;
 
 
 def virtual_work(
-    model: Model, body: Body, at: tuple[Node, ...], force: list[float], state: dict[Node, float]
-):  # type: ignore[no-untyped-def]
+    model: Model, body: Body, at: Vector, force: list[float], state: dict[Node, float]
+) -> list[float]:
     """F . dr/dq_j of the point of `body` that is at `at`, carried along by differences."""
     assert body.frame is not None
     pose = Expressions([*body.position, *(x for row in body.frame.axes for x in row)])
     exact = {symbol: mp.mpf(x) for symbol, x in state.items()}
     here = Expressions(list(at))(exact)
 
-    def placed(values: list[object], arm: list[object]) -> list[object]:
-        return [values[i] + sum(values[3 + 3 * i + k] * arm[k] for k in range(3)) for i in range(3)]  # type: ignore[operator, misc]
+    def placed(values: list[Any], arm: list[Any]) -> list[Any]:
+        return [values[i] + sum(values[3 + 3 * i + k] * arm[k] for k in range(3)) for i in range(3)]
 
     now = pose(exact)
     apart = [here[i] - now[i] for i in range(3)]
     arm = [sum(now[3 + 3 * i + k] * apart[i] for i in range(3)) for k in range(3)]
     found = []
     for c in model.coordinates:
-        ahead = placed(pose({**exact, c.symbol: exact[c.symbol] + STEP}), arm)  # type: ignore[union-attr]
-        behind = placed(pose({**exact, c.symbol: exact[c.symbol] - STEP}), arm)  # type: ignore[union-attr]
-        moved = [(p - q) / (2 * STEP) for p, q in zip(ahead, behind)]  # type: ignore[operator]
+        assert isinstance(c, Coordinate)
+        ahead = placed(pose({**exact, c.symbol: exact[c.symbol] + STEP}), arm)
+        behind = placed(pose({**exact, c.symbol: exact[c.symbol] - STEP}), arm)
+        moved = [(p - q) / (2 * STEP) for p, q in zip(ahead, behind)]
         found.append(float(sum(f * d for f, d in zip(force, moved))))
     return found
 

@@ -93,7 +93,10 @@ def bennett(rng: random.Random) -> Made:
 
 def general_7r(rng: random.Random) -> Made:
     """Nothing special: 7 joints less 6 rows."""
-    draw = lambda low, high: [rng.uniform(low, high) for _ in range(7)]  # noqa: E731
+
+    def draw(low: float, high: float) -> list[float]:
+        return [rng.uniform(low, high) for _ in range(7)]
+
     return ring(rng, draw(0.5, 1.5), draw(-1.2, 1.2), draw(-0.3, 0.3), draw(0.6, 1.2)), 1
 
 

@@ -23,6 +23,18 @@ body b = Particle(mass = m, at = {x, y, 0});
 frame F = rotate_x(rotate_z(world, th), ps);
 body d = Solid(mass = m, inertia = {1, 1, 1} [kg.m2], frame = F, com = {0, 0, 0});
 """
+SIZES = (1e-15, 1e-9, 1e-3, 1.0, 1e6, 1e15)
+
+
+def sized(size: float) -> str:
+    """HEAD with other lengths."""
+    head = HEAD
+    for factor in (1, 0.3, 0.2):
+        assert f"= {factor} [m]" in head
+        head = head.replace(f"= {factor} [m]", f"= {factor * size!r} [m]")
+    return head
+
+
 VARIABLES = (
     "x/l",
     "th",
@@ -93,9 +105,9 @@ PLACES = [
 ]
 
 
-def codes(line: str) -> set[str]:
+def codes(line: str, head: str = HEAD) -> set[str]:
     """Of the faults, but for those of a start: not every one of these rows can be met."""
-    faults = check(Source("m.lag", f"{HEAD}{line}\nend M;"), Choice())
+    faults = check(Source("m.lag", f"{head}{line}\nend M;"), Choice())
     return {f.code for f in faults if f.severity == "error" and not f.code.startswith("LAG061")}
 
 
@@ -106,9 +118,10 @@ def test_a_break_is_refused_where_the_mechanics_cannot_hold_it(place: int) -> No
     for k in range(len(expressions("x", chance))):
         u = chance.choice(VARIABLES)
         expression, kind = expressions(f"({u})", chance)[k]
-        line = template.format(e=expression)
+        line, size = template.format(e=expression), chance.choice(SIZES)
         given = "potential" in line and u == "time/T"  # a force that changes with time
-        assert codes(line) == ({code} if kind in refused and not given else set()), (line, kind)
+        found = codes(line, sized(size))
+        assert found == ({code} if kind in refused and not given else set()), (line, kind, size)
 
 
 def bends(u: str, w: str) -> list[str]:
@@ -181,20 +194,19 @@ UNSPELT = [
 ]
 
 
+UNSPELT_PLACES = [
+    ("constraint k: y = l*({e});", "LAG0421", (KINK, JUMP)),
+    ("body c = Particle(mass = m, at = {{0, l*({e}), x}});", "LAG0422", (KINK, JUMP)),
+    ("potential V = 1 [J]*({e});", "LAG0423", (JUMP,)),
+]
+
+
 @pytest.mark.parametrize("u, w", UNSPELT)
 def test_kinks_and_jumps_that_no_word_tells_of(u: str, w: str) -> None:
-    row, place, energy = "constraint k: y = l*({});", "body c = Particle(mass = m, at = {{0, l*({}), x}});", (
-        "potential V = 1 [J]*({});"
-    )  # fmt: skip
-    for e in bends(u, w):
-        assert (codes(row.format(e)), codes(place.format(e))) == ({"LAG0421"}, {"LAG0422"}), e
-        assert codes(energy.format(e)) == set(), e
-    for e in jumps(u, w):
-        assert (codes(row.format(e)), codes(place.format(e))) == ({"LAG0421"}, {"LAG0422"}), e
-        assert codes(energy.format(e)) == {"LAG0423"}, e
-    for e in smooth(u, w):
-        for template in (row, place, energy):
-            assert codes(template.format(e)) == set(), template.format(e)
+    for kind, forms in ((KINK, bends), (JUMP, jumps), (SMOOTH, smooth)):
+        for e in forms(u, w):
+            for template, code, refused in UNSPELT_PLACES:
+                assert codes(template.format(e=e)) == ({code} if kind in refused else set()), (e, kind, code)
 
 
 def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
@@ -209,6 +221,17 @@ def test_a_change_that_the_rows_keep_away_from_is_none() -> None:
         "abs(th) = sin(ps)",
     ):
         assert codes(f"constraint k: {row};") == {"LAG0421"}, row
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_change_that_the_rows_meet_is_one_at_any_size(size: float) -> None:
+    """For two values on one side of zero: from afar there is no change of sign."""
+    head = sized(size)
+    for a, b in ((0.3, 0.7), (3.0, 5.0), (30.0, 70.0), (-0.02, -9.0)):
+        row = f"constraint k: abs(x)*l = (y - {a}*l)*(y - {b}*l);"
+        assert codes(row, head) == {"LAG0421"}, (row, size)
+        row = f"constraint k: norm({{x, l, 0}})*l = (y - {a}*l)*(y - {b}*l);"
+        assert codes(row, head) == set(), (row, size)
 
 
 def test_energies_may_have_walls_and_corners() -> None:

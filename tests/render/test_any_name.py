@@ -148,7 +148,7 @@ def test_compilers_take_all_of_them(compiler: str, tmp_path: Path) -> None:
         f"double f(double x) {{ double s = 0;\n{inside}\nreturn s; }}\n"
     )
     for file in ("a.c", "b.c"):
-        call(*COMPILERS[compiler], "-w", "-fsyntax-only", tmp_path / file)
+        assert call(*COMPILERS[compiler], "-w", "-fsyntax-only", tmp_path / file) == ""
 
 
 MODEL = """model {0}

@@ -6,7 +6,6 @@ import ctypes
 import math
 import random
 import shutil
-import struct
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from lagc.render.c.parts import divided
 from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.render.programs import TRUTHS, Builder, program, random_function
+from tests.render.tools import bits
 
 FLAGS = [
     "-std=c99",
@@ -73,10 +73,6 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         ["gcc", *FLAGS, "-shared", "-fPIC", str(source), "-o", str(folder / "made.so"), "-lm"], check=True
     )
     return python, ctypes.CDLL(str(folder / "made.so"))
-
-
-def bits(values: list[float]) -> list[bytes]:
-    return [b"nan" if v != v else struct.pack("<d", v) for v in values]
 
 
 def both(

@@ -9,8 +9,19 @@ from pathlib import Path
 import pytest
 
 import lagc
+from lagc.compiler import Choice, program, render
+from lagc.diagnostics.faults import Source
 from lagc.render.locals import local_names
-from lagc.render.names import RESERVED, Names, comment, identifier, is_reserved, prefix, stem
+from lagc.render.names import (
+    FAMILIES,
+    HEADERS,
+    RESERVED,
+    Names,
+    comment,
+    identifier,
+    is_reserved,
+    prefix,
+)
 from tests.interfaces import field
 from tests.render.programs import pendulum
 from tests.render.tools import COMPILERS, call, present
@@ -80,7 +91,7 @@ def test_entries_of_arrays_are_no_conditions(name: str) -> None:
     assert any(array == "c" for array, _ in names)
     assert not [n for n in names.values() if re.fullmatch(r"[ct]\d+", n)]
     for function in program.functions.values():
-        loaded = [names[o.payload] for o in function.operations if o.payload in names]  # type: ignore[index]
+        loaded = [names[o.payload] for o in function.operations if o.payload in names]
         assert len(set(loaded)) == len(loaded)
 
 
@@ -99,11 +110,33 @@ def test_comment_that_becomes_an_end_by_removal() -> None:
 
 @pytest.mark.parametrize(
     ("model", "expected"),
-    [("Pendulum", "pendulum"), ("Math", "math"), ("Ω", "omega"), ("FourBar2D", "four_bar2_d")],
+    [
+        ("Pendulum", "pendulum"),
+        ("Math", "math_model"),
+        ("Or", "or_model"),
+        ("Aux", "aux_model"),
+        ("Ω", "omega"),
+        ("FourBar2D", "four_bar2_d"),
+    ],
 )
 def test_prefix(model: str, expected: str) -> None:
     assert prefix(model) == expected
-    assert stem("Math") == "math_model" and stem("Pendulum") == "pendulum"
+
+
+def test_no_prefix_or_file_is_called_as_something_else() -> None:
+    for word in RESERVED | HEADERS | FAMILIES:
+        for model in (word, word.capitalize()):
+            assert prefix(model) not in RESERVED | HEADERS | FAMILIES
+
+
+@pytest.mark.parametrize("name", ["Or", "Time", "M", "Long" * 45])
+def test_files_are_called_as_what_is_in_them(name: str) -> None:
+    text = f"model {name} coordinate Length x; body b = Particle(mass = 1, at = {{x, 0, 0}}); end {name};"
+    made = program(Source("m.lag", text), Choice())
+    for file, code in render(made, "c").items():
+        stem = file.removesuffix(".c").removesuffix(".h")
+        assert f" {stem}_rhs(" in code and len(file) < 140
+    assert [file.removesuffix(".py") for file in render(made, "numpy")] == [stem]
 
 
 def test_a_name_whose_numbered_forms_are_all_reserved() -> None:

@@ -6,7 +6,6 @@ import ctypes
 import math
 import random
 import re
-import struct
 import subprocess
 import sys
 import types
@@ -21,7 +20,7 @@ from lagc.render.numpy.render import MARK, START, SUPPORT, render
 from lagc.render.numpy.support import base
 from tests.render.programs import Builder, pendulum, program
 from tests.render.test_c import PROGRAMS, tricky
-from tests.render.tools import call, of_model, present, write
+from tests.render.tools import bits, call, of_model, present, write
 
 MODELS = ["classic/double_pendulum", "classic/driven_oscillator", "classic/four_bar",
           "classic/andrews_squeezer",
@@ -54,10 +53,6 @@ def library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
         "-lm",
     )
     return ctypes.CDLL(str(folder / "made.so")), files[".c"].stem
-
-
-def bits(values: Any) -> list[bytes]:
-    return [b"nan" if v != v else struct.pack("<d", v) for v in values]
 
 
 def doubles(values: Any) -> Any:

@@ -13,7 +13,7 @@ import lagc
 from lagc.cli.main import main
 from lagc.render.c.render import render
 from lagc.render.kernels.arithmetic import QUAD, SINGLE, Arithmetic
-from lagc.render.names import prefix, stem
+from lagc.render.names import prefix
 from tests.render.tools import MODELS, call, of_model
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
@@ -27,7 +27,7 @@ def built(name: str, real: Arithmetic, folder: Path) -> Path:
     own = prefix(program.interface.model)
     for file, text in render(program, False, real).items():
         (folder / file).write_text(text)
-    header, more = f"{stem(program.interface.model)}.h", ["-Wpedantic", "-Wdouble-promotion"]
+    header, more = f"{own}.h", ["-Wpedantic", "-Wdouble-promotion"]
     libraries = ["-lm"]
     if real == QUAD:
         more, libraries = ["-DQUAD"], ["-lquadmath", "-lm"]

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib.util
 import shutil
+import struct
 import subprocess
 import sys
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -50,3 +52,8 @@ def of_model(name: str, work: bool = True, **parameters: float) -> Program:
     source = Source(path.name, path.read_text())
     model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))
     return compiler.optimize(compiler.derive(model), work)
+
+
+def bits(values: Iterable[float]) -> list[bytes]:
+    """What tells numbers apart: signs of zeros too, but not one NaN from another."""
+    return [b"nan" if v != v else struct.pack("<d", v) for v in values]

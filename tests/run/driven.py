@@ -147,8 +147,9 @@ class InC:
         """To the last of `times` in calls of at most `budget` steps."""
         n, done = len(times), c_size_t(0)
         grid, states = (c_double * n)(*times), (c_double * (n * self.nx))()
-        while self._call("record", c_int, self.p, self.room, ctypes.byref(self.options), grid, c_size_t(n), states,  # noqa: E501
-                         ctypes.byref(done), c_long(budget), self.work):  # fmt: skip
+        where = (grid, c_size_t(n), states, ctypes.byref(done))
+        given = (self.p, self.room, ctypes.byref(self.options), *where, c_long(budget), self.work)
+        while self._call("record", c_int, *given):
             pass
         return [states[k : k + self.nx] for k in range(0, n * self.nx, self.nx)]
 

@@ -18,8 +18,8 @@ from lagc.render.c.render import render as render_c
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python
 from lagc.run.backends.numpy import NumpyModel
+from lagc.run.begin import consistent_start
 from lagc.run.problem import System
-from lagc.run.start import consistent_start
 
 FIXED = 4
 
@@ -67,6 +67,18 @@ class Twins:
     def guess(self) -> list[float]:
         found: list[float] = self.module["start"]()
         return found
+
+    def checked(self, p: Sequence[float]) -> int | None:
+        """Which of the parameters, then of the values made of them, `check` refuses, in C and in Python."""
+        found, given = ctypes.c_int(-1), (ctypes.c_double * len(p))(*p)
+        status = getattr(self.library, f"{self.prefix}_check")(given, None, ctypes.byref(found))
+        try:
+            self.module["check"](list(p))
+        except ValueError:
+            assert status != 0
+            return found.value - 16  # BAD_PARAMETER
+        assert status == 0
+        return None
 
     def by_python(self, t: float, x: Sequence[float], levels: Sequence[int]) -> tuple[int, int, list[float]]:
         """Status, culprit where it failed, and x."""

@@ -13,6 +13,7 @@ from lagc.library import library_models
 from lagc.run.cause import losing_rank
 from lagc.run.distance import difference, sizes
 from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
+from lagc.run.rest import resting
 from lagc.run.verdict import verdict
 
 pytestmark = pytest.mark.usefixtures("no_cache")
@@ -140,10 +141,34 @@ def test_posture_that_loses_rank_is_named() -> None:
     model = lagc.load("classic/n_four_bar").compile(backend="numpy")
     system = model.load("numpy")
     upright = system.start()
-    assert losing_rank(system, 0.0, upright) == ""
+    run = resting(upright, [0.0])
+    assert losing_rank(system, run, 0.0, upright) == ""
     for away in (1e-6, 0.0):
         flat = [pi / 2.0 + away, pi / 2.0 + away, *upright[2:]]
-        assert "`hinge[1][1]`" in losing_rank(system, 0.0, flat)
+        assert "`hinge[1][1]`" in losing_rank(system, run, 0.0, flat)
+
+
+CIRCLES = """model Circles
+  parameter Length r = {size!r};
+  coordinate Length x(start = r), y(start = {beside!r}*r), z(start = r);
+  coordinate Angle a(start = 1e-6);
+  body b = Particle(mass = 1, at = {{x, y, z}});
+  body c = Particle(mass = 1, at = {{r*cos(a), r*sin(a), 0}});
+  constraint one: x^2 + y^2 = r^2;
+  constraint two: (x - 2*r)^2 + y^2 = r^2;
+  constraint arm: z = r*cos(a) + 2*r*sin(a);
+end Circles;"""
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1.0, 1e4, 1e12])
+def test_no_size_loses_rank(size: float) -> None:
+    """Two circles that all but touch do, whatever their radius; where they cross, they do not."""
+    for beside, told in ((1e-6, True), (0.5, False)):
+        text = CIRCLES.format(size=size, beside=beside)
+        system = lagc.loads(text).compile(backend="numpy").load("numpy")
+        x = system.start()
+        found = losing_rank(system, resting(x, [0.0]), 0.0, x)
+        assert ("`one`" in found or "`two`" in found) == told and "`arm`" not in found, (size, found)
 
 
 def test_where_a_run_ended_for_want_of_rank_its_message_says_so() -> None:

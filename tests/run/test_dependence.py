@@ -43,11 +43,11 @@ def test_a_share_of_its_own_is_met_or_told(seed: int) -> None:
     """Two planes through the origin at an angle of about e: the particle can move along their common
     line only, c = first x second, with the acceleration -(push . c) c / c^2 / m."""
     chance = random.Random(seed)
-    rows = [[chance.randint(-3, 3) for _ in range(3)] for _ in range(3)]
-    (a, b, f), e = rows, 10.0 ** chance.uniform(-10.0, -2.0)
-    c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    if not any(c):
-        return
+    c = [0, 0, 0]
+    while not any(c):
+        a, b, f = ([chance.randint(-3, 3) for _ in range(3)] for _ in range(3))
+        c = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    e = 10.0 ** chance.uniform(-10.0, -2.0)
     run = _run(PAIR.format(d=c, e=e, first=_sum(a), second=_sum(b), push=_sum(f)))
     along = -0.5 * sum(x * y for x, y in zip(f, c)) / sum(x * x for x in c)
     off = max(abs(run[name][-1] - along * x) for name, x in zip("xyz", c))

@@ -15,14 +15,20 @@ pytestmark = pytest.mark.usefixtures("no_cache")
 ACCURACY = 1e-6
 
 
-def told(text: str, stop: float, exact: Exact) -> Run:
-    """A run that is not `ok` with a greater error than asked, nor wrong by more than twice its estimate."""
+def told(text: str, way: float, w: float, exact: Exact) -> Run:
+    """A run that is `ok` where the last place, grown by exp(way), is far below the accuracy asked, and not
+    where it is far above; nor `ok` with a greater error than asked.
+
+    What was growing longest is most of the error: the rounding of the first steps, single draws of which the
+    estimate knows the size.  So an error may be twice what is said.
+    """
+    stop = way / w
     run = lagc.loads(text).compile(backend="numpy").simulate(stop, accuracy=ACCURACY, points=41)
     true = true_error(run, exact)
     assert run.estimated is not None
     assert run.status == "failed" or true <= ACCURACY, (true, run.estimated)
-    if len(run.times) == 41:
-        assert true <= 2.0 * run.estimated, (true, run.message)
+    assert true <= 2.0 * run.estimated, (true, run.message)
+    assert run.status == ("ok" if way <= 14.0 else "failed" if way >= 26.0 else run.status), run.message
     assert list(run.states[0]) == pytest.approx(exact(0.0), rel=1e-15)
     return run
 
@@ -39,9 +45,8 @@ end Saddle;"""
 def test_down_a_saddle(way: float) -> None:
     """Exactly onto it: truncation stays in the stable direction, and the last place grows by exp(way)."""
     for w in (0.2, 0.7, 1.0, 3.0, 7.0):
-        run = told(saddle(w), way / w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
+        run = told(saddle(w), way, w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
         assert way > 18.0 or run.status == "ok", run.message
-        assert way < 26.0 or run.status == "failed"
 
 
 @pytest.mark.parametrize("way", [8.0, 14.0, 18.0, 20.0, 22.0, 26.0])
@@ -50,8 +55,7 @@ def test_down_a_saddle_with_nothing_beyond(way: float, term: str) -> None:
     """A term too small to move anything is undefined there: displaced to one side, a run does not arrive."""
     for w in (0.7, 1.4):
         text = saddle(w).replace(";\nend", f" + (1e-60 [J])*{term};\nend")
-        run = told(text, way / w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
-        assert way > 14.0 or run.status == "ok", run.message
+        told(text, way, w, lambda t, w=w: [exp(-w * t), -w * exp(-w * t)])  # type: ignore[misc]
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -72,7 +76,7 @@ end Mixed;"""
         p, y, v = exp(-w * t), size * cos(k * t), -k * size * sin(k * t)
         return [p - a * y, y, -w * p - a * v, v]
 
-    told(text, way / w, exact)
+    told(text, way, w, exact)
 
 
 @pytest.mark.parametrize("way", [3.0, 8.0, 12.0, 16.0, 18.0, 20.0, 24.0])
@@ -84,7 +88,7 @@ def test_a_pendulum_that_rises_to_its_top(w: float, way: float) -> None:
   kinetic K = 1/2*1 [kg.m2]*der(theta)^2;
   potential V = -1 [kg.m2]*({w!r} [rad/s])^2*cos(theta);
 end Rising;"""
-    told(text, way / w, lambda t: [4.0 * atan(exp(w * t)) - pi, 2.0 * w / cosh(w * t)])
+    told(text, way, w, lambda t: [4.0 * atan(exp(w * t)) - pi, 2.0 * w / cosh(w * t)])
 
 
 @pytest.mark.parametrize("way", [6.0, 14.0, 20.0, 26.0])
@@ -102,4 +106,4 @@ end OnALine;"""
         p = exp(-w * t)
         return [p, 0.5 * p, -w * p, -0.5 * w * p]
 
-    told(text, way / w, exact)
+    told(text, way, w, exact)

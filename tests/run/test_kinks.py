@@ -101,10 +101,49 @@ def switched(chance: Random) -> tuple[str, float, float, Exact]:
     return action, x, v, exact
 
 
-@pytest.mark.parametrize("make", [wedge, two_springs, friction, switched])
+def gap(chance: Random) -> tuple[str, float, float, Exact]:
+    """Springs to both sides of a gap: the force bends at its edges and does not jump."""
+    k, d = chance.uniform(5.0, 40.0), chance.uniform(0.1, 0.5)
+    x, v = chance.uniform(-d, d), chance.choice((-1.0, 1.0)) * chance.uniform(0.5, 2.0)
+    omega = sqrt(k)
+
+    def piece(a: float, b: float) -> tuple[Exact, float]:
+        side = 1.0 if b > 0.0 else -1.0
+        if side * a >= d * (1.0 - 1e-12):  # half a swing about the edge, from it and back to it
+            return swing(side * d, b, omega, side * d), pi / omega
+        return lambda t: (a + b * t, b), (d - side * a) / abs(b)
+
+    action = (f"potential V = if x > {d!r} [m] then 1/2*{k!r} [N/m]*(x - {d!r} [m])^2 else "
+              f"if x < -{d!r} [m] then 1/2*{k!r} [N/m]*(x + {d!r} [m])^2 else 0 [J];")  # fmt: skip
+    return action, x, v, pieces(x, v, piece)
+
+
+def stairs(chance: Random) -> tuple[str, float, float, Exact]:
+    """A force that jumps often in time, some of it in quick succession."""
+    omega, x, v = chance.uniform(1.0, 3.0), chance.uniform(-2.0, 2.0), chance.uniform(-2.0, 2.0)
+    when = sorted(chance.uniform(0.1, 2.9) for _ in range(chance.randint(2, 6)))
+    levels = [chance.uniform(-2.0, 2.0) for _ in range(len(when) + 1)]
+
+    def exact(t: float) -> tuple[float, float]:
+        a, b, before = x, v, 0.0
+        for level, until in zip(levels, [*when, t]):
+            motion = swing(a, b, omega, level / omega**2)
+            if t <= until:
+                break
+            a, b = motion(until - before)
+            before = until
+        return motion(t - before)
+
+    force = "".join(f"if time < {t!r} [s] then {f!r} [N] else " for t, f in zip(when, levels))
+    action = (f"potential V = 1/2*{omega!r}^2*1 [N/m]*x^2; "
+              f"force F = ({force}{levels[-1]!r} [N])*world.x at b;")  # fmt: skip
+    return action, x, v, exact
+
+
+@pytest.mark.parametrize("make", [wedge, two_springs, friction, switched, gap, stairs])
 def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> None:
-    """A step across a bend errs by any part of what it may, and now and then both of its formulas agree
-    on a wrong state: most errors are far below the estimate, one in fifty is above, by some times."""
+    """None errs by more than was asked, nor by much more than it says.  What it says is meant for the worst
+    of many: most err by far less, though no run is near exact."""
     shares = []
     for seed in range(12):
         action, x, v, exact = make(Random(seed))
@@ -116,5 +155,6 @@ def test_pieces(make: Callable[[Random], tuple[str, float, float, Exact]]) -> No
             known = [[*exact(t), 0.0] for t in run.times]
             found = Trajectory(run.times, run.states, 3.0, run.states[-1])
             true = difference(found, Trajectory(run.times, known, 3.0, known[-1]), model.interface, 1.0)[0]
+            assert true <= accuracy, (seed, run.estimated)
             shares.append(true / run.estimated)
-    assert median(shares) <= 0.1 and sum(share > 1.0 for share in shares) <= 2 and max(shares) <= 5.0
+    assert max(shares) <= 1.5 and median(shares) >= 1e-3

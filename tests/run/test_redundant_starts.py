@@ -10,8 +10,9 @@ import shutil
 import pytest
 
 from lagc.mechanics.analysis import analyse
+from lagc.run.begin import consistent_start
 from lagc.run.problem import OK
-from lagc.run.start import Start, consistent_start
+from lagc.run.start import Start
 from tests.run.started import Twins, compilation_of, program_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

@@ -12,8 +12,8 @@ import pytest
 from lagc.library import library_models, read
 from lagc.optimize.program import Program
 from lagc.run.backends.compile import compiler
+from lagc.run.begin import consistent_start
 from lagc.run.problem import OK, Options, Trajectory
-from lagc.run.start import consistent_start
 from tests.run.scaled import Factors, program, state_factors, system
 
 PLAIN: Factors = (Fraction(1), Fraction(1), Fraction(1))

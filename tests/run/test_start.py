@@ -7,8 +7,8 @@ from math import sqrt
 import pytest
 
 from lagc.render.numpy.support.leastnorm import least_norm
+from lagc.run.begin import consistent_start
 from lagc.run.problem import Vector
-from lagc.run.start import consistent_start
 from tests.run.systems import Oscillator, Pendulum, Spun, norm
 
 

@@ -10,9 +10,9 @@ from math import cos, hypot, pi, sin
 import pytest
 
 from lagc.render.numpy.support.start import Consistency
+from lagc.run.begin import consistent_start
 from lagc.run.consistency import conditions_of
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
-from lagc.run.start import consistent_start
 from tests.run.started import Twins, program_of, start_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

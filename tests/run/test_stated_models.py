@@ -13,10 +13,10 @@ import pytest
 
 from lagc.diagnostics.faults import Refused
 from lagc.render.c.render import render
-from lagc.render.names import stem
+from lagc.render.names import prefix as prefix_of
+from lagc.run.begin import consistent_start
 from lagc.run.request import Request
 from lagc.run.simulate import simulate
-from lagc.run.start import consistent_start
 from tests.run.started import program_of, start_of, system_of
 
 WHEEL = """\
@@ -298,10 +298,10 @@ RECIPES = {
 @pytest.mark.parametrize("name", RECIPES)
 def test_the_recipe_of_the_header_gives_the_motion_of_a_run(name: str, tmp_path: Path) -> None:
     program = program_of(RECIPES[name])
-    prefix = stem(program.interface.model).removesuffix("_model")
+    prefix = prefix_of(program.interface.model)
     sources = render(program)
-    assert f"{prefix}_consistent(&p, 0.0, x, NULL, &c)" in sources[f"{stem(program.interface.model)}.h"]
-    text = MAIN.format(p=prefix, P=prefix.upper(), file=stem(program.interface.model))
+    assert f"{prefix}_consistent(&p, 0.0, x, NULL, &c)" in sources[f"{prefix}.h"]
+    text = MAIN.format(p=prefix, P=prefix.upper(), file=prefix)
     for file, body in {**sources, "main.c": text}.items():
         (tmp_path / file).write_text(body)
     units = [file for file in (*sources, "main.c") if file.endswith(".c")]

@@ -6,6 +6,7 @@ import gc
 import random
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from threading import Barrier, Thread
 from typing import Any
@@ -36,14 +37,15 @@ def hurry() -> Iterator[None]:
 
 def together(tasks: list[Callable[[], Any]]) -> list[Any]:
     """What the tasks give, each in a thread of its own, all begun at the same time."""
-    barrier, found = Barrier(len(tasks)), [None] * len(tasks)
+    barrier = Barrier(len(tasks))
+    found: list[Any] = [None] * len(tasks)
 
     def run(i: int) -> None:
         barrier.wait()
         try:
             found[i] = tasks[i]()
         except BaseException as error:
-            found[i] = error  # type: ignore[call-overload]
+            found[i] = error
 
     threads = [Thread(target=run, args=(i,)) for i in range(len(tasks))]
     for thread in threads:
@@ -90,7 +92,7 @@ def test_many_threads_ask_one_model(name: str, backend: str) -> None:
     systems = [own, *(own.bind(v) for v in values)]
     count, asked = dice.randint(4, 12), 1000 if backend == "c" else 250
     alone = [questions(systems, seed, asked) for seed in range(count)]
-    assert together([lambda s=s: questions(systems, s, asked) for s in range(count)]) == alone  # type: ignore[misc]
+    assert together([partial(questions, systems, s, asked) for s in range(count)]) == alone
 
 
 @BACKENDS
@@ -111,7 +113,7 @@ def test_many_threads_simulate_one_model(backend: str) -> None:
     fresh = lagc.load("simple_pendulum").compile(scene="room", backend=backend)
     alone = [one(fresh, length) for length in lengths]
     assert len(set(alone)) == len(lengths)
-    assert together([lambda a=a: one(model, a) for a in lengths]) == alone  # type: ignore[misc]
+    assert together([partial(one, model, a) for a in lengths]) == alone
 
 
 @BACKENDS
@@ -130,7 +132,7 @@ def test_a_run_keeps_its_parameters(backend: str) -> None:
     with pytest.raises(ValueError, match="entries"):
         model.system.bind([1.0])
     with pytest.raises(AttributeError):
-        bound.system.parameters = [1.0]  # type: ignore[misc, assignment]
+        bound.system.parameters = [1.0]
 
 
 @BACKENDS
@@ -164,7 +166,7 @@ def test_many_threads_compile() -> None:
 
     alone = {name: texts(name) for name in names}
     chosen = [*names, names[0], names[2]]
-    for found, name in zip(together([lambda n=n: texts(n) for n in chosen]), chosen):  # type: ignore[misc]
+    for found, name in zip(together([partial(texts, n) for n in chosen]), chosen):
         assert found == alone[name]
 
 
@@ -216,7 +218,7 @@ def test_many_threads_draw(tmp_path: Path) -> None:
         return (tmp_path / f"{i}.svg").read_bytes()
 
     alone = drawn(0)
-    assert together([lambda i=i: drawn(i) for i in range(1, 5)]) == [alone] * 4  # type: ignore[misc]
+    assert together([partial(drawn, i) for i in range(1, 5)]) == [alone] * 4
     assert dict(matplotlib.rcParams) == before
 
 

@@ -5,8 +5,12 @@ Work is counted, not timed: calls of functions, and elements that lists are exte
 
 from __future__ import annotations
 
+import difflib
+import gc
 import sys
-from collections.abc import Callable
+import tracemalloc
+from collections.abc import Callable, Collection
+from random import Random
 from types import FrameType
 from typing import Any
 
@@ -15,8 +19,12 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
+from lagc.diagnostics.suggest import NEAREST
+from lagc.expr.graph import Graph, Node
 from lagc.frontend.format import format_source
+from lagc.meaning.context import MOST_FAULTS
 from lagc.meaning.instantiate import Builder
+from lagc.optimize.factors import factored, plan
 
 POINT = """  parameter Mass m = 1 [kg];
   parameter Length L = 1 [m];
@@ -66,6 +74,22 @@ def a_product(n: int) -> str:
     return model(lambda _: "", 0, last=f"  potential V = E*{factors};\n")
 
 
+def quotients(n: int) -> str:
+    terms = " + ".join(f"{j + 1}*x/(y + {k + 1}*L)" for k in range(n) for j in range(3))
+    return model(lambda _: "", 0, last=f"  potential V = E*({terms});\n")
+
+
+def unknown_names(n: int) -> str:
+    return model(lambda k: f"  output Length o{k} = {k}*quantity{k};\n", n)
+
+
+def coordinates(n: int) -> str:
+    return model(
+        lambda k: f"  coordinate Length x{k}(start = 1);\n"
+        f"  body b{k} = Particle(mass = m, at = {{x{k}, 0, 0}});\n", n, "  parameter Mass m = 1 [kg];\n",
+    )  # fmt: skip
+
+
 def instances(n: int) -> str:
     ball = (
         "model Ball\n  coordinate Length x(start = 1);\n  body b = Particle(mass = 3 [kg], at = {x, 0, 0});\n"
@@ -86,7 +110,11 @@ def formatted(text: str) -> None:
     format_source(Source("m.lag", text))
 
 
-def work(job: Callable[[str], None], text: str) -> int:
+def checked(text: str) -> None:
+    compiler.check(Source("m.lag", text), Choice())
+
+
+def work(job: Callable[[Any], Any], text: Any) -> int:
     """Calls, and elements that lists are extended by."""
     count, before = 0, 0
 
@@ -110,6 +138,7 @@ def work(job: Callable[[str], None], text: str) -> int:
 CASES = [
     (through, parameters, 200), (through, constants, 100), (through, outputs, 100), (through, effects, 100),
     (through, a_sum, 100), (through, a_product, 30), (formatted, parameters, 100),
+    (through, quotients, 20), (checked, scenes, 10),
 ]  # fmt: skip
 
 
@@ -119,6 +148,63 @@ def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[i
     one, two, four = (work(job, make(k * n)) for k in (1, 2, 4))
     most = 2.6 if make is a_product else 2.25  # twice as much, where it is linear
     assert four - two < most * (two - one)
+
+
+def in_pairs(n: int) -> tuple[Graph, list[Node]]:
+    """A sum in which every two of 2n terms share a factor of their own."""
+    g = Graph()
+    a, b, c = ([g.symbol(kind, str(k)) for k in range(n)] for kind in "abc")
+    return g, [g.sum([a[k] * x[k] for k in range(n) for x in (b, c)])]
+
+
+def of_many(n: int) -> tuple[Graph, list[Node]]:
+    """n products of 12 factors among n."""
+    random, g = Random(7), Graph()
+    x = [g.symbol("x", str(k)) for k in range(n)]
+    return g, [g.product([(f, 1) for f in random.sample(x, 12)]) for _ in range(n)]
+
+
+@pytest.mark.parametrize(
+    ("job", "make"),
+    [(lambda t: factored(*t), in_pairs), (lambda t: plan(t[1]), of_many)],
+    ids=["sums", "products"],
+)
+def test_shared_factors_are_found_in_linear_time(
+    job: Callable[[Any], Any], make: Callable[[int], tuple[Graph, list[Node]]]
+) -> None:
+    one, two, four = (work(job, make(n)) for n in (100, 200, 400))
+    assert four - two < 2.25 * (two - one)
+
+
+def test_few_names_are_compared_with_unknown_ones(monkeypatch: pytest.MonkeyPatch) -> None:
+    compared: list[int] = []
+    compare = difflib.get_close_matches
+
+    def counting(word: str, possibilities: Collection[str], **more: Any) -> list[str]:
+        compared.append(len(possibilities))
+        return compare(word, possibilities, **more)
+
+    monkeypatch.setattr(difflib, "get_close_matches", counting)
+    for n in (250, 500):
+        compared.clear()
+        checked(unknown_names(n))
+        assert 0 < sum(compared) <= 2 * MOST_FAULTS * NEAREST
+
+
+@pytest.mark.parametrize("make", [coordinates, instances])
+def test_memory_grows_with_the_coordinates(make: Callable[[int], str]) -> None:
+    checked(make(100))
+    peaks = []
+    for n in (100, 200, 400):
+        gc.collect()
+        tracemalloc.start()
+        try:
+            checked(make(n))
+            peaks.append(tracemalloc.get_traced_memory()[1])
+        finally:
+            tracemalloc.stop()
+    one, two, four = peaks
+    assert four - two < 3 * (two - one)  # 2 and the steps in which tables grow; 4 where it is quadratic
 
 
 def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -122,8 +122,8 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0216": Entry(
         "an import that fails",
-        "`import a.b.C;` looks for a.lag, a/b.lag, a/b/C.lag in the folder of the file "
-        "and in the folders given; "
+        "`import a.b.C;` takes C from the package a.b that is known there, else looks for a.lag, a/b.lag, "
+        "a/b/C.lag in the folder of the file and in the folders given; "
         '`import "file.lag";` for that file.  What is imported must be free of faults.',
         "import nowhere.at.all;\nmodel M\n  all a;\n  coordinate Length x;\nend M;\n",
         "",

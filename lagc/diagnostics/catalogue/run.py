@@ -98,6 +98,63 @@ end Bead;
         "in this posture what they ask for depends on each other, and differs.  Let one of them go, or begin "
         "in another posture.",
     ),
+    "LAG0615": Entry(
+        "kinetic energy is negative",
+        "Some motion has less kinetic energy than rest: a term of `kinetic` or `lagrangian`, or a matrix of "
+        "inertia that no body has.  Forces would drive it the wrong way, and without end.",
+        """
+model Bob
+  coordinate Length x(rate = 1), y;
+  body bob = Particle(mass = 1, at = {x, y, 0});
+  kinetic added = -1[kg]*der(y)^2;
+end Bob;
+""",
+        """
+model Bob
+  coordinate Length x(rate = 1), y;
+  body bob = Particle(mass = 1, at = {x, y, 0});
+  kinetic added = 1[kg]*der(y)^2;
+end Bob;
+""",
+    ),
+    "LAG0616": Entry(
+        "an output has no finite value at the start",
+        "It divides by zero there, or takes the root or logarithm of a negative number.  It does not change "
+        "the motion; its first recorded value is `inf` or `nan`.",
+        """
+model Bob
+  coordinate Length x(rate = 1);
+  body bob = Particle(mass = 1, at = {x, 0, 0});
+  output Real ratio = 1[m]/x;
+end Bob;
+""",
+        """
+model Bob
+  coordinate Length x(start = 1, rate = 1);
+  body bob = Particle(mass = 1, at = {x, 0, 0});
+  output Real ratio = 1[m]/x;
+end Bob;
+""",
+    ),
+    "LAG0617": Entry(
+        "a value made of parameters is out of its bounds",
+        "The value of a parameter is computed from others and leaves the `min` or `max` of its declaration, "
+        "for the values of this run; or a mass or a moment of inertia is negative.",
+        """
+model Bob
+  parameter Mass total = 1, fuel = 2;
+  coordinate Length x;
+  body bob = Particle(mass = total - fuel, at = {x, 0, 0});
+end Bob;
+""",
+        """
+model Bob
+  parameter Mass total = 2, fuel = 1;
+  coordinate Length x;
+  body bob = Particle(mass = total - fuel, at = {x, 0, 0});
+end Bob;
+""",
+    ),
     "LAG0620": Entry(
         "the simulation failed",
         "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "

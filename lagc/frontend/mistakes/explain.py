@@ -39,6 +39,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     signs.comparison_for_equation,
     signs.equation_for_comparison,
     signs.decimal_comma,
+    signs.comma_between_starts,
     signs.chained,
     signs.semicolon_too_many,
     words.missing_end_word,

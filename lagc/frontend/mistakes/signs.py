@@ -70,20 +70,36 @@ def chained(w: Where) -> Explained | None:
 
 
 def decimal_comma(w: Where) -> Explained | None:
-    if w.token.kind != NUMBER or w.before.text != "," or w.position < 2:
+    at = w.position - (w.token.text != ",")  # where no comma can stand, or where no number can behind it
+    whole, comma, part = w.tokens[max(at - 1, 0)], w.tokens[at], w.tokens[min(at + 1, len(w.tokens) - 1)]
+    if (whole.kind, comma.text, part.kind) != (NUMBER, ",", NUMBER):
         return None
-    whole = w.tokens[w.position - 2]
-    if whole.kind != NUMBER or whole.end != w.before.start or w.before.end != w.token.start:
+    if whole.end != comma.start or comma.end != part.start:
         return None
     number = token_of("0", whole.start)
-    number.kind, number.text, number.end = NUMBER, f"{whole.text}.{w.token.text}", w.token.end
+    number.kind, number.text, number.end = NUMBER, f"{whole.text}.{part.text}", part.end
     fault = Fault(
         "LAG0105",
         "decimals stand behind a point",
-        w.span(whole, w.token),
+        w.span(whole, part),
         remedy=f"write `{number.text}`",
     )
-    return Explained(fault, Repair(w.position - 2, 3, (number,)))
+    return Explained(fault, Repair(at - 1, 3, (number,)))
+
+
+def comma_between_starts(w: Where) -> Explained | None:
+    """`start x = 1, y = 2;`."""
+    if w.token.text != "," or w.first.text != "start" or not w.accepts("SEMICOLON"):
+        return None
+    place, last = w.tokens[w.position + 1], w.position + 1
+    while w.tokens[last].text not in ("=", ",", ";") and w.tokens[last].kind != END:
+        last += 1
+    if place.kind != WORD or w.tokens[last].text != "=":
+        return None
+    message, end = "each `start` gives one value", w.tokens[last - 1]
+    another = w.source.text[place.start : end.end]
+    fault = Fault("LAG0110", message, w.span(w.token, end), remedy=f"write `; start {another}`")
+    return Explained(fault, w.replace(";", "start"))
 
 
 def bare_unit(w: Where) -> Explained | None:

@@ -41,6 +41,7 @@ def sizes(interface: Interface) -> dict[str, int]:
         "NCOND": len(interface.condition_ends), "NRATE": len(interface.rate_names),
         "NPOSITION": sum(max(row, default=0) < interface.nq for row in rows),
         "NBOUNDED": len(_bounded(interface)),
+        "NLIMITS": len(interface.limits),
     }  # fmt: skip
 
 

@@ -15,7 +15,7 @@ from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.locals import local_names
-from lagc.render.names import prefix, stem
+from lagc.render.names import prefix
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
@@ -26,7 +26,7 @@ def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -
     parameters; texts.
     """
     interface = program.interface
-    name = stem(interface.model)
+    name = prefix(interface.model)
     return {
         f"{name}.h": _prefixed(_header(program, f"{name}.h", complete, real), interface, real),
         f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete, real), interface, real),

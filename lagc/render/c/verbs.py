@@ -87,6 +87,11 @@ _DIRECT = {
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         "    lagc_fn_conditions(p, t, x, c, J, sizes);\n",
     ),
+    "limits": Verb(
+        "The values made of parameters that have bounds, see `lagc_check`.",
+        "void lagc_limits(const lagc_params *p, lagc_real *b)",
+        "    lagc_fn_limits(p, b);\n",
+    ),
     "measures": Verb(
         "The values of the stated rates, and the largest parameter of each unit of the unknowns.",
         "void lagc_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)",

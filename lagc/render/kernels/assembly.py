@@ -62,7 +62,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NCOND": len(rows), "NRATE": len(interface.rate_names),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1), "NTABLE": ne * (nu + 1),
+        "NLIMITS": len(interface.limits), "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1), "NTABLE": ne * (nu + 1),
         "TWO": 2, "FOUR": 4, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3, "NSETU": 3 * nu,
     }  # fmt: skip
 

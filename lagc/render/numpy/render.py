@@ -13,7 +13,7 @@ from functools import cache
 from lagc.optimize.program import Field, Interface, Program
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.locals import local_names
-from lagc.render.names import Names, stem
+from lagc.render.names import Names, prefix
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
@@ -22,7 +22,6 @@ SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quat
            "listening.py", "integrate.py", "record.py")  # fmt: skip
 START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
          "start.py")  # fmt: skip
-_LATER = ("energies", "outputs")  # asked for by runs
 _IMPORTS = """\
 from __future__ import annotations
 
@@ -34,7 +33,7 @@ from typing import Any, NamedTuple
 def render(program: Program, complete: bool = True) -> dict[str, str]:
     """File name -> text; one file, `<model>.py`.  Unless `complete` it lacks what a run of `lagc` has
     already: the search for a consistent start, the bounds of parameters."""
-    file = f"{stem(program.interface.model)}.py"
+    file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
@@ -51,7 +50,7 @@ def functions(program: Program) -> str:
     """The sizes and functions of the model alone, for whoever has the support as modules."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_IMPORTS + ARITHMETIC, _constants(program.interface)]
-    parts += [function_text(f, names) for f in program.functions.values() if f.name not in _LATER]
+    parts += [function_text(f, names) for f in program.functions.values()]
     return "\n\n".join(parts)
 
 
@@ -104,7 +103,11 @@ def _start_tables(interface: Interface) -> str:
 def _bounds(interface: Interface) -> str:
     fields = [*interface.parameters, *interface.inputs]
     rows = [f"    {n!r}: ({f.minimum!r}, {f.maximum!r}),\n" for n, f in zip(member_names(interface), fields)]
-    return "".join(["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"])
+    derived = [f"    {f.name!r}: ({f.minimum!r}, {f.maximum!r}),\n" for f in interface.limits]
+    text = ["BOUNDS = {  # keyword: (least, largest)\n", *rows, "}\n"]
+    if derived:
+        text += ["LIMITS = {  # value made of parameters: (least, largest)\n", *derived, "}\n"]
+    return "".join(text)
 
 
 def _row(field: Field) -> str:

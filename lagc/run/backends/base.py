@@ -69,6 +69,15 @@ class CompiledSystem(ABC):
         """The same model with other values of p."""
         return self.compiled.bind(values)
 
+    @abstractmethod
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        """Fills xdot and lam; the status."""
+
+    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
+        self.rhs(t, x, xdot, lam)
+        return xdot[self.nq : self.nq + self.nv], lam
+
     def position(self, t: float, x: Vector) -> list[float]:
         return self._ask("position", self.nh, t, x)
 
@@ -95,6 +104,9 @@ class CompiledSystem(ABC):
             return [0.0] * rates, [0.0] * units
         s, largest = self._fill("measures", (rates, units))
         return s, largest
+
+    def limits(self) -> list[float]:
+        return self._fill("limits", (len(self.interface.limits),))[0]
 
     @abstractmethod
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:

@@ -10,7 +10,6 @@ from typing import Any
 
 from lagc.kernels import METHODS
 from lagc.once import once
-from lagc.render.names import prefix
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.problem import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, OK, Options, Trajectory, Vector
@@ -33,7 +32,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
-    **dict.fromkeys(("solve", "begin", "conditions", "measures"), None),
+    **dict.fromkeys(("solve", "begin", "conditions", "measures", "limits"), None),
 }
 
 
@@ -43,7 +42,8 @@ class CModel(Compiled):
     @once
     def functions(self) -> dict[str, Any]:
         """By their names in the header, without the prefix.  Raises CannotCompile."""
-        compiled, own = library(self.sources), prefix(self.interface.model)
+        compiled = library(self.sources)
+        (own,) = [name.removesuffix(".c") for name in self.sources if name.endswith(".c")]
         found = {}
         for name, result in _RESULTS.items():
             function = getattr(compiled, f"{own}_{name}", None)
@@ -120,17 +120,11 @@ class CSystem(CompiledSystem):
         lam[:] = desk.lam[: self.nc]
         return status
 
-    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
-        self.rhs(t, x, xdot, lam)
-        return xdot[self.nq : self.nq + self.nv], lam
-
     def outputs(self, t: float, x: Vector) -> list[float]:
         n = len(self.interface.outputs)
         if n == 0:
             return []
-        y, desk = (c_double * n)(), self._own.desk
-        desk.x[:] = x
+        y, desk = (c_double * n)(), self._at(x)
         desk.call["outputs"](self._p, c_double(t), desk.x, y, desk.work)
         return y[:]
 
@@ -223,8 +217,7 @@ class CSystem(CompiledSystem):
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         if length == 0:
             return []
-        values, desk = (c_double * length)(), self._own.desk
-        desk.x[:] = x
+        values, desk = (c_double * length)(), self._at(x)
         desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
 

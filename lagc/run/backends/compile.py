@@ -19,17 +19,22 @@ if TYPE_CHECKING:
 
 FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared", "-std=c99")
 COMPILERS = ("cc", "gcc", "clang")
+NO_ROOM = {  # how compilers, linkers and the loader say so, besides the system's own words
+    errno.ENOSPC: (),
+    errno.ENOMEM: ("out of memory", "memory exhausted", "bad_alloc", "failed to map", "signal terminated"),
+}
 LONGEST = 600.0  # s that one compilation may take
 SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
 class CannotCompile(Exception):
-    """There is no C compiler, or it does not take the generated code, or the disk is `full`; the message
-    says which."""
+    """There is no C compiler, or it does not take the generated code, or there is no room for that: on the
+    disk (`full`), or in memory (`starved`); the message says which."""
 
-    def __init__(self, message: str, full: bool = False):
+    def __init__(self, message: str, number: int | None = None):
         super().__init__(message)
-        self.full = full
+        self.full = number in (errno.ENOSPC, errno.EDQUOT)
+        self.starved = number == errno.ENOMEM
 
 
 @lru_cache(maxsize=1)
@@ -77,8 +82,8 @@ def build_library(sources: Mapping[str, str]) -> bytes:
         ):
             built = file.read()
     except OSError as error:
-        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        raise CannotCompile(f"the C compiler could not be used: {error.strerror or error}", full) from None
+        message = f"the C compiler could not be used: {error.strerror or error}"
+        raise CannotCompile(message, error.errno) from None
     if not _is_whole(built):
         raise CannotCompile(f"`{os.path.basename(words[0])}` left half a library behind")
     return built
@@ -115,8 +120,9 @@ def _compile(words: tuple[str, ...], sources: Mapping[str, str], folder: str) ->
         raise CannotCompile(f"`{words[0]}` took longer than {LONGEST:g} s") from None
     if done.returncode != 0:
         said = done.stderr or done.stdout
-        if os.strerror(errno.ENOSPC) in said:
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), folder)
+        for number, others in NO_ROOM.items():
+            if any(each in said for each in (os.strerror(number), *others)):
+                raise OSError(number, os.strerror(number), folder)
         lines = said.strip().splitlines()
         first = next((line for line in lines if "error" in line), lines[0] if lines else "it said nothing")
         raise CannotCompile(f"`{os.path.basename(words[0])}` failed (exit code {done.returncode}): {first}")

@@ -95,11 +95,6 @@ class NumpySystem(CompiledSystem):
         self.model.module["fn_start"](self._p, x)
         return x
 
-    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
-        xdot, lam = [0.0] * self.nx, [0.0] * self.nc
-        self.rhs(t, x, xdot, lam)
-        return xdot[self.nq : self.nq + self.nv], lam
-
     def integrate(
         self,
         options: Options,

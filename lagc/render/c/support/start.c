@@ -97,6 +97,38 @@ static int lagc_by_parts(const lagc_params *p, double t, lagc_start_work *w)
     return 1;
 }
 
+#define LAGC_TRACE 1e-6 /* of its size: a move that may be none; where rows are quadratic, rounding leaves its root */
+
+/* Leave as guessed what went next to no way, if what is left meets the conditions as near by: steps leave traces
+ * in unknowns that they need not move. */
+static void lagc_calm(const lagc_params *p, double t, lagc_start_work *w)
+{
+    int i, same = 0;
+    for (i = 0; i < LAGC_NE; i++)
+        w->order[i] = w->all[i];
+    lagc_confine(LAGC_NE, w);
+    lagc_copy(w->answer, w->y);
+    for (i = 0; i < LAGC_NU; i++) {
+        const double way = fabs(w->y[i] - w->home[i]);
+        w->let[i] = w->loose[i];
+        if (w->loose[i] && w->used[i] && 0.0 < way && way <= LAGC_TRACE * w->weights[i]) {
+            w->answer[i] = w->home[i];
+            w->loose[i] = 0;
+            same = 1;
+        }
+    }
+    if (same) {
+        lagc_attempt(p, t, w->answer, w);
+        same = lagc_farthest(p, t, w->answer, w->ended, w) <= LAGC_CLOSE;
+        for (i = 0; i < LAGC_NU; i++)
+            same = same && fabs(w->answer[i] - w->y[i]) <= LAGC_TRACE * w->weights[i];
+        if (same)
+            lagc_copy(w->y, w->answer);
+    }
+    for (i = 0; i < LAGC_NU; i++)
+        w->loose[i] = w->let[i];
+}
+
 lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int *levels,
                             lagc_start_work *w)
 {
@@ -140,6 +172,7 @@ lagc_status lagc_consistent(const lagc_params *p, double t, double *x, const int
         (void)lagc_farthest(p, t, w->y, w->ended, w);
         return LAGC_INCONSISTENT;
     }
+    lagc_calm(p, t, w);
     for (i = 0; i < LAGC_NQ + LAGC_NV; i++)
         x[i] = w->y[i];
     return LAGC_OK;

@@ -70,6 +70,7 @@ typedef struct {
     double c[LAGC_NE];
     double sizes[LAGC_NE];
     double scales[LAGC_NE];
+    double terms[LAGC_NE];  /* of each condition at the guess */
     double trial_c[LAGC_NE];
     double trial_sizes[LAGC_NE];
     double right[LAGC_NE];

@@ -107,7 +107,7 @@ static void lagc_meet_alone(const lagc_params *p, double t, double *y, int i, in
     lagc_place ends[2];
     int k, side;
     ends[0] = ends[1] = lagc_placed(p, t, y, home, begin, w);
-    lagc_judge(w->J, w->sizes, w);
+    lagc_judge(y, w->J, w->sizes, w);
     if (lagc_ratio(w->c[i], w->scales[i]) <= LAGC_ACCEPTED)
         return;
     for (k = 1; k < 3 * LAGC_RUNGS + 3; k++)

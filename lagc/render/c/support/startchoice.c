@@ -114,7 +114,7 @@ static double lagc_bend(const lagc_params *p, double t, const double *y, const d
     double missed = 0.0, bent = 0.0;
     int r, k;
     lagc_meet(p, t, y, w->c, w->J, w->sizes);
-    lagc_judge(w->J, w->sizes, w);
+    lagc_judge(y, w->J, w->sizes, w);
     for (r = 0; r < w->ended; r++) {
         const int i = w->rows[r];
         double value = w->c[i], size;

@@ -78,6 +78,8 @@ static void lagc_weigh(const lagc_params *p, double t, const double *largest, la
 {
     int i, k;
     lagc_meet(p, t, w->home, w->c, w->J, w->sizes);
+    for (i = 0; i < LAGC_NE; i++)
+        w->terms[i] = w->sizes[i];
     lagc_blur(p, t, w->home, w->home, w);
     for (i = 0; i < LAGC_NU; i++)
         w->common[i] = w->reach[i] = 0.0;
@@ -133,15 +135,28 @@ static double lagc_weight(const lagc_start_work *w, int i)
     return w->levels[i] == LAGC_UNSTATED ? w->weights[i] : w->ease * w->weights[i];
 }
 
-/* What the residual of each row is judged against. */
-static void lagc_judge(const double *J, const double *sizes, lagc_start_work *w)
+/* What the residual of each row at y is judged against: its terms, and what the weights change it by, but not
+ * beyond its terms at the guess, or those of unknowns that are there.  A large coefficient of what is zero so
+ * far excuses nothing.  Where speeds meet, positions are known to their widths. */
+static void lagc_judge(const double *y, const double *J, const double *sizes, lagc_start_work *w)
 {
     int i, k = 0;
     for (i = 0; i < LAGC_NE; i++) {
-        double total = 0.0;
-        for (; k < lagc_ends[i]; k++)
-            total += fabs(J[k]) * w->weights[lagc_column[k]];
-        w->scales[i] = sizes[i] + LAGC_SLIGHT * total;
+        double total = 0.0, own = 0.0, there = 0.0, posture = 0.0, slight, known, most;
+        for (; k < lagc_ends[i]; k++) {
+            const int j = lagc_column[k];
+            const double slope = fabs(J[k]);
+            if (j < LAGC_NQ && lagc_column[lagc_ends[i] - 1] >= LAGC_NQ)
+                posture += slope * w->widths[j];
+            total += slope * w->weights[j];
+            own += slope * fabs(y[j]);
+            if (fabs(y[j]) >= LAGC_SLIGHT * w->weights[j])
+                there += slope * fabs(y[j]);
+        }
+        slight = LAGC_SLIGHT * total;
+        known = w->terms[i] > 0.0 ? w->terms[i] : there;
+        most = known + LAGC_SLIGHT * (own + posture);
+        w->scales[i] = sizes[i] + (0.0 < known && most < slight ? most : slight);
     }
 }
 
@@ -169,7 +184,7 @@ static double lagc_farthest(const lagc_params *p, double t, const double *y, int
     double worst = 0.0;
     int k;
     lagc_meet(p, t, y, w->c, w->J, w->sizes);
-    lagc_judge(w->J, w->sizes, w);
+    lagc_judge(y, w->J, w->sizes, w);
     w->culprit = -1;
     for (k = 0; k < end; k++) {
         const double size = lagc_ratio(w->c[w->rows[k]], w->scales[w->rows[k]]);

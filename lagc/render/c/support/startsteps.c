@@ -78,7 +78,7 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
     if (first == end || w->count == 0)
         return;
     lagc_meet(p, t, y, w->c, w->J, w->sizes);
-    lagc_judge(w->J, w->sizes, w);
+    lagc_judge(y, w->J, w->sizes, w);
     norm = lagc_norm(w->c, first, end, w);
     if (norm <= LAGC_CLOSE)
         return;
@@ -127,7 +127,7 @@ static void lagc_improve(const lagc_params *p, double t, double *y, int first, i
         }
         for (k = 0; k < LAGC_NJ; k++)
             w->J[k] = w->trial_J[k];
-        lagc_judge(w->J, w->sizes, w);
+        lagc_judge(y, w->J, w->sizes, w);
         norm = lagc_norm(w->c, first, end, w);
     }
 }
@@ -288,7 +288,7 @@ static int lagc_hopeless(const lagc_params *p, double t, lagc_start_work *w)
 {
     int i, k;
     lagc_meet(p, t, w->home, w->c, w->J, w->sizes);
-    lagc_judge(w->J, w->sizes, w);
+    lagc_judge(w->home, w->J, w->sizes, w);
     for (i = 0; i < w->ended; i++) {
         int any = 0;
         for (k = lagc_row_begin(w->rows[i]); k < lagc_ends[w->rows[i]]; k++)

@@ -42,6 +42,7 @@ class Equations:
         self.fallbacks = 0
         self.redundant_rows: list[int] = []
         self._bounds: Mapping[str, tuple[float, float]] | None = model.get("BOUNDS")
+        self._limits: Mapping[str, tuple[float, float]] = model.get("LIMITS", {})
         self._straight = bool(model["STRAIGHT"])
         self._functions = {k[3:]: v for k, v in model.items() if k.startswith("fn_")}
         self._fn_rhs: Any = self._functions.get("rhs")
@@ -57,8 +58,8 @@ class Equations:
         self._g: list[float] = []
 
     def check(self) -> None:
-        """Raises ValueError, naming the parameter that is not finite or out of its bounds, where bounds
-        are known (a run of lagc has seen to them)."""
+        """Raises ValueError, naming the parameter that is not finite or out of its bounds, or the value made
+        of some, where bounds are known (a run of lagc has seen to them)."""
         if self._bounds is None:
             return
         if len(self.p) != len(self._bounds):
@@ -66,6 +67,12 @@ class Equations:
         for (name, (low, high)), value in zip(self._bounds.items(), self.p):
             if not (abs(value) < inf and low <= value <= high):
                 raise ValueError(f"the parameter {name!r} is finite, from {low!r} to {high!r}: not {value!r}")
+        derived = [0.0] * len(self._limits)
+        if derived:
+            self._functions["limits"](self.p, derived)
+        for (name, (low, high)), value in zip(self._limits.items(), derived):
+            if not low <= value <= high:
+                raise ValueError(f"the value {name!r} is from {low!r} to {high!r}: not {value!r}")
 
     def rhs(self, t: float, x: Sequence[float], xdot: list[float], lam: list[float]) -> int:
         """xdot[nx] and lam[nc] at (t, x); a status."""

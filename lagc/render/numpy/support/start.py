@@ -11,6 +11,8 @@ from lagc.render.numpy.support.startsteps import CLOSE, NEAR, SPREADS
 
 # -- what follows is part of generated modules --
 
+TRACE = 1e-6  # of its size: a move that may be none; where rows are quadratic, rounding leaves its root
+
 
 class Consistency(Choice):
     """The search for values of the unknowns near the guess that meet the conditions.
@@ -31,9 +33,28 @@ class Consistency(Choice):
         self.culprit = self.directionless()
         if self.culprit >= 0:
             return INCONSISTENT
-        if self.solve(0, 1) and self.strayed(self.y) <= NEAR:
-            return OK
-        return self.by_parts()
+        near = self.solve(0, 1) and self.strayed(self.y) <= NEAR
+        status = OK if near else self.by_parts()
+        if status == OK:
+            self.calm()
+        return status
+
+    def calm(self) -> None:
+        """Leave as guessed what went next to no way, if what is left meets the conditions as near by: steps
+        leave traces in unknowns that they need not move."""
+        y, free = self.y, self.free[:]
+        trial, traces = y[:], False
+        for i in range(self.n):
+            if free[i] and self.used[i] and 0.0 < abs(y[i] - self.home[i]) <= TRACE * self.weights[i]:
+                trial[i], self.free[i], traces = self.home[i], False, True
+        if traces:
+            trial = self.attempt(trial)
+            same = self.worst(trial, self.rows)[0] <= CLOSE
+            for a, b, weight in zip(trial, y, self.weights):
+                same = same and abs(a - b) <= TRACE * weight
+            if same:
+                self.y = trial
+        self.free = free
 
     def directionless(self) -> int:
         """The condition of a quaternion that is zero, or -1."""

@@ -39,7 +39,7 @@ class Alone(Linear):
     def meet(self, y: list[float], i: int, j: int) -> None:
         """Move unknown j in `y` to where condition i holds, found upwards and downwards by turns."""
         c, jacobian, sizes = self.evaluate(y)
-        if ratio_of(c[i], self.scales(jacobian, sizes)[i]) <= ACCEPTED:
+        if ratio_of(c[i], self.scales(y, jacobian, sizes)[i]) <= ACCEPTED:
             return
         home = y[j]
         size = abs(home) if home != 0.0 else self.weights[j]

@@ -137,7 +137,7 @@ class Choice(Approach):
     def bend(self, y: list[float], to: list[float]) -> float:
         """How much the conditions bend from y to `to`, as a part of what is missed at y."""
         c, jacobian, sizes = self.evaluate(y)
-        scales = self.scales(jacobian, sizes)
+        scales = self.scales(y, jacobian, sizes)
         missed, bent = 0.0, 0.0
         for i in self.rows:
             value = c[i]

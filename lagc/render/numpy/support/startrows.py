@@ -122,6 +122,7 @@ class Meeting:
         1.  And the size of the largest of its unit."""
         y, units = self.home, self.conditions.units
         _, jacobian, sizes = self.evaluate(y)
+        self.terms = sizes  # of each condition at the guess
         blurred = self.blurred(y, jacobian, y)
         common = [0.0] * len(self.largest)
         for i in range(self.n):
@@ -169,21 +170,33 @@ class Meeting:
         """How far unknown i moves where others could move instead."""
         return self.weights[i] if self.levels[i] == UNSTATED else self.ease * self.weights[i]
 
-    def scales(self, jacobian: list[float], sizes: list[float]) -> list[float]:
-        """What the residual of each row is judged against."""
-        found, k = [0.0] * len(sizes), 0
+    def scales(self, y: list[float], jacobian: list[float], sizes: list[float]) -> list[float]:
+        """What the residual of each row at y is judged against: its terms, and what the weights change it
+        by, but not beyond its terms at the guess, or those of unknowns that are there.  A large coefficient
+        of what is zero so far excuses nothing.  Where speeds meet, positions are known to their widths."""
+        found, k, columns = [0.0] * len(sizes), 0, self.conditions.columns
         for i, end in enumerate(self.conditions.ends):
-            total = 0.0
+            total, own, there, posture = 0.0, 0.0, 0.0, 0.0
             while k < end:
-                total += abs(jacobian[k]) * self.weights[self.conditions.columns[k]]
+                j = columns[k]
+                slope = abs(jacobian[k])
+                if j < self.conditions.nq <= columns[end - 1]:
+                    posture += slope * self.widths[j]
+                total += slope * self.weights[j]
+                own += slope * abs(y[j])
+                if abs(y[j]) >= SLIGHT * self.weights[j]:
+                    there += slope * abs(y[j])
                 k += 1
-            found[i] = sizes[i] + SLIGHT * total
+            slight = SLIGHT * total
+            known = self.terms[i] if self.terms[i] > 0.0 else there
+            most = known + SLIGHT * (own + posture)
+            found[i] = sizes[i] + (most if known > 0.0 and most < slight else slight)
         return found
 
     def worst(self, y: list[float], rows: list[int]) -> tuple[float, int]:
         """The largest scaled residual of `rows`, infinity where one is not a number, and its row."""
         c, jacobian, sizes = self.evaluate(y)
-        scales = self.scales(jacobian, sizes)
+        scales = self.scales(y, jacobian, sizes)
         worst, row = 0.0, -1
         for i in rows:
             size = ratio_of(c[i], scales[i])

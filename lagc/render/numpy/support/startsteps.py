@@ -107,7 +107,7 @@ class Approach(Alone):
         if not rows or not columns:
             return y
         c, jacobian, sizes = self.evaluate(y)
-        scales = self.scales(jacobian, sizes)
+        scales = self.scales(y, jacobian, sizes)
         norm = norm_of(c, scales, rows)
         if norm <= CLOSE:
             return y
@@ -149,7 +149,7 @@ class Approach(Alone):
                 break
             left *= size / norm
             y, c, jacobian, sizes = trial, tc, tj, tz
-            scales = self.scales(jacobian, sizes)
+            scales = self.scales(y, jacobian, sizes)
             norm = norm_of(c, scales, rows)
         return y
 

@@ -1,0 +1,146 @@
+"""Sums of squares that rotations leave as they are: the angles by which a vector is turned drop out of its
+length.
+
+The square is multiplied out, within a bound, and cos(u)^2 is 1 - sin(u)^2 for one angle u after the
+other.  That is a normal form: where u has no influence by this identity alone, none of it is left.  Where
+some is, the square stays as it was written.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import comb
+
+from lagc.expr.graph import Graph, Node
+
+MOST = 2000  # nodes, terms and products that are looked at
+NESTED = 10  # of them that a sum inside a product counts for
+TURNS = 6  # angles in one square
+
+Monomial = tuple[tuple[Node, int], ...]  # bases and exponents, in the order of the graph
+Terms = dict[Monomial, tuple[float, float]]  # coefficient, and the sum of what it was added up from
+ROUNDING = 2.0**-48  # of that sum: what is left of numbers that cancel
+
+
+class _TooMuch(Exception):
+    """More than the bound."""
+
+
+class _Work:
+    left = MOST
+
+    def spend(self, amount: int = 1) -> None:
+        self.left -= amount
+        if self.left < 0:
+            raise _TooMuch
+
+
+def without_turns(square: Node) -> Node:
+    """`square`, without the angles that have no influence on it, as far as they are seen."""
+    work, found = _Work(), square
+    try:
+        angles = _angles(square, work)
+        if not 0 < len(angles) <= TURNS:
+            return square
+        terms, left = _expanded(square, work), -1
+        while left != len(angles):  # the outermost turn drops out first
+            left, others = len(angles), []
+            for sine, cosine in angles:
+                turned = _left(_in_sines(terms, sine, cosine, work))
+                if any(base is sine or base is cosine for term in turned for base, _ in term):
+                    others.append((sine, cosine))
+                else:
+                    terms, found = turned, _written(square.graph, turned)
+            angles = others
+    except _TooMuch:
+        pass
+    return found
+
+
+def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
+    """The sines and cosines of the same that are factors in it; what is inside other functions is not."""
+    seen, stack = {square}, [square]
+    sines, cosines = dict[Node, Node](), dict[Node, Node]()
+    while stack and len(sines) <= TURNS:
+        work.spend()
+        node = stack.pop()
+        if node.op in ("add", "scale", "mul"):
+            new = [a for a in node.args if a not in seen]
+            seen.update(new)
+            stack += new
+        elif node.op in ("sin", "cos"):
+            (sines if node.op == "sin" else cosines)[node.args[0]] = node
+    shared = sorted(sines.keys() & cosines.keys(), key=lambda u: u.index)
+    return [(sines[u], cosines[u]) for u in shared]
+
+
+def _expanded(node: Node, work: _Work) -> Terms:
+    """Its terms, multiplied out."""
+    terms: Terms = {}
+    stack = [(node, 1.0)]
+    while stack:
+        work.spend()
+        part, c = stack.pop()
+        if part.op == "add":
+            stack += [(a, c) for a in part.args]
+        elif part.op == "scale":
+            stack.append((part.args[0], c * part.value))
+        elif part.op == "const":
+            _collect(terms, (), c * part.value, abs(c * part.value))
+        elif part.op == "mul":
+            product: Terms = {(): (c, abs(c))}
+            for base, exponent in zip(part.args, part.value):
+                factor: Terms = {((base, exponent),): (1.0, 1.0)}
+                times = 1
+                if base.op == "add" and exponent > 0:
+                    work.spend(NESTED)
+                    factor, times = _expanded(base, work), exponent
+                for _ in range(times):
+                    product = _product(product, factor, work)
+            for term, (value, size) in product.items():
+                _collect(terms, term, value, size)
+        else:
+            _collect(terms, ((part, 1),), c, abs(c))
+    return terms
+
+
+def _product(a: Terms, b: Terms, work: _Work) -> Terms:
+    found: Terms = {}
+    for s, (c, size) in a.items():
+        for t, (d, other) in b.items():
+            work.spend()
+            _collect(found, _monomial((*s, *t)), c * d, size * other)
+    return found
+
+
+def _in_sines(terms: Terms, sine: Node, cosine: Node, work: _Work) -> Terms:
+    """`terms` with powers of the cosine below 2."""
+    found: Terms = {}
+    for term, (c, size) in terms.items():
+        work.spend()
+        n = max((e for base, e in term if base is cosine), default=0) // 2
+        for k in range(n + 1):
+            other = _monomial((*term, (cosine, -2 * n), (sine, 2 * k))) if n else term
+            _collect(found, other, c * comb(n, k) * (-1.0) ** k, size * comb(n, k))
+    return found
+
+
+def _monomial(factors: Iterable[tuple[Node, int]]) -> Monomial:
+    powers: dict[Node, int] = {}
+    for base, exponent in factors:
+        powers[base] = powers.get(base, 0) + exponent
+    return tuple(sorted(((b, e) for b, e in powers.items() if e), key=lambda p: p[0].index))
+
+
+def _collect(terms: Terms, term: Monomial, c: float, size: float) -> None:
+    before, others = terms.get(term, (0.0, 0.0))
+    terms[term] = before + c, others + size
+
+
+def _left(terms: Terms) -> Terms:
+    """Those that do not cancel, but for rounding."""
+    return {term: (c, size) for term, (c, size) in terms.items() if abs(c) > ROUNDING * size}
+
+
+def _written(graph: Graph, terms: Terms) -> Node:
+    return graph.sum(c * graph.product(term) for term, (c, _) in terms.items())

@@ -1,0 +1,37 @@
+"""The bounds that parameters keep: those that were declared, and those that bodies ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import inf
+
+from lagc.expr.walk import symbols
+from lagc.meaning.model import Limit, Model
+from lagc.mechanics.intervals import intervals
+from lagc.records import replace
+
+
+def bounded(model: Model) -> Model:
+    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative.
+    Where declared bounds see to that already, there are none."""
+    asked = list(_inertias(model))
+    direct = {limit.value for limit in asked}
+    parameters = tuple([
+        replace(p, minimum=0.0) if p.symbol in direct and p.minimum < 0.0 else p for p in model.parameters
+    ])  # fmt: skip
+    known = {p.symbol: (p.minimum, p.maximum) for p in parameters}
+    least = intervals([limit.value for limit in asked], known)
+    found = [
+        limit
+        for limit in asked
+        if limit.value not in known and not least[limit.value][0] >= 0.0
+        and symbols([limit.value]) <= known.keys()
+    ]  # fmt: skip
+    return replace(model, parameters=parameters, limits=(*model.limits, *found))
+
+
+def _inertias(model: Model) -> Iterator[Limit]:
+    for body in model.bodies:
+        yield Limit(f"mass of {body.name}", body.mass, "kg", 0.0, inf, body.span)
+        for k, row in enumerate(body.inertia or ()):
+            yield Limit(f"moment of inertia {k + 1} of {body.name}", row[k], "kg.m2", 0.0, inf, body.span)

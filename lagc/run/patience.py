@@ -1,0 +1,47 @@
+"""When a run in NumPy is given up for one in C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+from time import perf_counter
+
+from lagc.diagnostics.faults import Refused
+from lagc.optimize.program import Interface
+
+
+class TakesLong(Exception):
+    """The run has lasted as long as compiling it to C would, and there is a compiler."""
+
+
+class Patience:
+    """Progress that gives up after `limit` s: at worst, then, the run costs twice what it must."""
+
+    def __init__(self, limit: float, inner: Callable[[float], None] | None):
+        self.end = perf_counter() + limit
+        self.inner = inner
+
+    def __call__(self, t: float) -> None:
+        if perf_counter() > self.end:
+            if _compiles():
+                raise TakesLong
+            self.end = inf
+        if self.inner is not None:
+            try:
+                self.inner(t)
+            except Refused:  # it would take too long: perhaps C does not
+                if _compiles():
+                    raise TakesLong from None
+                raise
+
+
+def compile_time(interface: Interface) -> float:
+    """How long a C compiler will take, s: a guess from the size of the program."""
+    support = 0.8 if interface.nc else 0.4
+    return support + 1.0e-3 * interface.operations
+
+
+def _compiles() -> bool:
+    from lagc.run.backends.compile import compiler
+
+    return compiler() is not None

@@ -1,0 +1,121 @@
+"""Starts of linear rows whose coefficients are of any size: exact arithmetic tells what is right."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from fractions import Fraction
+
+import pytest
+
+from lagc.render.numpy.support.start import Consistency
+from lagc.render.numpy.support.startrows import ACCEPTED, Conditions
+from tests.run.started import Twins, program_of
+
+Row = tuple[dict[int, float], float]  # coefficients by unknown, and the value of their sum
+
+
+def exact(row: Row, y: Sequence[float]) -> tuple[Fraction, Fraction]:
+    """What the row misses at y, and the sum of the sizes of its terms."""
+    terms = [Fraction(a) * Fraction(y[j]) for j, a in row[0].items()] + [-Fraction(row[1])]
+    return abs(sum(terms)), sum(map(abs, terms))
+
+
+def conditions(rows: Sequence[Row], n: int) -> Conditions:
+    """The rows and their rates, in n coordinates of one unit and their rates of another."""
+    ends, columns, slopes = list[int](), list[int](), list[float]()
+    for first in (0, n):
+        for coefficients, _ in rows:
+            columns += [first + j for j in coefficients]
+            slopes += coefficients.values()
+            ends.append(len(columns))
+
+    def evaluate(t: float, x: Sequence[float]) -> tuple[list[float], list[float], list[float]]:
+        c, sizes = list[float](), list[float]()
+        for first in (0, n):
+            for coefficients, value in rows:
+                terms = [a * x[first + j] for j, a in coefficients.items()]
+                terms.append(0.0 if first else -value)
+                c.append(sum(terms))
+                sizes.append(sum(map(abs, terms)))
+        return c, list(slopes), sizes
+
+    return Conditions(n, n, (), [0] * n + [1] * n, (), ends, columns, evaluate, lambda: ([], [1.0, 1.0]))
+
+
+def chain(dice: random.Random, n: int) -> tuple[list[Row], list[float], list[int]]:
+    """Rows that each bring one unstated unknown, the guess and the levels.  Rows are of any size, the terms
+    of one within six decades."""
+    levels = [dice.choice((0, 1)) if j else 1 for j in range(n)]
+    guess = [dice.choice((1, -1)) * 10 ** dice.uniform(-2, 2) if level else 0.0 for level in levels]
+    rows, known = list[Row](), [j for j in range(n) if levels[j]]
+    for j in (j for j in range(n) if not levels[j]):
+        size = 10 ** dice.uniform(-50, 50)
+        own = {k: dice.uniform(-1, 1) * 10 ** dice.uniform(-6, 0) * (size / guess[k])
+               for k in dice.sample(known, min(2, len(known)))}  # fmt: skip
+        rows.append(({**own, j: size * 10 ** dice.uniform(-140, 240)}, dice.choice((0.0, size))))
+    return rows, guess, levels
+
+
+def test_what_nobody_stated_meets_rows_of_any_coefficients() -> None:
+    """Nothing stated moves, however large or small the coefficient of what is zero so far."""
+    dice = random.Random(5)
+    for _ in range(300):
+        n = dice.randint(2, 6)
+        rows, guess, levels = chain(dice, n)
+        rates = [a * 10 ** dice.uniform(-3, 3) for a in guess]
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *rates], [*levels, *levels])
+        assert search.run() == 0, rows
+        for row in rows:
+            missed, size = exact(row, search.y[:n])
+            assert missed <= ACCEPTED * size, (row, search.y)
+            missed, size = exact((row[0], 0.0), search.y[n:])
+            assert missed <= ACCEPTED * size, (row, search.y)
+        for j, level in enumerate(levels):
+            assert not level or (search.y[j] == guess[j] and search.y[n + j] == rates[j])
+
+
+def test_rows_of_any_coefficients_that_contradict_each_other_have_no_start() -> None:
+    """A row said twice, the second time with another value: by its terms, or a thousandth of them."""
+    dice = random.Random(6)
+    refused = 0
+    for _ in range(300):
+        n = dice.randint(2, 6)
+        rows, guess, levels = chain(dice, n)
+        if not rows:
+            continue
+        coefficients, value = dice.choice(rows)
+        size = max(abs(a * guess[j]) for j, a in coefficients.items()) + abs(value)
+        rows.append((coefficients, value + size * dice.choice((1.0, -1.0, 1e-3))))
+        search = Consistency(conditions(rows, n), 0.0, [*guess, *[0.0] * n], [*levels, *[0] * n])
+        assert search.run() != 0, (rows, guess)
+        refused += 1
+    assert refused > 200
+
+
+MODEL = """\
+model M
+  coordinate Length x(start = {x} [m], rate = 3 [m/s]), y, z(start = 2 [m]);
+  body b = Particle(mass = 1, at = {{x, y, z}});
+  constraint r: x = {k}*y{more};
+end M;
+"""
+
+
+@pytest.mark.parametrize("k", ["1e12", "1e15", "1e17", "1e100", "1e-15", "1e-100"])
+def test_a_large_coefficient_is_met_by_c_and_python(k: str) -> None:
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more="")))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    assert found[0] == 0
+    x, y, _, vx, vy, _ = found[2]
+    assert (x, vx) == (1.0, 3.0)
+    assert abs(x - float(k) * y) <= 1e-15 and abs(vx - float(k) * vy) <= 3e-15
+
+
+@pytest.mark.parametrize("k", ["1e12", "1e15", "1e17", "1e100"])
+def test_a_large_coefficient_hides_no_contradiction(k: str) -> None:
+    twins = Twins(program_of(MODEL.format(x=1, k=k, more=f";\n  constraint s: x = 2 [m] + {k}*y")))
+    found = twins.by_python(0.0, twins.guess, twins.interface.start_levels)
+    assert repr(found) == repr(twins.by_c(0.0, twins.guess, None))
+    assert found[0] != 0
