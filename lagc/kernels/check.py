@@ -23,7 +23,7 @@ from lagc.kernels.model import fn_limits
 from lagc.kernels.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NX
 from lagc.kernels.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.tableau import METHODS
-from lagc.kernels.tables import bounded, bounds, limits
+from lagc.kernels.tables import bounded, bounds, derived_bounds
 from lagc.kernels.words import Cell, Params, Real, Status, present, public, static, vector
 
 
@@ -62,7 +62,7 @@ def bad_parameter(p: Params) -> int:
         derived = vector(NLIMITS)
         fn_limits(p, derived)
         for k in range(NLIMITS):
-            if not (derived[k] >= limits[k][0] and derived[k] <= limits[k][1]):
+            if not (derived[k] >= derived_bounds[k][0] and derived[k] <= derived_bounds[k][1]):
                 return BAD_PARAMETER + NP + k
     return -1
 

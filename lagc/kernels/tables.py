@@ -15,4 +15,4 @@ ends: IVec[NE]  # where the derivatives of each condition end
 column: IVec[NJ]  # the unknown of each derivative
 bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # least and largest
-limits: Mat[NLIMITS, TWO]  # the same of values made of parameters
+derived_bounds: Mat[NLIMITS, TWO]  # the same of values made of parameters

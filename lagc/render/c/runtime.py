@@ -82,12 +82,12 @@ def tables(interface: Interface) -> dict[str, Sequence[Any]]:
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
-        "limits": [(f.minimum, f.maximum) for f in interface.limits],
+        "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
 
 
 def _table(name: str, values: Sequence[Any]) -> str:
-    if name in ("bounds", "limits"):
+    if name in ("bounds", "derived_bounds"):
         rows = ",\n    ".join(f"{{{_bound(low)}, {_bound(high)}}}" for low, high in values)
         return f"static const lagc_real lagc_{name}[][2] = {{\n    {rows}\n}};\n"
     rows = ",\n    ".join(", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16))
