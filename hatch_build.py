@@ -1,7 +1,8 @@
-"""Ships the parser's tables, so that no run has to make them from the grammar."""
+"""Ships the parser's tables and the printed kernels, so that no run has to make them."""
 
 from __future__ import annotations
 
+import os
 import sys
 from typing import Any
 
@@ -11,8 +12,10 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 class CustomBuildHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         sys.path.insert(0, self.root)
-        from lagc.frontend.tables import packed, shipped_path
+        from lagc.frontend import tables
+        from lagc.render.kernels import shipped
 
-        with open(shipped_path(), "w", encoding="utf-8") as file:
-            file.write(packed())
-        build_data["artifacts"].append("lagc/frontend/tables.json")
+        for made in (tables, shipped):
+            with open(made.shipped_path(), "w", encoding="utf-8") as file:
+                file.write(made.packed())
+            build_data["artifacts"].append(os.path.relpath(made.shipped_path(), self.root))
