@@ -20,7 +20,7 @@ SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]
 
 def checkout(target: Path) -> Path:
     """What the repository has under version control, as far as it is shipped, in a folder of its own."""
-    leave = shutil.ignore_patterns("__pycache__", "tables.json", "*.pyc")
+    leave = shutil.ignore_patterns("__pycache__", "tables.json", "kernels.json", "*.pyc")
     target.mkdir(parents=True)
     for pattern in SHIPPED:
         for path in ROOT.glob(pattern.removeprefix("/")):
@@ -81,7 +81,7 @@ def test_code_is_generated(installed: Path) -> None:
 
 
 def test_nothing_is_left_behind(installed: Path) -> None:
-    for name in ("grammar/lag.lark", "frontend/tables.json", "models/classic/kepler.lag"):
+    for name in ("grammar/lag.lark", "frontend/tables.json", "render/kernels/kernels.json", "models/classic/kepler.lag"):
         assert (installed / "lagc" / name).is_file()
     for path in (ROOT / "lagc").rglob("*"):
         if path.suffix in (".py", ".c", ".h"):
