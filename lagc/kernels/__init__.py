@@ -9,5 +9,7 @@ FILES, functions in that of their file.
 FILES = (
     "statuses", "limits", "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "weights", "listening", "control", "step", "recording",
+    "startrecords", "leastnorm", "startrows", "starttable", "startalone", "startsteps", "startfind",
+    "startchoice", "startsearch", "start",
 )  # fmt: skip
 METHODS = ("dop853", "dopri5", "rk4", "bs32")  # folder `methods`: one file each; a number of the interface by its place

@@ -27,3 +27,16 @@ NEARLY = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units of the 
 # Ways to where rows are dependent, of the size of coordinates: their product, and what projection leaves.
 CROSSING = by_type(1e-6, 3e-15, "1e-30")
 APART = by_type(1e-5, 1e-12, "1e-28")
+# Of a consistent start: scaled residuals at which one is taken, if nothing improves it; at which it is left
+# as it is; at which the iteration ends.
+ACCEPTED = by_type(1e-4, 1e-9, "1e-18")
+CLOSE = by_type(3e-6, 1e-13, "1e-30")
+EXACT = by_type(3e-7, 1e-15, "1e-32")
+FOLLOWING = by_type(1e-4, 1e-11, "1e-24")  # of its length: the rest of a row that follows from others
+SURELY_FOLLOWING = by_type(1e-2, 1e-5, "1e-12")
+NEGLIGIBLE = by_type(1e-4, 1e-9, "1e-20")  # of the largest slope of a row: a pivot that counts as zero
+UNMOVED = by_type(1e-9, 1e-22, "1e-56")  # squared, in weights
+LEAST_WEIGHT = by_type(1e-30, 1e-290, "1e-4900")  # of an unknown
+MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
+# Of its size: a move of an unknown that may be none; where rows are quadratic, rounding leaves its root.
+TRACE = by_type(3e-3, 1e-6, "1e-13")

@@ -31,7 +31,7 @@ class NLIMITS(metaclass=SizeType): ...  # values made of parameters that have bo
 class NU(metaclass=SizeType): ...  # unknowns of a start: NQ + NV + NRATE
 class NE(metaclass=SizeType): ...  # its conditions: NCOND + NQUAT
 class NJ(metaclass=SizeType): ...  # derivatives of these
-class NTABLE(metaclass=SizeType): ...  # NE (NU + 1)
+class NROW(metaclass=SizeType): ...  # NU + 1: of a row of these, with its right-hand side
 
 
 # The same for every model.

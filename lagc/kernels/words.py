@@ -2,7 +2,7 @@
 
 A kernel is a function with annotated arguments and one scalar result; all else goes through records.
 It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`, `continue`,
-`return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `sqrt`, `pow`.
+`return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `floor`, `sqrt`, `pow`.
 Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero, and what `sqrt`
 and `pow` are given has a root.
 `if NC > 0:` and `if STRAIGHT:` are decided when it is printed.  There are no tuples, defaults, closures,
@@ -24,7 +24,7 @@ from typing import Any, Generic, NewType, TypeVar, overload
 
 Real = float  # of the type that is asked for: double, float, long double, __float128
 Count = int  # a long: steps, evaluations
-Length = int  # a size_t: of what a caller brings
+Length = int  # a size_t: of what a caller brings; unsigned, so that v & mask is exact in C too
 Status = NewType("Status", int)
 N = TypeVar("N")
 R = TypeVar("R")

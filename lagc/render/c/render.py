@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 
 from lagc.optimize.program import Interface, Program
-from lagc.render.c import fragments, header, runtime
+from lagc.render.c import header, runtime
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.verbs import verbs
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
@@ -47,7 +47,6 @@ def _header(program: Program, file: str, complete: bool, real: Arithmetic) -> st
         runtime.types(interface, complete, real),
         *(verb.declaration for verb in verbs(program, real)),
         runtime.declarations(program, complete, real),
-        fragments.start_declarations(interface) if consistency else "",
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
@@ -63,7 +62,6 @@ def _source(program: Program, file: str, own_header: str, complete: bool, real: 
         helpers(program),
         *(function_text(f, names, fields, real) for f in program.functions.values()),
         *runtime.definitions(program, complete, real),
-        *(fragments.start_definitions(interface) if complete and interface.needs_consistency else []),
         *(verb.definition for verb in verbs(program, real)),
     ]
     return "\n".join(part for part in parts if part)

@@ -18,21 +18,26 @@ from lagc.render.statuses import STATUSES
 # Public kernels that every model has; those of a run of lagc's own are the last.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
 OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by what `verbs` writes
-PUBLIC_RECORDS = ("Work", "Options", "State")
+PUBLIC_RECORDS = ("Work", "Options", "State", "StartWork")
 
 
 def needed(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> Chosen:
     functions = program.functions
     roots = [name for name in ROOTS if complete or name != "check"]
+    roots += ["consistent"] if complete and program.interface.needs_consistency else []
     roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
     roots += OF_VERBS[2:] if program.interface.nc and "scales" in functions else []
     return chosen(parts(real), switches_of(program.interface, complete), roots)
 
 
 def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> str:
-    """lagc_work, lagc_method, lagc_options, lagc_state and the culprits of INVALID: for the header."""
-    return "\n".join([_record("Work", interface, real), _methods(), _record("Options", interface, real), _codes("records"),
-                      _record("State", interface, real)])  # fmt: skip
+    """lagc_work, lagc_method, lagc_options, lagc_state, the culprits of INVALID, and what the search for a start
+    has: for the header."""
+    found = [_record("Work", interface, real), _methods(), _record("Options", interface, real), _codes("records"),
+             _record("State", interface, real)]  # fmt: skip
+    if complete and interface.needs_consistency:
+        found += [_codes("startrecords"), _record("StartWork", interface, real)]
+    return "\n".join(found)
 
 
 def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> str:
@@ -79,8 +84,15 @@ def tables(interface: Interface) -> dict[str, Sequence[Any]]:
     """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
+    ends, columns = list(interface.condition_ends), list(interface.condition_columns)
+    for k in interface.quaternions:
+        ends.append(len(columns) + 4)
+        columns += range(k, k + 4)
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "level": interface.start_levels, "unit": interface.start_units,
+        "angle": [int(i in interface.angles) for i in range(len(interface.start_levels))],
+        "ends": ends, "column": columns or [0],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
@@ -102,20 +114,22 @@ def _bound(value: float) -> str:
 def _record(name: str, interface: Interface, real: Arithmetic) -> str:
     """A struct; C has no arrays of nothing."""
     part = next(p for p in parts(real) if p["kind"] == "record" and p["name"] == name)
-    switches, sizes = switches_of(interface, True), sizes_of(interface)
+    switches, public = switches_of(interface, True), {name for name, _, _ in header.sizes(interface)}
+    sizes = {n: max(size, 1) for n, size in sizes_of(interface).items() if size == 0 or n not in {*public, *DERIVED}}
     lines = []
     for member, kind, when, lead, trail in part["members"]:
         if all(switches[switch] == value for switch, value in when):
-            lines += [f"    /* {text} */" for text in lead]
+            lines += [f"    {line}" for line in _comment("\n".join(lead)).splitlines()]
             lines.append(f"    {_room(kind, member, sizes, real)};" + (f" /* {trail} */" if trail else ""))
     body = "\n".join(lines)
     return f"{_comment(part['doc'])}typedef struct {{\n{body}\n}} lagc_{snake(name)};\n"
 
 
 def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int], real: Arithmetic) -> str:
+    """`sizes`: those that are written as numbers."""
     from lagc.render.kernels.c import CPrinter
 
-    printer = CPrinter(real, {**DERIVED, **{n: "1" for n, v in sizes.items() if v == 0}}, {})
+    printer = CPrinter(real, {**DERIVED, **{n: str(size) for n, size in sizes.items()}}, {})
     return printer.room(tuple(kind), name)
 
 
@@ -127,11 +141,12 @@ def _methods() -> str:
 
 
 def _codes(file: str) -> str:
-    """The enumerations of a kernel file."""
+    """The enumeration of a kernel file."""
     rows: list[tuple[str, str]] = []
-    head = ""
+    head = now = ""
     for part in parts():
-        if part["kind"] == "Code" and part["name"].startswith("BAD_"):
+        now = part["name"] if part["kind"] == "file" else now
+        if part["kind"] == "Code" and now == file:
             head = head or part["note"]
             rows.append((f"LAGC_{part['name']} = {part['value']}", "" if part["note"] == head else part["note"]))
     lines = [f"    {text}{',' if k < len(rows) - 1 else ''}" + (f" /* {note} */" if note else "")

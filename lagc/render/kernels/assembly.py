@@ -13,7 +13,7 @@ from lagc.records import dataclass
 # Sizes that are expressions of others, or the same in every model.
 DERIVED = {
     "NM": "LAGC_NV * (LAGC_NV + 1) / 2", "NG": "LAGC_NC * LAGC_NV", "NR": "LAGC_NV + LAGC_NC",
-    "NREACH": "LAGC_NC + LAGC_NH", "NTABLE": "LAGC_NE * (LAGC_NU + 1)", "NSETU": "3 * LAGC_NU",
+    "NREACH": "LAGC_NC + LAGC_NH", "NROW": "LAGC_NU + 1", "NSETU": "3 * LAGC_NU",
     "TWO": "2", "FOUR": "4", "NK": "16", "NKEPT": "13", "ND": "8", "NSETS": "3",
 }  # fmt: skip
 
@@ -62,8 +62,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NCOND": len(rows), "NRATE": len(interface.rate_names),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NLIMITS": len(interface.limits), "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1), "NTABLE": ne * (nu + 1),
-        "TWO": 2, "FOUR": 4, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3, "NSETU": 3 * nu,
+        "NLIMITS": len(interface.limits), "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1),
+        "NROW": nu + 1, "TWO": 2, "FOUR": 4, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3, "NSETU": 3 * nu,
     }  # fmt: skip
 
 

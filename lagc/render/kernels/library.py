@@ -91,7 +91,8 @@ class Library:
         return self
 
     def module(self, module: Module, known: Mapping[str, Any], prefix: str = "", title: str = "") -> None:
-        self.parts.append({"kind": "file", "title": title or module.title[:1].lower() + module.title[1:], "text": module.text})
+        name, title = module.file.removesuffix(".py"), title or module.title[:1].lower() + module.title[1:]
+        self.parts.append({"kind": "file", "name": name, "title": title, "text": module.text})
         own = frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()
         for part in module.parts:
             if isinstance(part, Constant):
@@ -187,9 +188,10 @@ class Library:
         unused = set(leaf.locals) - leaf.read
         if unused:
             raise leaf.fail(leaf.function.line, f"{leaf.name}: {', '.join(sorted(unused))} is never read")
+        seen = leaf.read - {*leaf.parameters, *leaf.locals, *leaf.counters}
         return {
             "c": printer.function(leaf, signature.writes), "python": python.function(leaf),
-            "calls": list(leaf.calls), "uses": sorted(n for n in leaf.read if n in {*self.constants, *self.tables, *self.sizes}),
+            "calls": list(leaf.calls), "uses": sorted(seen & {*self.constants, *self.tables, *self.sizes}),
         }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from lagc.render.kernels.syntax import clone
 from lagc.render.kernels.typed import REAL, Type, Types
 
 HELPERS = '''\
-from math import copysign, fabs, inf, nan, pow, sqrt
+from math import copysign, fabs, floor, inf, nan, pow, sqrt
 
 
 def quotient(a, b):

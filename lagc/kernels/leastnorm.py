@@ -1,0 +1,106 @@
+"""The shortest solution of a linear system."""
+
+from __future__ import annotations
+
+from math import fabs, inf, sqrt
+from typing import Any
+
+from lagc.kernels.startrecords import StartWork
+from lagc.kernels.words import Real, Vec
+
+
+def inner(a: Vec[Any], b: Vec[Any], n: int) -> Real:
+    total = 0.0
+    for j in range(n):
+        total += a[j] * b[j]
+    return total
+
+
+def clear(values: Vec[Any], direction: Vec[Any], n: int) -> bool:
+    """Take from a vector its part along a unit vector; whether it has one."""
+    part = inner(values, direction, n)
+    if part == 0.0:
+        return False
+    for j in range(n):
+        values[j] -= part * direction[j]
+    return True
+
+
+def shorten(values: Vec[Any], n: int) -> None:
+    length = sqrt(inner(values, values, n))
+    for j in range(n):
+        values[j] = values[j] / length
+
+
+def unit_rows(w: StartWork, m: int, n: int) -> int:
+    """The m rows of w.matrix, which are not zero, as unit vectors there and in w.rests; how many they are,
+    -1 where a number is not finite."""
+    given = 0
+    for i in range(m):
+        row = w.matrix[i]
+        largest = 0.0
+        for j in range(n):
+            if not fabs(row[j]) <= largest:
+                largest = fabs(row[j])
+        if not (largest < inf and fabs(w.right[i]) < inf):
+            return -1
+        if largest == 0.0:
+            continue
+        scaled = w.matrix[given]
+        for j in range(n):
+            scaled[j] = row[j] / largest
+        length = sqrt(inner(scaled, scaled, n))
+        for j in range(n):
+            scaled[j] = scaled[j] / length
+        rest = w.rests[given]
+        for j in range(n):
+            rest[j] = scaled[j]
+        w.squares[given] = inner(rest, rest, n)
+        w.right[given] = w.right[i] / largest / length
+        w.chosen[given] = 0
+        given += 1
+    return given
+
+
+def longest_rest(w: StartWork, given: int, least: Real) -> int:
+    """The row of which most is left, by the square of its length, that is not chosen; -1 where none is above
+    `least`."""
+    best = -1
+    longest = least
+    for i in range(given):
+        if w.chosen[i] == 0 and w.squares[i] > longest:
+            best = i
+            longest = w.squares[i]
+    return best
+
+
+def least_norm(w: StartWork, m: int, n: int, dependent: Real) -> bool:
+    """w.step[n], the shortest solution of the m rows of w.matrix (which are lost) with the right-hand
+    sides w.right; False where a number is not finite.  Rows that depend on the ones before (to
+    `dependent` of their length) are left out, the longest remaining row first: a modified
+    Gram-Schmidt factorisation, each row orthogonalised twice."""
+    for j in range(n):
+        w.step[j] = 0.0
+    given = unit_rows(w, m, n)
+    if given < 0:
+        return False
+    chosen = 0
+    while True:
+        best = longest_rest(w, given, dependent * dependent)
+        if best < 0:
+            return True
+        direction = w.rests[best]
+        shorten(direction, n)
+        for k in range(chosen):
+            clear(direction, w.rests[w.turns[k]], n)
+        shorten(direction, n)
+        w.turns[chosen] = best
+        w.chosen[best] = 1
+        chosen += 1
+        above = w.right[best] - inner(w.matrix[best], w.step, n)
+        factor = above / inner(w.matrix[best], direction, n)
+        for j in range(n):
+            w.step[j] += factor * direction[j]
+        for i in range(given):
+            if w.chosen[i] == 0 and clear(w.rests[i], direction, n):
+                w.squares[i] = inner(w.rests[i], w.rests[i], n)

@@ -1,0 +1,152 @@
+"""The search for a start: from the guess and beside it."""
+
+from __future__ import annotations
+
+from math import inf
+
+from lagc.kernels.limits import ACCEPTED
+from lagc.kernels.quaternions import normalise
+from lagc.kernels.sizes import NPOSITION, NQUAT, NU
+from lagc.kernels.startalone import settle
+from lagc.kernels.startrecords import FIXED, UNSTATED, StartWork
+from lagc.kernels.startrows import SLIGHT, farthest, judge, meet, ratio, row_begin
+from lagc.kernels.startsteps import approach, attempt, strayed, unwind
+from lagc.kernels.starttable import table
+from lagc.kernels.tables import column, ends
+from lagc.kernels.words import Length, Params, Real, Vec
+
+SPREADS = 8
+BESIDE = 2  # the spread that leaves a singular guess well behind
+NEAR = 8.0  # weights from the guess: one farther off is taken if none is nearer
+ALIKE = 1.01  # what attempts from near the guess miss: they ended at the same place
+
+
+def spread_of(k: int) -> Real:
+    """How far from the guess attempt k begins, in widths."""
+    if k < 2:
+        return 0.0 if k == 0 else 0.01
+    if k < 4:
+        return 0.1 if k == 2 else 0.5
+    return 1.0 if k < 6 else 2.0
+
+
+def met_alone(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether what is alone in a condition has moved to meet it."""
+    if NPOSITION > 0:
+        if not w.is_settled:
+            settle(p, t, w)
+        w.is_settled = True
+        for i in range(NU):
+            if w.settled[i] != w.home[i]:
+                return True
+    return False
+
+
+def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -> None:
+    """Beginning k: the guess, with what is free moved by up to a share of its width, for a guess may be
+    singular.  In the second, and in every other where nothing stated moves, what is alone in a condition
+    meets it instead."""
+    y[:] = w.home
+    if NPOSITION > 0:
+        if (k == 1 or (k % 2 == 1 and not stated)) and met_alone(p, t, w):
+            y[:] = w.settled
+    if k == 0:
+        return
+    # the congruential generator of rand() in the C standard, of 31 bits
+    state: Length = 12345 + k
+    for i in range(NU):
+        state = (1103515245 * state + 12345) & 2147483647
+        if w.loose[i] == 1 and w.used[i] == 1 and y[i] == w.home[i]:
+            y[i] += spread_of(k) * w.widths[i] * (float(state) / 1073741824.0 - 1.0)
+    if NQUAT > 0:
+        normalise(y)
+
+
+def hopeless(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether a condition is missed that nothing free occurs in."""
+    meet(p, t, w.home, w.c, w.J, w.sizes)
+    judge(w.home, w.J, w.sizes, w)
+    rows = w.ended
+    for r in range(rows):
+        i = w.rows[r]
+        held = True
+        first = row_begin(i)
+        end = ends[i]
+        for k in range(first, end):
+            if w.loose[column[k]] == 1:
+                held = False
+        if held and not ratio(w.c[i], w.scales[i]) <= ACCEPTED:
+            return True
+    return False
+
+
+def lacking(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Whether, beside y, the conditions ask for more than what is free can give, but not more than what is
+    stated could."""
+    n = 0
+    for i in range(NU):
+        if w.used[i] == 1 and w.loose[i] == 0 and w.levels[i] < FIXED:
+            w.stated[n] = i
+            n += 1
+    return table(p, t, y, y, n, w) > 0
+
+
+def stuck(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether attempts from beside the guess end where no other is likely to do better."""
+    if met_alone(p, t, w):
+        return False
+    alike = w.most <= ALIKE * w.least and ALIKE * w.least < inf
+    return alike or lacking(p, t, w.best, w)
+
+
+def begin_at(p: Params, t: Real, k: int, stated: bool, ease: Real, w: StartWork) -> bool:
+    """An attempt from beginning k, where stated values move by `ease` of their weight; whether it leads to a
+    start.  w.best is the first that is near, else the nearest."""
+    spread(p, t, w.now, k, stated, w)
+    w.ease = ease
+    attempt(p, t, w.now, w)
+    w.ease = SLIGHT
+    size = farthest(p, t, w.now, w.ended, w)
+    if size <= ACCEPTED:
+        unwind(p, t, w.now, w)
+        if k > 0 or ease > SLIGHT:
+            approach(p, t, w.now, w)
+        far = strayed(w.now, w)
+        if far < w.nearest:
+            w.best[:] = w.now
+            w.least = 0.0
+            w.nearest = far
+            w.first = k
+        return True
+    if size < w.least:
+        w.best[:] = w.now
+        w.least = size
+    if size > w.most:
+        w.most = size
+    return False
+
+
+def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
+    """Look for a start from the spreads begin..end-1, what is free moving; w.y is the best found: the first
+    that is near, else the nearest."""
+    w.y[:] = w.home
+    if hopeless(p, t, w):
+        return False
+    w.best[:] = w.home
+    w.least = inf
+    w.most = 0.0
+    w.nearest = inf
+    some = False
+    stated = False
+    for i in range(NU):
+        some = some or w.loose[i] == 1
+        stated = stated or (w.loose[i] == 1 and w.levels[i] > UNSTATED)
+    for k in range(begin, end):
+        if not begin_at(p, t, k, stated, SLIGHT, w) and stated:
+            begin_at(p, t, k, stated, 1.0, w)
+        if w.nearest <= NEAR or not some:
+            break
+        if k == BESIDE and k + 1 < end and w.nearest == inf and stuck(p, t, w):
+            break
+    w.y[:] = w.best
+    return w.nearest < inf

@@ -1,0 +1,105 @@
+"""What the search for a consistent start keeps."""
+
+from __future__ import annotations
+
+from lagc.kernels.sizes import NE, NJ, NPOSITION, NROW, NSETS, NSETU, NU
+from lagc.kernels.words import Code, IVec, Mat, Real, Vec, record
+
+# How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does.
+UNSTATED = Code(0)
+DECLARED = Code(1)
+SCENE = Code(2)
+RUN = Code(3)
+FIXED = Code(4)
+
+
+@record
+class StartWork:
+    """Room for lagc_consistent; no need to fill it."""
+
+    # Of a failure: the condition that is missed most; of NOT_FINITE the index in q, v and the stated
+    # rates; of INVALID see LAGC_BAD_...
+    culprit: int
+    loose: IVec[NU]  # 1: this value may have moved
+    y: Vec[NU]  # q, v, and the stated rates
+    levels: IVec[NU]
+    part: IVec[NU]  # 1: of a quaternion, behind its first
+    used: IVec[NU]
+    places: IVec[NU]
+    picked: IVec[NU]
+    best_picked: IVec[NU]
+    values: IVec[NU]
+    columns: IVec[NU]
+    stated: IVec[NU]
+    marks: IVec[NU]
+    let: IVec[NU]
+    set_picked: IVec[NSETU]
+    home: Vec[NU]  # the guess
+    weights: Vec[NU]
+    widths: Vec[NU]
+    common: Vec[NU]
+    reach: Vec[NU]
+    steepest: Vec[NU]
+    moves: Vec[NU]
+    now: Vec[NU]
+    best: Vec[NU]
+    trial: Vec[NU]
+    turned: Vec[NU]
+    step: Vec[NU]
+    ways: Vec[NU]
+    kept: Vec[NU]
+    held: Vec[NU]
+    reached: Vec[NU]
+    answer: Vec[NU]
+    if NPOSITION > 0:
+        settled: Vec[NU]  # the guess, where what is alone in a condition meets it
+        is_settled: bool
+    set_ways: Mat[NSETS, NU]
+    set_count: Vec[NSETS]
+    set_total: Vec[NSETS]
+    total: Real  # of what was counted last, the sum of the squares of ways
+    ease: Real
+    least: Real  # what attempts missed
+    most: Real
+    fewest: Real  # values that moved in a start, and the sum of the squares of their ways
+    shortest: Real
+    freed: int  # of w.best_picked, that these belong to
+    nearest: Real  # start of these, in weights from the guess
+    work: int  # factorisations so far
+    first: int  # the spread that led to a start
+    other: int  # the one that did where most was free
+    count: int  # of columns
+    positions: int  # of the rows that follow: conditions of positions come first
+    ended: int  # where the rows end: those of one part
+    left: int  # rows of the table
+    rank: int  # columns that the linear conditions ask for
+    rows: IVec[NE]
+    all: IVec[NE]
+    order: IVec[NE]
+    group: IVec[NE]
+    solved: IVec[NE]
+    basis: IVec[NE]
+    chosen: IVec[NE]
+    turns: IVec[NE]  # rows in the order in which they were chosen
+    squares: Vec[NE]
+    c: Vec[NE]
+    sizes: Vec[NE]
+    scales: Vec[NE]
+    terms: Vec[NE]  # of each condition at the guess
+    trial_c: Vec[NE]
+    trial_sizes: Vec[NE]
+    right: Vec[NE]
+    J: Vec[NJ]
+    trial_J: Vec[NJ]
+    blurred: IVec[NJ]  # 1: a derivative that is rounding
+    matrix: Mat[NE, NROW]
+    rests: Mat[NE, NROW]
+
+
+@record
+class Place:
+    """A value of an unknown, with the residual of a condition and its derivative there."""
+
+    value: Real
+    residual: Real
+    slope: Real

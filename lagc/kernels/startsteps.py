@@ -1,0 +1,236 @@
+"""The way to a start: Gauss-Newton steps of least norm."""
+
+from __future__ import annotations
+
+from math import fabs, floor, inf, sqrt
+
+from lagc.kernels.leastnorm import least_norm
+from lagc.kernels.limits import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
+from lagc.kernels.sizes import NJ, NQ, NU
+from lagc.kernels.startrecords import UNSTATED, StartWork
+from lagc.kernels.startrows import blur, farthest, judge, meet, norm, row_begin, weight_of
+from lagc.kernels.tables import angle, column, ends
+from lagc.kernels.words import Params, Real, Size, Vec
+
+NEWTON_STEPS = 60
+LATE = 8  # steps in which what is missed halves, or the iteration ends
+SHORTEST = 1.0 / 16384.0  # part of a step that is tried at last
+OVERSHOT = 2.0  # of what was missed: a step that misses more is too long, whatever part it is
+TINIEST = 1e-30  # part of a step, of such a one
+HOMEWARD = 20  # steps back towards the guess
+TURN = 6.283185307179586
+
+
+def loosen(first: Size, end: Size, w: StartWork) -> None:
+    """w.columns: what is free of the unknowns first..end-1."""
+    w.count = 0
+    for i in range(NU):
+        w.places[i] = -1
+    for i in range(first, end):
+        if w.loose[i] == 1:
+            w.places[i] = w.count
+            w.columns[w.count] = i
+            w.count += 1
+
+
+def unblur(w: StartWork) -> None:
+    """Take no derivative for rounding."""
+    for k in range(NJ):
+        w.blurred[k] = 0
+
+
+def fill(first: int, end: int, w: StartWork) -> None:
+    """w.matrix: the derivatives of w.rows[first..end-1] by w.columns, each times its weight, 0 where it is
+    rounding; w.right: what is missed."""
+    count = w.count
+    for k in range(first, end):
+        row = w.matrix[k - first]
+        for j in range(count):
+            row[j] = 0.0
+        begin = row_begin(w.rows[k])
+        behind = ends[w.rows[k]]
+        for e in range(begin, behind):
+            i = column[e]
+            if w.places[i] >= 0 and w.blurred[e] == 0:
+                row[w.places[i]] = w.J[e] * weight_of(w, i)
+        w.right[k - first] = -w.c[w.rows[k]]
+
+
+def move_along(y: Vec[NU], factor: Real, w: StartWork) -> None:
+    """Add a part of w.step to y."""
+    count = w.count
+    for k in range(count):
+        i = w.columns[k]
+        y[i] += factor * w.step[k] * weight_of(w, i)
+
+
+def longest_part(w: StartWork) -> Real:
+    """The part of w.step that turns no angle by more than a radian."""
+    factor = 1.0
+    count = w.count
+    for k in range(count):
+        i = w.columns[k]
+        turn = fabs(w.step[k]) * weight_of(w, i)
+        if angle[i] == 1 and turn * factor > 1.0:
+            factor = 1.0 / turn
+    return factor
+
+
+def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real, longest: Real,
+              w: StartWork) -> Real:  # fmt: skip
+    """What is missed at w.trial, y and a part of w.step that helps: the whole, where all is linear and whole
+    turns are gone, else the longest and its halves; -1 where none does."""
+    least = 0.6 * longest if missed <= CLOSE else SHORTEST * longest
+    factor = 1.0
+    size = inf
+    while least > 0.0 and factor >= (least if size < OVERSHOT * missed else TINIEST):
+        w.trial[:] = y
+        move_along(w.trial, factor, w)
+        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
+        size = norm(w.trial_c, first, end, w)
+        if size < missed * (1.0 - (0.1 * factor if factor <= longest else 0.999)):
+            return size
+        factor = 0.5 * factor if factor <= longest else longest
+    return -1.0
+
+
+def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
+    """Gauss-Newton of least norm on w.rows[first..end-1] in w.columns, with steps that are halved until
+    they help."""
+    if first == end or w.count == 0:
+        return
+    meet(p, t, y, w.c, w.J, w.sizes)
+    judge(y, w.J, w.sizes, w)
+    missed = norm(w.c, first, end, w)
+    if missed <= CLOSE:
+        return
+    unblur(w)
+    if w.columns[0] >= NQ:  # speeds alone: what is rounding of positions stays so
+        blur(p, t, y, w.weights, w)
+    left = 1.0
+    longest = 1.0
+    for n in range(NEWTON_STEPS):
+        if not (EXACT < missed and missed < inf):
+            return
+        if n > 0 and n % LATE == 0:
+            if longest == 1.0 and not left < 0.5:
+                return
+            left = 1.0
+        size = -1.0
+        for turn in range(2):
+            fill(first, end, w)
+            w.work += 1
+            if not least_norm(w, end - first, w.count, FOLLOWING if turn == 0 else SURELY_FOLLOWING):
+                return
+            longest = longest_part(w)
+            size = try_parts(p, t, y, first, end, missed, longest, w)
+            if size >= 0.0:
+                break
+        if size < 0.0:
+            return
+        left *= size / missed
+        y[:] = w.trial
+        w.c[:] = w.trial_c
+        w.sizes[:] = w.trial_sizes
+        w.J[:] = w.trial_J
+        judge(y, w.J, w.sizes, w)
+        missed = norm(w.c, first, end, w)
+
+
+def attempt(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """Positions first, then speeds; all together where that is not enough."""
+    loosen(0, NQ, w)
+    improve(p, t, y, 0, w.positions, w)
+    if not farthest(p, t, y, w.positions, w) <= ACCEPTED:
+        return
+    loosen(NQ, NU, w)
+    improve(p, t, y, w.positions, w.ended, w)
+    if farthest(p, t, y, w.ended, w) <= ACCEPTED:
+        return
+    loosen(0, NU, w)
+    improve(p, t, y, 0, w.ended, w)
+
+
+def leads(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Whether an attempt leads y to a start."""
+    attempt(p, t, y, w)
+    return farthest(p, t, y, w.ended, w) <= ACCEPTED
+
+
+def distance(y: Vec[NU], w: StartWork) -> Real:
+    """From the guess, in weights."""
+    total = 0.0
+    for i in range(NU):
+        way = (y[i] - w.home[i]) / weight_of(w, i)
+        total += way * way
+    return sqrt(total)
+
+
+def strayed(y: Vec[NU], w: StartWork) -> Real:
+    """How far what nobody stated is from the guess, in weights."""
+    total = 0.0
+    for i in range(NU):
+        if w.levels[i] == UNSTATED and w.used[i] == 1:
+            way = (y[i] - w.home[i]) / w.weights[i]
+            total += way * way
+    return sqrt(total)
+
+
+def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
+    """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a number
+    is not finite."""
+    meet(p, t, y, w.c, w.J, w.sizes)
+    unblur(w)
+    fill(0, end, w)
+    count = w.count
+    for r in range(end):
+        value = w.right[r]
+        for k in range(count):
+            i = w.columns[k]
+            value += w.matrix[r][k] * ((y[i] - w.home[i]) / weight_of(w, i))
+        w.right[r] = value
+    w.work += 1
+    return least_norm(w, end, w.count, FOLLOWING)
+
+
+def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """A start between y and the guess, as near to the guess as steps of least norm lead: of the positions
+    alone, where speeds from their guess fit."""
+    alone = True
+    w.turned[:] = w.home
+    for i in range(NQ):
+        w.turned[i] = y[i]
+    if leads(p, t, w.turned, w):
+        y[:] = w.turned
+    else:
+        alone = False
+    far = distance(y, w)
+    end = w.positions if alone else w.ended
+    for n in range(HOMEWARD):
+        loosen(0, NQ if alone else NU, w)
+        if w.count == 0 or end == 0:
+            return
+        if not step_home(p, t, y, end, w):
+            return
+        w.turned[:] = w.home
+        move_along(w.turned, 1.0, w)
+        attempt(p, t, w.turned, w)
+        near = distance(w.turned, w)
+        if not (near < far and farthest(p, t, w.turned, w.ended, w) <= ACCEPTED):
+            return
+        y[:] = w.turned
+        far = near
+
+
+def unwind(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
+    """y with angles less than half a turn from their guess, where that is a start too."""
+    wound = False
+    w.turned[:] = y
+    for i in range(NU):
+        if angle[i] == 1:
+            turns = floor((y[i] - w.home[i]) / TURN + 0.5)
+            if turns != 0.0:
+                w.turned[i] = y[i] - TURN * turns
+                wound = True
+    if wound and leads(p, t, w.turned, w):
+        y[:] = w.turned
