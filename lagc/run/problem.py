@@ -1,4 +1,4 @@
-"""Problem: all that integrators, projection and start-up know of a mechanical system.
+"""System: all that runs know of a mechanical system.
 
 A compiled model is one implementation (NumPy module or C library), a hand-written class in a
 test another.  States are plain lists of floats, x = (q, v, z); see `architecture` in the docs
@@ -26,17 +26,18 @@ from lagc.render.numpy.support.base import (
     Options,
     Trajectory,
 )
-from lagc.render.numpy.support.problem import Problem, Vector
 
 __all__ = [
     "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS", "NOT_FINITE", "OK",
-    "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "Problem", "System", "Trajectory", "Vector",
+    "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "System", "Trajectory", "Vector",
     "rates_at", "row_gradients",
 ]  # fmt: skip
 
+Vector = Sequence[float]
+
 
 class System(Protocol):
-    """A compiled model with its parameters bound: the functions of a Problem, names, energies, outputs.
+    """A compiled model with its parameters bound: functions, names, energies, outputs.
 
     Backends (`lagc.run.backends`): NumPy module, C library.  Nothing of it changes: its functions
     depend on their arguments alone, any number of threads may call them, and it pickles.  Of `assemble`

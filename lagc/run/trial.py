@@ -1,17 +1,18 @@
 """Trying the start of a program without a run: what a run would refuse, found as a run finds it.
 
-The functions of the model are those of the NumPy module; the support is not compiled anew but imported.
+The functions of the model are those of the NumPy module, with the kernels of one evaluation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
+from types import CodeType
 from typing import Any
 
 from lagc.once import once
 from lagc.optimize.program import Program
-from lagc.render.numpy.render import functions
-from lagc.render.numpy.support.linear import Equations
+from lagc.render.numpy.render import evaluation
 from lagc.run.backends.numpy import NumpyModel
 from lagc.run.begin import NoStart, begin, strange_outputs, undetermined
 from lagc.run.problem import FAILED, System
@@ -22,7 +23,7 @@ __all__ = ["NoStart", "try_start"]
 
 
 class _Model(NumpyModel):
-    """The module less what every model shares."""
+    """The module less what takes steps."""
 
     def __init__(self, program: Program):
         super().__init__(program.interface, {})
@@ -30,8 +31,9 @@ class _Model(NumpyModel):
 
     @once
     def module(self) -> dict[str, Any]:
-        space: dict[str, Any] = {"__name__": __name__, "Equations": Equations}
-        exec(compile(functions(self.program), self.interface.model, "exec", dont_inherit=True), space)
+        space: dict[str, Any] = {"__name__": __name__}
+        for text in evaluation(self.program):
+            exec(_code(text), space)
         return space
 
 
@@ -43,9 +45,8 @@ def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
     x = begin(system, request).x
     if request.stop == 0.0 or locked(system, x, 0.0):
         return _strange(system, x)
-    equations: Equations = system.equations()
-    equations.inspect(0.0, x)
-    status = equations.rhs(0.0, x, [0.0] * system.nx, [0.0] * system.nc)
+    equations: Any = system.equations()
+    status = equations.first(0.0, x, [0.0] * system.nx, [0.0] * system.nc)
     if status in FAILED:
         raise undetermined(system, status, equations.culprit, x)
     return _strange(system, x)
@@ -53,3 +54,9 @@ def try_start(program: Program, parameters: Sequence[float]) -> list[str]:
 
 def _strange(system: System, x: Sequence[float]) -> list[str]:
     return [system.interface.outputs[k].name for k in strange_outputs(system, x)]
+
+
+@cache
+def _code(text: str) -> CodeType:
+    """Kernels are the same for many models."""
+    return compile(text, "evaluation", "exec", dont_inherit=True)

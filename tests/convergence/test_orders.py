@@ -9,12 +9,42 @@ from typing import Any
 
 import pytest
 
-from lagc.render.tableaus import DOP853, DOPRI5, Row, Tableau
-from lagc.run.integrate import Integrator, integrate
+from lagc.kernels.methods import dop853, dopri5
+from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
+from tests.run.kernels import integrate, integrator
 from tests.run.systems import LINE, Handmade, Oscillator, Rod
 
+Row = dict[int, float]  # stage -> coefficient; stages count from 1, zeros are left out
+
+
+class Tableau:
+    """A method of `lagc.kernels.methods`, in numbers."""
+
+    def __init__(self, method: Any, error_order: int, dense_order: int) -> None:
+        self.name: str = method.__name__.rpartition(".")[2]
+        self.order: int = method.ORDER
+        self.error_order, self.dense_order = error_order, dense_order
+        self.c, self.extra_c = ([float(exact(c)) for c in row] for row in (method.C, method.EXTRA_C))
+        self.a, self.errors, self.extra_a, self.dense = (
+            [_row(row) for row in rows] for rows in (method.A, method.ERROR, method.EXTRA_A, method.DENSE)
+        )
+        self.b = _row(method.B)
+        self.uses_new = bool(method.USES_NEW)
+        self.exponent, self.beta = float(exact(method.EXPONENT)), float(exact(method.BETA))
+
+    @property
+    def stages(self) -> int:
+        """s, without the evaluation at the new point."""
+        return len(self.c)
+
+
+def _row(row: dict[int, str]) -> Row:
+    return {stage: float(exact(text)) for stage, text in row.items()}
+
+
+DOPRI5, DOP853 = Tableau(dopri5, 4, 4), Tableau(dop853, 7, 7)
 METHODS = pytest.mark.parametrize("tableau", [DOPRI5, DOP853], ids=["dopri5", "dop853"])
 
 Tree = tuple["Tree", ...]
@@ -91,6 +121,12 @@ def test_order_conditions(tableau: Tableau) -> None:
             assert dot(tableau.b, weights(tree, a)) == pytest.approx(1.0 / density(tree), abs=2e-14), tree
     beyond = (abs(dot(tableau.b, weights(t, a)) - 1.0 / density(t)) for t in trees(tableau.order + 1))
     assert max(beyond) > 1e-7
+
+
+@METHODS
+def test_step_control_is_that_of_the_order_of_the_error(tableau: Tableau) -> None:
+    assert tableau.exponent == pytest.approx(1.0 / (tableau.error_order + 1) - 0.75 * tableau.beta, rel=1e-15)
+    assert tableau.uses_new == any(tableau.stages + 1 in row for row in tableau.errors)
 
 
 @METHODS
@@ -239,7 +275,7 @@ def test_order_of_dense_output(tableau: Tableau, system: Any) -> None:
     errors = []
     for k in range(3):
         h = first / 2**k
-        run = Integrator(system, Options(method=tableau.name, step=h), 1.0, system.exact(1.0))
+        run = integrator(system, Options(method=tableau.name, step=h), 1.0, system.exact(1.0))
         assert run.step(1.0 + h) == OK
         worst = 0.0
         for s in (0.25, 0.5, 0.75):

@@ -315,7 +315,7 @@ def test_python_tells_nonsense_from_sense(name: str) -> None:
             with pytest.raises(ValueError, match=r"time"):
                 call(t)
     for times in ([0.2, 0.1, 0.3], [0.1, NAN, 0.3], [-1.0, 0.3]):
-        with pytest.raises(ValueError, match="not in order"):
+        with pytest.raises(ValueError, match="in order"):
             m.integrate(0.0, x, times)
     for i in range(len(x)):
         run = m.Integrator(m.equations(), m.Options(), 0.0, [*x[:i], NAN, *x[i + 1 :]])

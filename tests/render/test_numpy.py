@@ -16,8 +16,7 @@ import pytest
 
 from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import MARK, START, SUPPORT, render
-from lagc.render.numpy.support import base
+from lagc.render.numpy.render import render
 from tests.render.programs import Builder, pendulum, program
 from tests.render.test_c import PROGRAMS, tricky
 from tests.render.tools import bits, call, of_model, present, write
@@ -234,9 +233,9 @@ def test_one_evaluation_of_a_large_function_is_compiled_quickly() -> None:
     assert large < 8 * small
 
 
-def test_the_parts_of_the_support_define_no_name_twice() -> None:
-    """They share one namespace in a generated module."""
-    folder = Path(base.__file__).parent
-    texts = [(folder / name).read_text().partition(MARK)[2] for name in (*SUPPORT, *START)]
-    found = [name for text in texts for name in re.findall(r"^(?:def |class )?(\w+)(?: = |\(|:)", text, re.M)]
+@pytest.mark.parametrize("name", MODELS)
+def test_a_module_defines_no_name_twice(name: str) -> None:
+    """Kernels, functions of the model and what callers use share one namespace."""
+    ((_, text),) = render(of_model(name)).items()
+    found = re.findall(r"^(?:def |class )?(\w+)(?: = |\(|:)", text, re.M)
     assert len(found) == len(set(found)) > 50, sorted(n for n in found if found.count(n) > 1)

@@ -8,10 +8,10 @@ from functools import cache
 from typing import Any
 
 import lagc
+from lagc.kernels import METHODS
 from lagc.render.names import prefix
-from lagc.run.backends.c import METHODS, _Options
+from lagc.run.backends.c import _Options
 from lagc.run.backends.library import library
-from lagc.run.integrate import Integrator
 from lagc.run.problem import Options, System
 
 _GRAVITY = "  effect gravity\n    Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});\n  end gravity;\n"
@@ -72,7 +72,8 @@ class InPython:
     def __init__(self, system: Any, options: Options, t: float, x: list[float], work: Any = None):
         self.work = system.equations() if work is None else work
         self.p: list[float] = list(system.parameters)
-        self.run = Integrator(self.work, options, t, x)
+        self.nc = system.nc
+        self.run = system.model.module["Integrator"](self.work, options, t, x)
 
     def _with_p(self) -> None:
         self.work.p = self.p
@@ -91,7 +92,7 @@ class InPython:
 
     def disturb(self, x: list[float]) -> None:
         """Use the workspace for something else."""
-        self.work.rhs(0.3, x, [0.0] * len(x), [0.0] * self.work.nc)
+        self.work.rhs(0.3, x, [0.0] * len(x), [0.0] * self.nc)
 
     def put(self, t: float, x: list[float]) -> None:
         self.run.t, self.run.x = t, list(x)
@@ -117,7 +118,7 @@ class InC:
         self.p = (c_double * max(len(system.parameters), 1))(*system.parameters)
         self.room = ctypes.create_string_buffer(self._call("state_size", c_size_t))
         self.state = system.model.state.from_buffer(self.room)
-        self.options = _Options(METHODS[options.method], options.project, options.max_steps, options.rtol,
+        self.options = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
                                 options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         self._call("begin", None, self.room, c_double(t), (c_double * self.nx)(*x))
 

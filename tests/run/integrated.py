@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, exp, pi, sin, sqrt
 
-from lagc.run.integrate import integrate
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 from tests.run import systems
+from tests.run.kernels import integrate
 from tests.run.systems import LINE, PLANE, Handmade
 
 

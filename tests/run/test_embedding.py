@@ -13,7 +13,6 @@ from lagc.optimize.program import Program
 from lagc.render.c.render import render
 from lagc.render.numpy.support import base
 from lagc.render.statuses import STATUSES
-from lagc.run.integrate import Integrator
 from lagc.run.problem import OK, Options
 from tests.run.linkages import four_bar
 from tests.run.test_generated import PROGRAMS, build
@@ -84,7 +83,7 @@ def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
 
     system: Any = build(program, "numpy")
     expected: list[float] = []
-    run = Integrator(system.equations(), Options(rtol=1e-6, atol=1e-6), 0.0, system.start())
+    run = system.model.module["Integrator"](system.equations(), Options(rtol=1e-6, atol=1e-6), 0.0, system.start())
     while run.t < 1.0:
         assert run.step(1.0) == OK
         status, x = run.at(run.t_old + 0.3 * (run.t - run.t_old))

@@ -16,12 +16,8 @@ import pytest
 from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render as render_python
-from lagc.render.numpy.support import stages
-from lagc.render.stages import python_file
-from lagc.render.tableaus import TABLEAUS, Tableau
 from lagc.run.backends import load
 from lagc.run.backends.compile import compiler
-from lagc.run.integrate import METHODS
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, Options, System
 from tests.run.generated import body_on_a_pivot, double_pendulum, masses, pendulum
 
@@ -51,20 +47,6 @@ def built(name: str, backend: str) -> System:
 def rates(system: System, x: list[float], t: float = 0.0) -> tuple[int, list[float], list[float]]:
     xdot, lam = [0.0] * system.nx, [0.0] * system.nc
     return system.rhs(t, x, xdot, lam), xdot, lam
-
-
-def test_the_stages_are_those_of_the_tables() -> None:
-    """`python -m lagc.render.stages` writes the file; it is not edited by hand."""
-    assert Path(stages.__file__).read_text(encoding="utf-8") == python_file(TABLEAUS)
-
-
-@pytest.mark.parametrize("tableau", TABLEAUS, ids=lambda t: t.name)
-def test_the_drivers_know_the_numbers_of_the_tables(tableau: Tableau) -> None:
-    method = METHODS[tableau.name]
-    assert (method.rates, method.extra, method.order) == (tableau.stages, len(tableau.extra_c), tableau.order)
-    assert method.uses_new == tableau.error_uses_new
-    assert method.exponent == pytest.approx(tableau.exponent, rel=1e-15)
-    assert (method.beta, method.shrink, method.grow) == (tableau.beta, tableau.shrink, tableau.grow)
 
 
 @needs_compiler

@@ -6,7 +6,7 @@ from math import cos, inf, nan, pi, sin, sqrt
 
 import pytest
 
-from lagc.run.integrate import METHODS, Integrator, integrate, project
+from lagc.kernels import METHODS
 from lagc.run.problem import (
     INCONSISTENT,
     INTERRUPTED,
@@ -18,6 +18,7 @@ from lagc.run.problem import (
     Vector,
 )
 from tests.interfaces import interface
+from tests.run.kernels import integrate, integrator, project
 from tests.run.systems import LINE, Handmade, Oscillator, Rod, Spun, norm
 
 EACH = pytest.mark.parametrize("method", sorted(METHODS))
@@ -58,7 +59,7 @@ def test_steps_may_be_fixed(method: str) -> None:
 
 @EACH
 def test_fixed_steps_do_not_pile_up_rounding(method: str) -> None:
-    run = Integrator(Oscillator(), Options(method=method, step=0.1), 0.0, [1.0, 0.0])
+    run = integrator(Oscillator(), Options(method=method, step=0.1), 0.0, [1.0, 0.0])
     for k in range(1, 1001):
         assert run.step(100.0) == OK
         assert run.t == (k * 0.1 if k < 1000 else 100.0)
@@ -66,7 +67,7 @@ def test_fixed_steps_do_not_pile_up_rounding(method: str) -> None:
 
 def test_advancing_in_pieces_keeps_the_step() -> None:
     """Landing on a near time does not make the next step short."""
-    run = Integrator(Oscillator(), Options(), 0.0, [1.0, 0.0])
+    run = integrator(Oscillator(), Options(), 0.0, [1.0, 0.0])
     for _ in range(3):
         assert run.step(5.0) == OK
     planned = run.h
@@ -76,7 +77,7 @@ def test_advancing_in_pieces_keeps_the_step() -> None:
 
 
 def test_first_and_largest_steps_are_obeyed() -> None:
-    run = Integrator(Oscillator(), Options(first_step=1e-3), 0.0, [1.0, 0.0])
+    run = integrator(Oscillator(), Options(first_step=1e-3), 0.0, [1.0, 0.0])
     run.step(1.0)
     assert run.t == 1e-3
     limited = integrate(Oscillator(), Options(max_step=0.05), 0.0, [1.0, 0.0], [1.0])
@@ -92,7 +93,7 @@ def test_the_number_of_steps_may_be_limited() -> None:
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_one_attempt_a_call_gets_on(method: str) -> None:
     """Also where each first step is far too long: what was learned from a rejection is kept."""
-    run = Integrator(Oscillator(), Options(method, first_step=50.0), 0.0, [1.0, 0.0])
+    run = integrator(Oscillator(), Options(method, first_step=50.0), 0.0, [1.0, 0.0])
     calls = 0
     while run.t < 10.0 and calls < 1000:
         calls += 1
@@ -189,7 +190,7 @@ def test_the_work_integral_does_not_choose_the_steps(method: str) -> None:
 @EACH
 def test_projection_holds_at_every_step(method: str) -> None:
     rod = Rod()
-    run = Integrator(rod, Options(method=method, rtol=1e-6, atol=1e-6), 0.0, [0.6, -0.8, 0.8, 0.6])
+    run = integrator(rod, Options(method=method, rtol=1e-6, atol=1e-6), 0.0, [0.6, -0.8, 0.8, 0.6])
     while run.t < 5.0:
         assert run.step(5.0) == OK
         assert abs(rod.position(run.t, run.x)[0]) <= 1e-15 * rod.scales(run.t, run.x)[0]

@@ -7,8 +7,10 @@ from typing import Any
 
 import pytest
 
-from lagc.render.numpy.support.fallback import Fallback
+from lagc.optimize.program import Program
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
+from tests.interfaces import interface
+from tests.run.kernels import module
 from tests.run.linkages import four_bar
 from tests.run.test_generated import BACKENDS, build
 
@@ -17,6 +19,25 @@ numpy = pytest.importorskip("numpy")
 
 def packed(m: Any) -> Any:
     return [float(m[i, j]) for i in range(len(m)) for j in range(i + 1)]
+
+
+class Fallback:
+    """The kernels that factor and solve, with M, G and the sizes of gamma as they are given."""
+
+    def __init__(self, n: int, m: int) -> None:
+        self.kernels = module(Program(interface(nq=n, nv=n, nc=m, nh=m, solve="dense"), {}))
+        self.kernels.fn_gamma_sizes = lambda p, t, x, s: None
+        self.work = self.kernels.Work()
+        self.work.slight = [1.0] * m
+
+    def factor(self, mass: list[float], g: list[float]) -> int:
+        self.work.M, self.work.G = mass, g
+        status: int = self.kernels.factor_fallback([], 0.0, [], self.work)
+        return status
+
+    def solve(self, force: list[float], right: list[float]) -> tuple[int, list[float], list[float]]:
+        z, lam = force[:], [0.0] * len(right)
+        return self.kernels.solve_fallback(self.work, right, z, lam), z, lam
 
 
 SIZES = [(5, 2, 2), (6, 4, 2), (6, 5, 3), (3, 3, 3), (4, 6, 3), (7, 3, 3)]
@@ -32,8 +53,8 @@ def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: floa
     g = scale * random.normal(size=(m, rank)) @ random.normal(size=(rank, n))
     force, right = random.normal(size=n), g @ random.normal(size=n)
     fallback = Fallback(n, m)
-    status = fallback.factor(packed(mass), g.ravel().tolist(), False)
-    assert status == (OK if rank == m else REDUNDANT) and fallback.rank == rank
+    status = fallback.factor(packed(mass), g.ravel().tolist())
+    assert status == (OK if rank == m else REDUNDANT) and fallback.work.rank == rank
     status, a, lam = fallback.solve(force.tolist(), right.tolist())
     assert status == (OK if rank == m else REDUNDANT)
     null = numpy.linalg.svd(g)[2][rank:].T
@@ -48,22 +69,22 @@ def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: floa
 def test_a_massless_coordinate_that_a_constraint_holds() -> None:
     fallback = Fallback(3, 1)
     mass = numpy.diag([1.0, 0.0, 2.0])
-    assert fallback.factor(packed(mass), [1.0, -1.0, 0.0], False) == OK
+    assert fallback.factor(packed(mass), [1.0, -1.0, 0.0]) == OK
     status, a, lam = fallback.solve([1.0, 0.0, 3.0], [0.5])
     assert status == OK and a == pytest.approx([1.0, 0.5, 1.5]) and lam == pytest.approx([0.0], abs=1e-15)
 
 
 def test_a_massless_coordinate_that_nothing_holds() -> None:
     fallback = Fallback(3, 1)
-    assert fallback.factor(packed(numpy.diag([1.0, 0.0, 2.0])), [1.0, 0.0, 1.0], False) == SINGULAR_MASS
-    assert fallback.culprit == 1
+    assert fallback.factor(packed(numpy.diag([1.0, 0.0, 2.0])), [1.0, 0.0, 1.0]) == SINGULAR_MASS
+    assert fallback.work.culprit == 1
 
 
 def test_very_uneven_masses_are_not_taken_for_dependent_rows() -> None:
     """A mass of 1e-12 between two of 1: both rods in line hold it, and each other's rows by 1e-6."""
     fallback = Fallback(3, 2)
     mass, g = numpy.diag([1.0, 1e-12, 1.0]), [-1.0, 1.0, 0.0, 0.0, -1.0, 1.0]
-    assert fallback.factor(packed(mass), g, False) == OK
+    assert fallback.factor(packed(mass), g) == OK
     status, a, _ = fallback.solve([1.0, 0.0, 0.0], [0.0, 0.0])
     assert status == OK and a == pytest.approx([0.5, 0.5, 0.5], rel=1e-11)
 
@@ -71,10 +92,10 @@ def test_very_uneven_masses_are_not_taken_for_dependent_rows() -> None:
 def test_rows_without_entries() -> None:
     """A row that vanishes asks nothing, or the impossible."""
     fallback = Fallback(2, 1)
-    assert fallback.factor([1.0, 0.0, 1.0], [0.0, 0.0], False) == REDUNDANT
+    assert fallback.factor([1.0, 0.0, 1.0], [0.0, 0.0]) == REDUNDANT
     status, a, lam = fallback.solve([1.0, 2.0], [0.0])
     assert (status, a, lam) == (REDUNDANT, [1.0, 2.0], [0.0])
-    assert fallback.solve([1.0, 2.0], [1.0])[0] == INCONSISTENT and fallback.culprit == 0
+    assert fallback.solve([1.0, 2.0], [1.0])[0] == INCONSISTENT and fallback.work.culprit == 0
 
 
 @BACKENDS

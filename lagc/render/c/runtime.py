@@ -10,7 +10,7 @@ from lagc.kernels import METHODS
 from lagc.optimize.program import Interface, Program
 from lagc.render.c import header
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of
+from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of, tables_of
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import parts
 from lagc.render.statuses import STATUSES
@@ -55,7 +55,7 @@ def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) ->
 def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> list[str]:
     """Everything behind them."""
     interface, use = program.interface, needed(program, complete, real)
-    values = tables(interface)
+    values = tables_of(interface)
     sizes, public = sizes_of(interface), {name for name, _, _ in header.sizes(interface)}
     own = [n for n in sizes if n in use.names and n not in public and n not in DERIVED]
     found = ["".join(f"#define LAGC_{name} {sizes[name]}\n" for name in own), _work(program)]
@@ -78,24 +78,6 @@ def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> 
             section, held = "", []
     found.append(_defaults(complete, real))
     return [part for part in found if part]
-
-
-def tables(interface: Interface) -> dict[str, Sequence[Any]]:
-    """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
-    fields = (*interface.parameters, *interface.inputs)
-    bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
-    ends, columns = list(interface.condition_ends), list(interface.condition_columns)
-    for k in interface.quaternions:
-        ends.append(len(columns) + 4)
-        columns += range(k, k + 4)
-    return {
-        "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
-        "level": interface.start_levels, "unit": interface.start_units,
-        "angle": [int(i in interface.angles) for i in range(len(interface.start_levels))],
-        "ends": ends, "column": columns or [0],
-        "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
-        "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
-    }  # fmt: skip
 
 
 def _table(name: str, values: Sequence[Any]) -> str:

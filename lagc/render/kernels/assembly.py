@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
@@ -73,4 +73,22 @@ def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
         **{name: value > 0 for name, value in sizes_of(interface).items()},
         "STRAIGHT": interface.solve == "straight", "HAS_DISPLACE": "displace" in interface.functions,
         "COMPLETE": complete,
+    }  # fmt: skip
+
+
+def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
+    """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
+    fields = (*interface.parameters, *interface.inputs)
+    bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
+    ends, columns = list(interface.condition_ends), list(interface.condition_columns)
+    for k in interface.quaternions:
+        ends.append(len(columns) + 4)
+        columns += range(k, k + 4)
+    return {
+        "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "level": interface.start_levels, "unit": interface.start_units,
+        "angle": [int(i in interface.angles) for i in range(len(interface.start_levels))],
+        "ends": ends, "column": columns or [0],
+        "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
+        "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip

@@ -70,6 +70,7 @@ class Library:
     spelled: dict[str, str] = field(default_factory=dict)
     tables: dict[str, Type] = field(default_factory=dict)
     sizes: frozenset[str] = frozenset()
+    short: dict[str, python.Short] = field(default_factory=dict)
     parts: list[dict[str, Any]] = field(default_factory=list)
 
     def load(self) -> Library:
@@ -174,6 +175,7 @@ class Library:
         signature = leaves[0].signature
         signature.writes = [any(column) for column in zip(*(leaf.signature.writes for leaf in leaves))]
         self.signatures[name] = signature
+        found = python.short(leaves[0]) if len(leaves) == 1 and isinstance(tree, Types) else None
         printer = CPrinter(self.real, DERIVED, self.spelled)
         heads = printer.head(leaves[0], signature.writes)
         self.parts.append({
@@ -181,6 +183,8 @@ class Library:
             "doc": part.doc, "head": heads,
             "tree": _mapped(tree, lambda leaf: self._printed(printer, leaf, signature)),
         })  # fmt: skip
+        if found is not None:
+            self.short[name] = found
 
     def _printed(self, printer: CPrinter, leaf: Types | str, signature: Signature) -> dict[str, Any]:
         if isinstance(leaf, str):
@@ -190,7 +194,7 @@ class Library:
             raise leaf.fail(leaf.function.line, f"{leaf.name}: {', '.join(sorted(unused))} is never read")
         seen = leaf.read - {*leaf.parameters, *leaf.locals, *leaf.counters}
         return {
-            "c": printer.function(leaf, signature.writes), "python": python.function(leaf),
+            "c": printer.function(leaf, signature.writes), "python": python.function(leaf, self.short),
             "calls": list(leaf.calls), "uses": sorted(seen & {*self.constants, *self.tables, *self.sizes}),
         }  # fmt: skip
 

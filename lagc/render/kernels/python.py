@@ -9,21 +9,36 @@ from collections.abc import Mapping, Sequence
 from lagc.render.kernels.syntax import clone
 from lagc.render.kernels.typed import REAL, Type, Types
 
-HELPERS = '''\
-from math import copysign, fabs, floor, inf, nan, pow, sqrt
+# Kernels of which Python's own functions do the whole work, with the same result.
+FASTER = {
+    "not_finite": '''\
+def not_finite(values, n):
+    """The index of the first value that is infinite or not a number; -1."""
+    total = sum(values[:n])
+    if total - total == 0.0:
+        return -1
+    for i in range(n):
+        if not values[i] - values[i] == 0.0:
+            return i
+    return -1
+''',
+}
+Short = tuple[Sequence[str], ast.expr]  # the arguments of a kernel and its result
 
 
-def quotient(a, b):
-    """a / b as the arithmetic of the machine has it."""
-    if b != 0.0:
-        return a / b
-    return nan if a == 0.0 or a != a else copysign(inf, a) * copysign(1.0, b)
-'''
+def short(types: Types) -> Short | None:
+    """Of a kernel that is one expression of its arguments, as may stand in the place of a call."""
+    match types.body:
+        case [ast.Return(value=ast.expr() as value)] if not any(isinstance(n, ast.Call) for n in ast.walk(value)):
+            return tuple(types.parameters), value
+    return None
 
 
-def function(types: Types) -> str:
-    zipped = Zipped(types)
-    body = zipped.block([clone(s) for s in types.body])
+def function(types: Types, short: Mapping[str, Short]) -> str:
+    """`short`: the kernels before that are one expression, which takes the place of their calls."""
+    if types.name in FASTER:
+        return FASTER[types.name]
+    body = _merged(Zipped(types, short).block([clone(s) for s in types.body]))
     hoisted, body = _hoisted(types, body)
     lines = [f"# {line}" for line in types.function.lead]
     lines.append(f"def {types.name}({', '.join(types.parameters)}):")
@@ -35,24 +50,6 @@ def function(types: Types) -> str:
     lines += ["    " + line for line in hoisted]
     _block(body, "    ", lines)
     return "\n".join(lines) + "\n"
-
-
-def record(name: str, doc: str, members: Sequence[tuple[str, Type]]) -> str:
-    slots = "".join(f'"{m}", ' for m, _ in members)
-    lines = [f"class {name}:", f'    """{doc.splitlines()[0] if doc else name}"""', "", f"    __slots__ = ({slots.rstrip()})",
-             "", "    def __init__(self):"]  # fmt: skip
-    lines += [f"        self.{m} = {zero(kind)}" for m, kind in members]
-    return "\n".join(lines) + "\n"
-
-
-def zero(kind: Type) -> str:
-    if kind[0] in ("Vec", "IVec"):
-        return f"[{'0.0' if kind[0] == 'Vec' else '0'}] * {kind[1]}"
-    if kind[0] == "Mat":
-        return f"[[0.0] * {kind[2]} for _ in range({kind[1]})]"
-    if kind[0] == "Params":
-        return "[0.0] * NP"
-    return "0.0" if kind == REAL else "False" if kind == ("bool",) else "0"
 
 
 def _block(body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
@@ -82,8 +79,8 @@ class Zipped(ast.NodeTransformer):
     """for i in range(n): a[i] = f(b[i], c[i])  ->  a[:n] = [f(b_, c_) for b_, c_ in zip(b[:n], c)];
     loops that only read at [i] run over zip too.  Nothing changes what is computed, nor its order."""
 
-    def __init__(self, types: Types):
-        self.types = types
+    def __init__(self, types: Types, short: Mapping[str, Short]):
+        self.types, self.short = types, short
 
     def block(self, body: list[ast.stmt]) -> list[ast.stmt]:
         return [self.visit(node) for node in body]
@@ -101,6 +98,9 @@ class Zipped(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)
         name = node.func.id if isinstance(node.func, ast.Name) else ""
+        if name in self.short and all(isinstance(a, ast.Name | ast.Constant) for a in node.args):
+            parameters, value = self.short[name]
+            return _Put(dict(zip(parameters, node.args))).visit(clone(value))  # type: ignore[no-any-return]
         if name in ("vector", "indices"):
             return ast.BinOp(ast.List([ast.Constant(0.0 if name == "vector" else 0)], ast.Load()), ast.Mult(), node.args[0])
         if name == "params":
@@ -124,58 +124,110 @@ class Zipped(ast.NodeTransformer):
 
     def zipped(self, node: ast.For, i: str, end: ast.expr) -> ast.stmt | None:
         inner = [n for s in node.body for n in ast.walk(s)]
-        stores = [n for n in inner if isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store)]
         if any(isinstance(n, ast.Call) and getattr(n.func, "id", "") in self.types.calls for n in inner):
             return None
         if any(isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store) for n in inner):
             return None
-        only = node.body[0] if len(node.body) == 1 and isinstance(node.body[0], ast.Assign) else None
-        mapped = only is not None and stores == only.targets and ast.unparse(stores[0].slice) == i
-        if stores and not mapped:
-            return None
+        stores = [n for n in inner if isinstance(n, ast.Subscript) and isinstance(n.ctx, ast.Store)]
         assigned = {n.id for n in inner if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)} | {i}
-        entries = _Entries(i, assigned)
-        limit = ast.unparse(end)
-        if mapped:
-            assert only is not None
-            target = ast.unparse(stores[0].value)
-            cut = "[:]" if _length(stores[0].value) == limit else f"[:{limit}]"
-            value = entries.visit(clone(only.value))
-            if _mentions(value, i) or i in target:
-                return None
-            if not entries.found:
-                whole = ast.unparse(value) if _simple(value) else None
-                return ast.parse(f"{target}{cut} = [{whole}] * {limit}").body[0] if whole else None
-            return ast.parse(f"{target}{cut} = [{ast.unparse(value)} {entries.loop(limit)}]").body[0]
-        body = [entries.visit(clone(s)) for s in node.body]
-        if not entries.found or any(_mentions(s, i) for s in body):
+        return self.mapped(node, i, end, stores) or self.looped(node, i, end, stores, assigned)
+
+    def mapped(self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript]) -> ast.stmt | None:
+        """The loop as one assignment to a vector."""
+        only = node.body[0] if len(node.body) == 1 else None
+        if len(stores) != 1 or not isinstance(only, ast.Assign | ast.AugAssign) or ast.unparse(stores[0].slice) != i:
             return None
-        found = ast.parse(f"{entries.loop(limit)}: pass").body[0]
+        array, limit = stores[0].value, ast.unparse(end)
+        value = only.value
+        if isinstance(only, ast.AugAssign):
+            entry = ast.Subscript(clone(array), ast.Name(i, ast.Load()), ast.Load())
+            value = ast.BinOp(entry, only.op, value)
+        entries = _Entries(i, {i}, set())
+        value = entries.visit(clone(value))
+        target = ast.unparse(array)
+        if _mentions(value, i) or _mentions(array, i) or target in map(ast.unparse, _arrays(value)):
+            return None
+        cut = "[:]" if _length(array) == limit else f"[:{limit}]"
+        if entries.found:
+            return ast.parse(f"{target}{cut} = [{ast.unparse(value)} {entries.loop(limit)}]").body[0]
+        return ast.parse(f"{target}{cut} = [{ast.unparse(value)}] * {limit}").body[0] if _simple(value) else None
+
+    def looped(
+        self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript], assigned: set[str]
+    ) -> ast.stmt | None:
+        """The loop over entries of vectors; with its counter where that is needed for more."""
+        entries = _Entries(i, assigned, {ast.unparse(n.value) for n in stores})
+        limit, body = ast.unparse(end), [entries.visit(clone(s)) for s in node.body]
+        counted = any(_mentions(s, i) for s in body)
+        if not entries.found or (counted and entries.uses < 2):
+            return None
+        found = ast.parse(f"{entries.loop(limit, i if counted else '')}: pass").body[0]
         found.body = body  # type: ignore[attr-defined]
         return found
 
 
-class _Entries(ast.NodeTransformer):
-    """b[i] -> a name of its own, for vectors that the loop does not bind anew."""
+class _Put(ast.NodeTransformer):
+    """Arguments in place of parameters."""
 
-    def __init__(self, i: str, assigned: set[str]):
-        self.i, self.assigned, self.found = i, assigned, dict[str, str]()
+    def __init__(self, given: Mapping[str, ast.expr]):
+        self.given = given
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return self.given.get(node.id, node)
+
+
+class _Entries(ast.NodeTransformer):
+    """b[i] -> a name of its own, for vectors that the loop neither binds anew (`assigned`) nor writes to."""
+
+    def __init__(self, i: str, assigned: set[str], written: set[str]):
+        self.i, self.assigned, self.written, self.found = i, assigned, written, dict[str, str]()
         self.lengths: set[str] = set()
+        self.uses = 0
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         if isinstance(node.slice, ast.Name) and node.slice.id == self.i and isinstance(node.ctx, ast.Load):
-            if not {n.id for n in ast.walk(node.value) if isinstance(n, ast.Name)} & self.assigned:
-                text = ast.unparse(node.value)
+            text = ast.unparse(node.value)
+            names = {n.id for n in ast.walk(node.value) if isinstance(n, ast.Name)}
+            if not names & self.assigned and text not in self.written:
+                self.uses += 1
                 self.lengths.add(_length(node.value))
                 return ast.Name(self.found.setdefault(text, f"_{len(self.found)}"), ast.Load())
         return self.generic_visit(node)  # type: ignore[return-value]
 
-    def loop(self, limit: str) -> str:
-        lists = list(self.found)
-        first = lists[0] if limit in self.lengths else f"{lists[0]}[:{limit}]"
+    def loop(self, limit: str, counter: str = "") -> str:
+        names, lists = list(self.found.values()), list(self.found)
+        if counter:
+            names, lists = [counter, *names], [f"range({limit})", *lists]
+        elif limit not in self.lengths:
+            lists[0] += f"[:{limit}]"
         if len(lists) == 1:
-            return f"for {self.found[lists[0]]} in {first}"
-        return f"for {', '.join(self.found.values())} in zip({', '.join([first, *lists[1:]])})"
+            return f"for {names[0]} in {lists[0]}"
+        return f"for {', '.join(names)} in zip({', '.join(lists)})"
+
+
+def _merged(body: list[ast.stmt]) -> list[ast.stmt]:
+    """A local vector that is filled at once is made of what fills it."""
+    out: list[ast.stmt] = []
+    for node in body:
+        for name in ("body", "orelse"):
+            if getattr(node, name, None):
+                setattr(node, name, _merged(getattr(node, name)))
+        made = out[-1] if out else None
+        match made, node:
+            case (
+                ast.Assign(targets=[ast.Name(id=first)], value=ast.BinOp(left=ast.List())),
+                ast.Assign(targets=[ast.Subscript(value=ast.Name(id=second), slice=ast.Slice(lower=None, upper=None))], value=value),
+            ) if first == second and not _mentions(value, first):  # fmt: skip
+                fresh = isinstance(value, ast.ListComp | ast.BinOp)
+                made.value = value if fresh else ast.parse(f"{ast.unparse(value)}[:]", mode="eval").body
+            case _:
+                out.append(node)
+    return out
+
+
+def _arrays(node: ast.expr) -> list[ast.expr]:
+    """What an expression indexes, or passes on."""
+    return [n for n in ast.walk(node) if isinstance(n, ast.Name | ast.Attribute | ast.Subscript)]
 
 
 def _length(node: ast.expr) -> str:

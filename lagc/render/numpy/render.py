@@ -1,31 +1,26 @@
 """Program -> one Python module that needs only Python's own library (NumPy for many states at once).
 
-Layout of the module: what it is, sizes and names, functions of the model (printed from the
-Program), the support text that every model shares (the files of `support`, from the line
-MARK on), and the verbs of `verbs.py` that a caller uses.
+Layout of the module: what it is, names, functions of the model (printed from the Program), the runtime
+(`runtime`), and the verbs of `verbs.py` that a caller uses.
 """
 
 from __future__ import annotations
-
-import os
-from functools import cache
 
 from lagc.optimize.program import Field, Interface, Program
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.locals import local_names
 from lagc.render.names import Names, prefix
+from lagc.render.numpy import runtime
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
-MARK = "# -- what follows is part of generated modules --\n"
-SUPPORT = ("base.py", "fallback.py", "sizes.py", "linear.py", "stages.py", "quaternions.py", "projection.py",
-           "listening.py", "integrate.py", "record.py")  # fmt: skip
-START = ("leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
+START = ("quaternions.py", "leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
          "start.py")  # fmt: skip
 _IMPORTS = """\
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
 from typing import Any, NamedTuple
 """
 
@@ -35,23 +30,22 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     already: the search for a consistent start, the bounds of parameters."""
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
-    parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _constants(program.interface)]
+    parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
     parts += [function_text(f, names) for f in program.functions.values()]
-    consistency = complete and program.interface.needs_consistency
+    parts += runtime.definitions(program, complete)
     if complete:
         parts.append(_bounds(program.interface))
-    if consistency:
-        parts.append(_start_tables(program.interface))
-    support = _support((*SUPPORT, *START) if consistency else SUPPORT)
-    return {file: "\n\n".join([*parts, *support, *verbs(program, complete)])}
+    if complete and program.interface.needs_consistency:
+        parts += [_start_tables(program.interface), *runtime.support(START)]
+    return {file: "\n\n".join([*filter(None, parts), *verbs(program, complete)])}
 
 
-def functions(program: Program) -> str:
-    """The sizes and functions of the model alone, for whoever has the support as modules."""
+def evaluation(program: Program) -> list[str]:
+    """Texts of the model's functions, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
-    parts = [_IMPORTS + ARITHMETIC, _constants(program.interface)]
-    parts += [function_text(f, names) for f in program.functions.values()]
-    return "\n\n".join(parts)
+    own = [function_text(f, names) for f in program.functions.values()]
+    sizes, *shared = runtime.evaluation(program)
+    return ["\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *shared])]
 
 
 def _banner(interface: Interface, file: str) -> str:
@@ -67,17 +61,8 @@ def member_names(interface: Interface) -> list[str]:
     return [names.give(f.name) for f in (*interface.parameters, *interface.inputs)]
 
 
-def _constants(interface: Interface) -> str:
-    sizes = {
-        "NQ": interface.nq, "NV": interface.nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc,
-        "NH": interface.nh, "NY": len(interface.outputs), "NWORK": interface.work_size,
-        "STRAIGHT": int(interface.solve == "straight"),
-        "HAS_DISPLACE": int("displace" in interface.functions),
-    }  # fmt: skip
+def _names(interface: Interface) -> str:
     text = [f"ABI_VERSION = {ABI_VERSION}", f"MODEL_HASH = {interface.model_hash!r}"]
-    text += [f"{name} = {value}" for name, value in sizes.items()]
-    text.append(f"QUATERNIONS = {interface.quaternions!r}")
-    text.append(f"KINDS = {interface.kinds!r}")
     text += _table("Q_NAMES", interface.q_names) + _table("V_NAMES", interface.v_names)
     text += _table("ROWS", interface.row_labels) + _table("Y_NAMES", [f.name for f in interface.outputs])
     fields = [*interface.parameters, *interface.inputs]
@@ -119,15 +104,3 @@ def _table(name: str, values: tuple[str, ...] | list[str]) -> list[str]:
     if len(values) <= 4:
         return [f"{name} = {tuple(values)!a}"]
     return [f"{name} = (", *(f"    {value!a}," for value in values), ")"]
-
-
-@cache
-def _support(names: tuple[str, ...]) -> tuple[str, ...]:
-    """The shared text; each file from MARK on, without the protocol, which generated modules do not hold."""
-    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
-    parts = []
-    for name in names:
-        with open(os.path.join(folder, name), encoding="utf-8") as file:
-            text = file.read().partition(MARK)[2].strip("\n") + "\n"
-        parts.append(text.replace(": Problem", ""))
-    return tuple(parts)

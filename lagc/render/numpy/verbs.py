@@ -6,7 +6,6 @@ from lagc.optimize.program import Program
 from lagc.render.statuses import STATUSES
 
 _ALWAYS = '''\
-_integrate = integrate
 STATUSES = @STATUSES@
 
 
@@ -41,7 +40,7 @@ def integrate(t0, x0, times, p=None, options=None, progress=None):
 
 def equations(p=None):
     """The equations with parameters p (see `default_params`), for many calls."""
-    return Equations(globals(), default_params() if p is None else _floats(p))
+    return Equations(default_params() if p is None else _floats(p))
 
 
 def _solved(t, x, p):
@@ -114,7 +113,7 @@ def _conditions(model):
         return found
 
     columns = CONDITION_COLUMNS
-    return Conditions(NQ, NV, QUATERNIONS, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
+    return Conditions(NQ, NV, quaternion, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
 '''
 
 _SYSTEM = '''\
@@ -136,7 +135,11 @@ def constraints(t, x, p=None):
     model, t, x = equations(p), float(t), _floats(x)
     _, _, _, g, gamma = model.system(t, x)
     rows = [g[i * NV : (i + 1) * NV] for i in range(NC)]
-    return model.position(t, x) if NH else [], model.velocity(t, x), rows, gamma
+    phi, psi = [0.0] * NH, [0.0] * NC
+    if NH:
+        fn_position(model.p, t, x, phi)
+    fn_velocity(model.p, t, x, psi)
+    return phi, psi, rows, gamma
 '''
 
 _ENERGIES = '''\
@@ -178,7 +181,9 @@ def rhs_many(t, x, p=None):
             _vectorised(fn_rhs)(list(p.T), t, list(x.T), columns, [0.0] * NC, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
-            sound = (health[0] >= LEAST_PIVOT) & (health[1] <= ROUNDING)
+            sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
+            if NC:
+                sound = sound & (health[1] <= ROUNDING)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
         rest = numpy.flatnonzero(~sound)
     for i in rest:

@@ -5,17 +5,15 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
-from time import perf_counter
 from typing import Any
 
 from lagc.kernels import METHODS
 from lagc.once import once
+from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Compiled, CompiledSystem
 from lagc.run.backends.library import library
-from lagc.run.problem import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, OK, Options, Trajectory, Vector
+from lagc.run.problem import OK, Options, Trajectory, Vector
 
-SLICE = 0.05  # s between two calls of `progress`
-FIRST_BUDGET = 64  # steps of the first slice
 
 
 class _Options(ctypes.Structure):
@@ -168,10 +166,17 @@ class CSystem(CompiledSystem):
         asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
-        record, head = call["record"], self.model.head.from_buffer(work)
-        budget, status, look, watch = FIRST_BUDGET, INTERRUPTED, FIRST_LOOK, options.watch
+        head = self.model.head.from_buffer(work)
 
-        def told() -> Trajectory:
+        def record(steps: int, max_steps: int) -> int:
+            asked.max_steps = max_steps
+            status: int = call["record"](
+                self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states, ctypes.byref(done),
+                c_long(steps), work,
+            )  # fmt: skip
+            return status
+
+        def told(status: int) -> Trajectory:
             flat = states[: done.value * nx]
             rows = head.redundant if self.nc else ()
             return Trajectory(
@@ -184,29 +189,7 @@ class CSystem(CompiledSystem):
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             )  # fmt: skip
 
-        try:
-            while status == INTERRUPTED:
-                began, most = perf_counter(), min(budget, look - state.steps)
-                if options.max_steps > 0:
-                    asked.max_steps = options.max_steps - state.steps - state.rejected
-                    if asked.max_steps <= 0:
-                        status = MAX_STEPS
-                        break
-                status = record(self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
-                                ctypes.byref(done), c_long(most), work)  # fmt: skip
-                if progress is not None:
-                    progress(state.t)
-                if perf_counter() - began < 0.5 * SLICE:
-                    budget *= 2
-                if state.steps == look and status == INTERRUPTED:
-                    look *= 2
-                    if watch is not None and watch(told()):
-                        status = MAX_STEPS
-        except KeyboardInterrupt:
-            status = INTERRUPTED
-        if status == INVALID:
-            raise ValueError("the times are finite and in order, from that of the start on")
-        return told()
+        return recorded(state, options, record, told, progress)
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""

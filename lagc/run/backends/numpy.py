@@ -46,10 +46,9 @@ class _Desk:
     __slots__ = ("equations", "functions", "rhs")
 
     def __init__(self, model: NumpyModel, p: list[float]):
-        module = model.module
-        self.equations: Any = module["Equations"](module, p)
+        self.equations: Any = model.module["Equations"](p)
         self.functions: dict[str, tuple[Any, tuple[str, ...]]] = {}
-        self.rhs: Any = self.equations.afresh if model.interface.nc else self.equations.rhs
+        self.rhs: Any = self.equations.rhs
 
 
 class NumpySystem(CompiledSystem):
@@ -62,7 +61,7 @@ class NumpySystem(CompiledSystem):
 
     def equations(self) -> Any:
         """The equations for one trajectory, which remember which rows depended on others."""
-        return self.model.module["Equations"](self.model.module, self._p[:])
+        return self.model.module["Equations"](self._p[:])
 
     @property
     def culprit(self) -> int:
@@ -77,18 +76,22 @@ class NumpySystem(CompiledSystem):
         return None
 
     def assemble(self, t: float, x: Vector) -> int:
-        equations = self._own.desk.equations
-        equations.lost = False
-        status: int = equations.assemble(t, x)
+        work = self._own.desk.equations.work
+        work.lost = False
+        status: int = self.model.module["assemble_at"](self._p, t, x, work)
         return status
 
     def solve(self, r: Vector) -> list[float]:
-        found: list[float] = self._own.desk.equations.solve(r)
+        found = [0.0] * (self.nv + self.nc)
+        self.model.module["solve_at"](r, found, self._own.desk.equations.work)
         return found
 
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
-        found: list[float] = self._own.desk.equations.displace(t, x, d)
-        return found
+        if "displace" not in self.interface.functions:
+            return list(d)
+        dq = [0.0] * self.nq
+        self.model.module["fn_displace"](self._p, t, x, d, dq)
+        return dq
 
     def start(self) -> list[float]:
         x = [0.0] * self.nx
@@ -103,9 +106,8 @@ class NumpySystem(CompiledSystem):
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
-        module = self.model.module
-        own = module["Options"](**vars(options))
-        done: Trajectory = module["_integrate"](self.equations(), own, t0, list(x0), list(times), progress)
+        integrate = self.model.module["_integrate"]
+        done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), progress)
         return done
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:

@@ -1,4 +1,4 @@
-"""Statuses, options and results of the integrators: part of every generated Python module."""
+"""Statuses, options and results of the integrators: in generated Python modules, and for runs of lagc."""
 
 from __future__ import annotations
 
@@ -6,17 +6,13 @@ from collections.abc import Callable
 from math import inf
 from typing import Any
 
+from lagc.kernels import METHODS
+
+# In generated modules these come from `lagc.kernels.statuses`.
+OK, SINGULAR_MASS, REDUNDANT, INCONSISTENT, NOT_FINITE, STEP_UNDERFLOW, MAX_STEPS, INTERRUPTED, INVALID = range(9)
+
 # -- what follows is part of generated modules --
 
-OK = 0
-SINGULAR_MASS = 1  # the mass matrix is not positive definite; culprit = index of v
-REDUNDANT = 2  # rows are dependent: solved with least-norm multipliers; culprit = row
-INCONSISTENT = 3  # rows contradict each other; culprit = row
-NOT_FINITE = 4  # NaN or infinity; culprit = index of x
-STEP_UNDERFLOW = 5
-MAX_STEPS = 6
-INTERRUPTED = 7
-INVALID = 8  # of C alone: Python raises ValueError
 FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
@@ -52,8 +48,8 @@ class Options:
 
     def check(self) -> None:
         """Raises ValueError, naming the option that makes no sense."""
-        if self.method not in ("dop853", "dopri5"):
-            raise ValueError(f"the option method is dop853 or dopri5, not {self.method!r}")
+        if self.method not in METHODS:
+            raise ValueError(f"the option method is {' or '.join(METHODS)}, not {self.method!r}")
         if not self.max_steps >= 0:
             raise ValueError(f"the option max_steps is not negative: {self.max_steps!r}")
         for name in ("rtol", "atol", "step", "first_step", "max_step"):

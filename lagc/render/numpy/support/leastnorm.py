@@ -44,7 +44,7 @@ def least_norm(rows: list[list[float]], right: list[float], dependent: float) ->
         direction = rests[best]
         _shorten(direction)
         for before in chosen:
-            remove(direction, before, _places(before))
+            removed(direction, before, _places(before))
         _shorten(direction)
         chosen.append(direction)
         left.remove(best)
@@ -53,7 +53,7 @@ def least_norm(rows: list[list[float]], right: list[float], dependent: float) ->
         for j in places:
             solution[j] += factor * direction[j]
         for i in left:
-            if remove(rests[i], direction, places):
+            if removed(rests[i], direction, places):
                 squares[i] = inner(rests[i], rests[i])
     return solution
 
@@ -65,7 +65,7 @@ def inner(a: list[float], b: list[float]) -> float:
     return total
 
 
-def remove(vector: list[float], direction: list[float], places: list[int]) -> bool:
+def removed(vector: list[float], direction: list[float], places: list[int]) -> bool:
     """Take from `vector` its part along a unit vector, which is zero but at `places`; whether it has one."""
     part = 0.0
     for j in places:

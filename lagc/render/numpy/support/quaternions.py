@@ -8,7 +8,7 @@ from math import inf, sqrt
 # -- what follows is part of generated modules --
 
 
-def normalise(x: list[float], quaternions: Sequence[int]) -> None:
+def with_unit_length(x: list[float], quaternions: Sequence[int]) -> None:
     """Unit length for the quaternion at each index; one that is zero or not finite is left."""
     for k in quaternions:
         a, b, c, d = x[k : k + 4]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, sqrt
 
-from lagc.render.numpy.support.quaternions import normalise
+from lagc.render.numpy.support.quaternions import with_unit_length
 
 # -- what follows is part of generated modules --
 
@@ -80,7 +80,7 @@ class Meeting:
             self.levels[k] = max(self.levels[k : k + 4])
             for i in range(k + 1, k + 4):
                 self.levels[i], self.part[i] = self.levels[k], True
-        normalise(self.y, conditions.quaternions)
+        with_unit_length(self.y, conditions.quaternions)
         self.home = self.y[:]
         self.free = [level == UNSTATED for level in self.levels]
         self.confine(list(range(len(conditions.ends))) if rows is None else rows)

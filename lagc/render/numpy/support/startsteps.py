@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, inf, sqrt
 
 from lagc.render.numpy.support.leastnorm import least_norm
-from lagc.render.numpy.support.quaternions import normalise
+from lagc.render.numpy.support.quaternions import with_unit_length
 from lagc.render.numpy.support.startalone import Alone
 from lagc.render.numpy.support.startrows import ACCEPTED, FIXED, SLIGHT, UNSTATED, norm_of
 
@@ -88,7 +88,7 @@ class Approach(Alone):
                 state = (1103515245 * state + 12345) % 2147483648
                 if self.free[i] and self.used[i] and y[i] == self.home[i]:
                     y[i] += SPREADS[k] * self.widths[i] * (state / 1073741824.0 - 1.0)
-            normalise(y, self.conditions.quaternions)
+            with_unit_length(y, self.conditions.quaternions)
         return y
 
     def attempt(self, y: list[float]) -> list[float]:

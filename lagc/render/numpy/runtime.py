@@ -1,0 +1,117 @@
+"""The runtime of a model in Python: the kernels that it needs, with its sizes and tables."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
+from typing import Any
+
+from lagc.kernels import METHODS
+from lagc.optimize.program import Interface, Program
+from lagc.render.kernels.assembly import Chosen, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.shipped import parts
+from lagc.render.numpy.states import EQUATIONS, STATES
+
+MARK = "# -- what follows is part of generated modules --\n"
+SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
+# Kernels that every model has, and those for rows of constraints.
+ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense", "system_at")
+OF_ROWS = ("assemble_at", "solve_at")
+GIVEN, MADE = ("Options",), ("Work", "State")  # records that are written by hand, and that callers make
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
+HELPERS = '''\
+def quotient(a, b):
+    """a / b as the arithmetic of the machine has it."""
+    if b != 0.0:
+        return a / b
+    return nan if a == 0.0 or a != a else _copysign(inf, a) * _copysign(1.0, b)
+'''
+
+
+def definitions(program: Program, complete: bool) -> list[str]:
+    """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
+    use = _needed(program.interface, ROOTS, complete)
+    return [_constants(program.interface, use), *support(), _work(program), *_kernels(program.interface, use),
+            EQUATIONS, STATES]  # fmt: skip
+
+
+def evaluation(program: Program) -> list[str]:
+    """What is the model's own, and what evaluates one state: equations without steps."""
+    use = _needed(program.interface, ("rhs_at", "factor_dense", "system_at"), False)
+    own = "\n\n".join([_constants(program.interface, use), _work(program)])
+    return [own, *_kernels(program.interface, use), EQUATIONS]
+
+
+def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
+    more = OF_ROWS if interface.nc else ()
+    return chosen(parts(), switches_of(interface, complete), (*roots, *more))
+
+
+def _constants(interface: Interface, use: Chosen) -> str:
+    """Sizes, tables, statuses, numbers that kernels know."""
+    used = {*use.names, *PUBLIC, *(size for _, members in _records(interface, use) for _, kind in members for size in kind)}
+    sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
+    text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
+    text += f"STRAIGHT = {interface.solve == 'straight'}\n"
+    text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
+    text += f"METHODS = {METHODS!r}\n"
+    for part in parts():
+        if part["kind"] == "Status" or (part["kind"] in ("int", "Real", "Code", "Method") and part["name"] in used):
+            text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
+    return text
+
+
+def _kernels(interface: Interface, use: Chosen) -> list[str]:
+    """Records and functions."""
+    records = [record(part["name"], part["doc"], members) for part, members in _records(interface, use)]
+    return [HELPERS, *records, *(leaf["python"] for _, leaf in use.parts)]
+
+
+@cache
+def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
+    """The text that is written by hand; each file from MARK on."""
+    folder = os.path.join(os.path.dirname(os.path.abspath(__file__)), "support")
+    found = []
+    for name in names:
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            found.append(file.read().partition(MARK)[2].strip("\n") + "\n")
+    return tuple(found)
+
+
+def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any], list[tuple[str, Sequence[str]]]]]:
+    """Those that callers or kernels make, with the members that they have."""
+    switches, found = switches_of(interface, True), []
+    for part in parts():
+        if part["kind"] != "record" or part["name"] in GIVEN:
+            continue
+        made = any(f"{part['name']}(" in leaf["python"] for _, leaf in use.parts)
+        if made or part["name"] in MADE:
+            found.append((part, [(name, kind) for name, kind, when, _, _ in part["members"]
+                                 if all(switches[switch] == value for switch, value in when)]))  # fmt: skip
+    return found
+
+
+def record(name: str, doc: str, members: Sequence[tuple[str, Sequence[str]]]) -> str:
+    """A class of slots."""
+    slots = "".join(f'\n        "{m}",' for m, _ in members)
+    lines = [f"class {name}:", f'    """{doc.splitlines()[0]}', *(f"    {line}" for line in doc.splitlines()[1:])]
+    lines = [*lines[:-1], lines[-1] + '"""', "", f"    __slots__ = ({slots}\n    )", "", "    def __init__(self):"]
+    lines += [f"        self.{m} = {_zero(kind)}" for m, kind in members]
+    return "\n".join(lines) + "\n"
+
+
+def _zero(kind: Sequence[str]) -> str:
+    if kind[0] == "Mat":
+        return f"[[0.0] * {kind[2]} for _ in range({kind[1]})]"
+    lists: Mapping[str, Any] = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NP"}
+    return lists.get(kind[0]) or {"Real": "0.0", "bool": "False"}.get(kind[0], "0")
+
+
+def _work(program: Program) -> str:
+    """The rate of the work integral, with all that the model's function of it may read."""
+    if not program.interface.nz:
+        return ""
+    power = program.functions.get("power")
+    body = f"fn_power({', '.join(power.inputs)}, e)" if power is not None else "e[0] = 0.0"
+    return f"def fn_work(p, t, x, a, lam, e):\n    {body}\n"
