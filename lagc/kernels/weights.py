@@ -16,34 +16,41 @@ from lagc.kernels.words import Params, Real, Vec, vector
 
 
 def departing(s: State, o: Options, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
-    """The sizes that kinds take from rest over the longest step so far, as they set out in this one: where a
-    motion begins with a kink, no step is short enough to be exact by what it reaches itself."""
+    """Enlarge sizes of zero to those that kinds take from rest over the longest step so far, as they set out
+    in this one: where a motion begins with a kink, no step is short enough to be exact by what it reaches
+    itself."""
+    longer = w.longest / fabs(h)
+    for i in range(NQ + NV):
+        way = fabs(s.y[i] - s.x[i]) * longer
+        if way > sizes[kind[i]]:
+            sizes[kind[i]] = way
     for i in range(NKIND):
-        sizes[i] = 0.0
-    if w.longest > 0.0:
-        for i in range(NQ + NV):
-            way = fabs(s.y[i] - s.x[i]) * (w.longest / fabs(h))
-            if way > sizes[kind[i]]:
-                sizes[kind[i]] = way
-        for i in range(NKIND):
-            if s.sizes[i] > o.rtol * sizes[i]:  # it moves already
-                sizes[i] = 0.0
+        if s.sizes[i] > o.rtol * sizes[i]:  # it moves already
+            sizes[i] = 0.0
 
 
 def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
     """w.reached, those of the trajectory with its new state s.y, and what errors of a step over h are
     measured in; s.noise is the rounding of rates, where it is known.  An angle that winds does not make
     others less telling."""
-    away = vector(NKIND)
-    departing(s, o, h, w, away)
+    sizes = vector(NKIND)
+    for k in range(NKIND):
+        sizes[k] = 0.0
+    if w.longest > 0.0:
+        departing(s, o, h, w, sizes)
     w.reached[:] = s.sizes
     enlarge(s.y, w.reached)
+    for k in range(NKIND):
+        if w.reached[k] > sizes[k]:
+            sizes[k] = w.reached[k]
+    rtol = o.rtol
+    atol = o.atol
+    blur = 10.0 * fabs(h)
     for i in range(NQ + NV):
-        k = kind[i]
-        size = away[k] if away[k] > w.reached[k] else w.reached[k]
-        if k == 0 and size > 1.0:
+        size = sizes[kind[i]]
+        if kind[i] == 0 and size > 1.0:
             size = fabs(s.y[i]) if fabs(s.y[i]) > 1.0 else 1.0
-        weight = o.atol + o.rtol * size + 10.0 * fabs(h) * (s.noise[i] + w.play[i])
+        weight = atol + rtol * size + blur * (s.noise[i] + w.play[i])
         w.weights[i] = weight if weight > TINY else TINY
 
 

@@ -64,8 +64,10 @@ def _block(body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
                 out.append(f"{indent}else:")
                 _block(node.orelse, indent + "    ", out)
         elif isinstance(node, ast.For | ast.While):
-            head = f"for {ast.unparse(node.target)} in {ast.unparse(node.iter)}:" if isinstance(node, ast.For) else ""
-            out.append(indent + (head or f"while {ast.unparse(node.test)}:"))  # type: ignore[attr-defined]
+            if isinstance(node, ast.For):
+                out.append(f"{indent}for {ast.unparse(node.target).strip('()')} in {ast.unparse(node.iter)}:")
+            else:
+                out.append(f"{indent}while {ast.unparse(node.test)}:")
             _block(node.body, indent + "    ", out)
         else:
             out.append(indent + ast.unparse(node))
@@ -142,7 +144,7 @@ class Zipped(ast.NodeTransformer):
         if isinstance(only, ast.AugAssign):
             entry = ast.Subscript(clone(array), ast.Name(i, ast.Load()), ast.Load())
             value = ast.BinOp(entry, only.op, value)
-        entries = _Entries(i, {i}, set())
+        entries = _Entries(node, i, {i}, set())
         value = entries.visit(clone(value))
         target = ast.unparse(array)
         if _mentions(value, i) or _mentions(array, i) or target in map(ast.unparse, _arrays(value)):
@@ -156,7 +158,7 @@ class Zipped(ast.NodeTransformer):
         self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript], assigned: set[str]
     ) -> ast.stmt | None:
         """The loop over entries of vectors; with its counter where that is needed for more."""
-        entries = _Entries(i, assigned, {ast.unparse(n.value) for n in stores})
+        entries = _Entries(node, i, assigned, {ast.unparse(n.value) for n in stores})
         limit, body = ast.unparse(end), [entries.visit(clone(s)) for s in node.body]
         counted = any(_mentions(s, i) for s in body)
         if not entries.found or (counted and entries.uses < 2):
@@ -179,10 +181,12 @@ class _Put(ast.NodeTransformer):
 class _Entries(ast.NodeTransformer):
     """b[i] -> a name of its own, for vectors that the loop neither binds anew (`assigned`) nor writes to."""
 
-    def __init__(self, i: str, assigned: set[str], written: set[str]):
+    def __init__(self, loop: ast.For, i: str, assigned: set[str], written: set[str]):
         self.i, self.assigned, self.written, self.found = i, assigned, written, dict[str, str]()
         self.lengths: set[str] = set()
         self.uses = 0
+        inner = (n.id[1:] for n in ast.walk(loop) if isinstance(n, ast.Name) and n.id[:1] == "_")
+        self.first = 1 + max(map(int, inner), default=-1)  # of the names that inner loops leave
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         if isinstance(node.slice, ast.Name) and node.slice.id == self.i and isinstance(node.ctx, ast.Load):
@@ -191,7 +195,7 @@ class _Entries(ast.NodeTransformer):
             if not names & self.assigned and text not in self.written:
                 self.uses += 1
                 self.lengths.add(_length(node.value))
-                return ast.Name(self.found.setdefault(text, f"_{len(self.found)}"), ast.Load())
+                return ast.Name(self.found.setdefault(text, f"_{self.first + len(self.found)}"), ast.Load())
         return self.generic_visit(node)  # type: ignore[return-value]
 
     def loop(self, limit: str, counter: str = "") -> str:
@@ -271,6 +275,11 @@ class _Arrays(ast.NodeVisitor):
             if owner[0] == "Record":
                 return self.types.known.members(owner[1])[node.attr][0]
         return ""
+
+    def visit_For(self, node: ast.For) -> None:
+        self.visit(node.iter)
+        for statement in (*node.body, *node.body):  # more than once
+            self.visit(statement)
 
     def visit_Attribute(self, node: ast.Attribute) -> None:
         if self.kind(node) in ("Vec", "IVec", "Mat"):

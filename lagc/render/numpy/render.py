@@ -76,6 +76,7 @@ def _start_tables(interface: Interface) -> str:
     return "".join(
         f"{name} = {values!r}\n"
         for name, values in (
+            ("QUATERNIONS", interface.quaternions),
             ("LEVELS", interface.start_levels),
             ("UNITS", interface.start_units),
             ("ANGLES", interface.angles),

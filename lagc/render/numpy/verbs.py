@@ -113,7 +113,7 @@ def _conditions(model):
         return found
 
     columns = CONDITION_COLUMNS
-    return Conditions(NQ, NV, quaternion, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
+    return Conditions(NQ, NV, QUATERNIONS, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
 '''
 
 _SYSTEM = '''\
