@@ -14,7 +14,7 @@ from lagc.kernels.model import fn_gamma_sizes
 from lagc.kernels.records import Work
 from lagc.kernels.sizes import NC, NG, NV, NX
 from lagc.kernels.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
-from lagc.kernels.words import Params, Real, Status, Vec
+from lagc.kernels.words import Params, Real, Status, Vec, quotient, root
 
 
 def remove(v: Vec[NV], q: Vec[NV]) -> Real:
@@ -42,7 +42,7 @@ def unit_row(w: Work, i: int) -> None:
     lower(w, row)
     length = sqrt(square(row))
     if length > 0.0:
-        length = length / w.slight[i]
+        length = quotient(length, w.slight[i])
     w.lengths[i] = length
     if length > 0.0:
         for j in range(NV):
@@ -178,19 +178,19 @@ def multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
                 value += column[k] * other[k]
             for k in range(e):
                 value -= w.normal[f][k] * w.normal[e][k]
-            w.normal[f][e] = value / w.normal[e][e] if e < f else sqrt(value)
+            w.normal[f][e] = quotient(value, w.normal[e][e]) if e < f else root(value)
         total = 0.0
         for k in range(rank):
             total += column[k] * c[k]
         for k in range(f):
             total -= w.normal[f][k] * y[k]
-        y[f] = total / w.normal[f][f]
+        y[f] = quotient(total, w.normal[f][f])
     for f in range(count - 1, -1, -1):
         column = w.table[f]
         total = y[f]
         for k in range(f + 1, count):
             total -= w.normal[k][f] * y[k]
-        y[f] = total / w.normal[f][f]
+        y[f] = quotient(total, w.normal[f][f])
         lam[w.order[rank + f]] = y[f]
         for k in range(rank):
             lam[w.order[k]] -= column[k] * y[f]

@@ -3,8 +3,8 @@
 A kernel is a function with annotated arguments and one scalar result; all else goes through records.
 It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`, `continue`,
 `return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `floor`, `sqrt`, `pow`.
-Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero, and what `sqrt`
-and `pow` are given has a root.
+Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero, `root(a)` is
+sqrt(a) where a may be negative; what `sqrt` and `pow` are given has a root.
 `if NC > 0:` and `if STRAIGHT:` are decided when it is printed.  There are no tuples, defaults, closures,
 recursion, exceptions, and no memory of its own but local vectors.
 
@@ -133,4 +133,5 @@ def by_type(single: float, double: float, quad: str) -> float: ...  # type: igno
 def combination(row: Row, k: Mat[Any, N], i: Size) -> float: ...  # type: ignore[empty-body]
 def number(text: str) -> float: ...  # type: ignore[empty-body]
 def quotient(a: float, b: float) -> float: ...  # type: ignore[empty-body]
+def root(a: float) -> float: ...  # type: ignore[empty-body]
 def Code(value: int) -> int: ...  # type: ignore[empty-body]  # noqa: N802

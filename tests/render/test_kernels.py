@@ -14,13 +14,13 @@ from typing import Any
 
 import pytest
 
-from lagc.render.kernels import python
 from lagc.render.kernels.arithmetic import DOUBLE
 from lagc.render.kernels.assembly import chosen
 from lagc.render.kernels.library import Library
 from lagc.render.kernels.shipped import parts
 from lagc.render.kernels.syntax import Outside, module
 from lagc.render.kernels.typed import Signature
+from lagc.render.numpy.functions import ARITHMETIC
 
 HEAD = "from lagc.kernels.words import *\n"
 
@@ -175,7 +175,7 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     compiled = ctypes.CDLL(str(tmp_path / "a.so")).scaled
     compiled.restype = ctypes.c_double
     space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7}
-    exec(python.HELPERS + "\n".join(leaf["python"] for _, leaf in use.parts), space)
+    exec(ARITHMETIC + "\n".join(leaf["python"] for _, leaf in use.parts), space)
     plain = _as_it_stands(straight)
     chance = random.Random(3)
     for _ in range(300):
@@ -201,5 +201,5 @@ def _same(one: list[float], other: list[float]) -> bool:
 def _as_it_stands(straight: bool) -> dict[str, Any]:
     space: dict[str, Any] = {"NX": 4, "NC": 1, "NZ": 0, "STRAIGHT": straight, "Vec": dict, "Real": float, "Any": Any}
     more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
-    exec(python.HELPERS + more + re.sub(r": Vec\[NX\]", "", MEANS), space)
+    exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", MEANS), space)
     return space

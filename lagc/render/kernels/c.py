@@ -327,7 +327,8 @@ class CPrinter:
             return f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}", PRODUCT
         callee = self.now.known.signatures.get(name)
         if callee is None:
-            return f"{self.real.call.format(name)}({', '.join(self.given(a, REAL) for a in args)})", ATOM
+            spelled = self.real.call.format("sqrt" if name == "root" else name)
+            return f"{spelled}({', '.join(self.given(a, REAL) for a in args)})", ATOM
         parts = []
         for a, kind in zip(args, callee.parameters):
             address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))

@@ -65,6 +65,18 @@ def inverse(a):
     return not a
 
 
+def quotient(a, b):
+    """a / b as the arithmetic of the machine has it."""
+    if b != 0.0:
+        return a / b
+    return nan if a == 0.0 or a != a else _copysign(inf, a) * _copysign(1.0, b)
+
+
+def root(a):
+    """sqrt(a) in the same way."""
+    return nan if a < 0.0 else sqrt(a)
+
+
 class _Ieee(float):
     """A float whose division by zero is an infinity or NaN."""
 

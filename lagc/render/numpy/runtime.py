@@ -20,13 +20,6 @@ ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense"
 OF_ROWS = ("assemble_at", "solve_at")
 GIVEN, MADE = ("Options",), ("Work", "State")  # records that are written by hand, and that callers make
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
-HELPERS = '''\
-def quotient(a, b):
-    """a / b as the arithmetic of the machine has it."""
-    if b != 0.0:
-        return a / b
-    return nan if a == 0.0 or a != a else _copysign(inf, a) * _copysign(1.0, b)
-'''
 
 
 def definitions(program: Program, complete: bool) -> list[str]:
@@ -65,7 +58,7 @@ def _constants(interface: Interface, use: Chosen) -> str:
 def _kernels(interface: Interface, use: Chosen) -> list[str]:
     """Records and functions."""
     records = [record(part["name"], part["doc"], members) for part, members in _records(interface, use)]
-    return [HELPERS, *records, *(leaf["python"] for _, leaf in use.parts)]
+    return [*records, *(leaf["python"] for _, leaf in use.parts)]
 
 
 @cache
