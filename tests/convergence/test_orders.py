@@ -13,7 +13,7 @@ from lagc.kernels.methods import dop853, dopri5
 from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
-from tests.run.kernels import integrate, integrator
+from tests.run.handmade import integrate, integrator
 from tests.run.systems import LINE, Handmade, Oscillator, Rod
 
 Row = dict[int, float]  # stage -> coefficient; stages count from 1, zeros are left out

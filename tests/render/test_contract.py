@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from lagc.kernels import METHODS
 from lagc import compiler
 from lagc.diagnostics.faults import Source
+from lagc.kernels import METHODS
 from lagc.optimize.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix

@@ -8,7 +8,7 @@ from math import cos, exp, pi, sin, sqrt
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 from tests.run import systems
-from tests.run.kernels import integrate
+from tests.run.handmade import integrate
 from tests.run.systems import LINE, PLANE, Handmade
 
 

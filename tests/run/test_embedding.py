@@ -83,7 +83,8 @@ def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
 
     system: Any = build(program, "numpy")
     expected: list[float] = []
-    run = system.model.module["Integrator"](system.equations(), Options(rtol=1e-6, atol=1e-6), 0.0, system.start())
+    options, integrator = Options(rtol=1e-6, atol=1e-6), system.model.module["Integrator"]
+    run = integrator(system.equations(), options, 0.0, system.start())
     while run.t < 1.0:
         assert run.step(1.0) == OK
         status, x = run.at(run.t_old + 0.3 * (run.t - run.t_old))

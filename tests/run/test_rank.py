@@ -10,7 +10,7 @@ import pytest
 from lagc.optimize.program import Program
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
 from tests.interfaces import interface
-from tests.run.kernels import module
+from tests.run.handmade import module
 from tests.run.linkages import four_bar
 from tests.run.test_generated import BACKENDS, build
 

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from lagc.render.kernels.syntax import clone
-from lagc.render.kernels.typed import REAL, Type, Types
+from lagc.render.kernels.typed import Type, Types
 
 # Kernels of which Python's own functions do the whole work, with the same result.
 FASTER = {
@@ -29,8 +29,9 @@ Short = tuple[Sequence[str], ast.expr]  # the arguments of a kernel and its resu
 def short(types: Types) -> Short | None:
     """Of a kernel that is one expression of its arguments, as may stand in the place of a call."""
     match types.body:
-        case [ast.Return(value=ast.expr() as value)] if not any(isinstance(n, ast.Call) for n in ast.walk(value)):
-            return tuple(types.parameters), value
+        case [ast.Return(value=ast.expr() as value)]:
+            if not any(isinstance(n, ast.Call) for n in ast.walk(value)):
+                return tuple(types.parameters), value
     return None
 
 
@@ -104,7 +105,8 @@ class Zipped(ast.NodeTransformer):
             parameters, value = self.short[name]
             return _Put(dict(zip(parameters, node.args))).visit(clone(value))  # type: ignore[no-any-return]
         if name in ("vector", "indices"):
-            return ast.BinOp(ast.List([ast.Constant(0.0 if name == "vector" else 0)], ast.Load()), ast.Mult(), node.args[0])
+            zero = ast.Constant(0.0 if name == "vector" else 0)
+            return ast.BinOp(ast.List([zero], ast.Load()), ast.Mult(), node.args[0])
         if name == "params":
             return ast.parse("[0.0] * NP", mode="eval").body
         if name == "size":
@@ -137,7 +139,9 @@ class Zipped(ast.NodeTransformer):
     def mapped(self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript]) -> ast.stmt | None:
         """The loop as one assignment to a vector."""
         only = node.body[0] if len(node.body) == 1 else None
-        if len(stores) != 1 or not isinstance(only, ast.Assign | ast.AugAssign) or ast.unparse(stores[0].slice) != i:
+        if len(stores) != 1 or not isinstance(only, ast.Assign | ast.AugAssign):
+            return None
+        if ast.unparse(stores[0].slice) != i:
             return None
         array, limit = stores[0].value, ast.unparse(end)
         value = only.value
@@ -152,7 +156,9 @@ class Zipped(ast.NodeTransformer):
         cut = "[:]" if _length(array) == limit else f"[:{limit}]"
         if entries.found:
             return ast.parse(f"{target}{cut} = [{ast.unparse(value)} {entries.loop(limit)}]").body[0]
-        return ast.parse(f"{target}{cut} = [{ast.unparse(value)}] * {limit}").body[0] if _simple(value) else None
+        if not _simple(value):
+            return None
+        return ast.parse(f"{target}{cut} = [{ast.unparse(value)}] * {limit}").body[0]
 
     def looped(
         self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript], assigned: set[str]
@@ -220,8 +226,8 @@ def _merged(body: list[ast.stmt]) -> list[ast.stmt]:
         match made, node:
             case (
                 ast.Assign(targets=[ast.Name(id=first)], value=ast.BinOp(left=ast.List())),
-                ast.Assign(targets=[ast.Subscript(value=ast.Name(id=second), slice=ast.Slice(lower=None, upper=None))], value=value),
-            ) if first == second and not _mentions(value, first):  # fmt: skip
+                ast.Assign([ast.Subscript(ast.Name(id=second), ast.Slice(None, None))], value),
+            ) if first == second and not _mentions(value, first):
                 fresh = isinstance(value, ast.ListComp | ast.BinOp)
                 made.value = value if fresh else ast.parse(f"{ast.unparse(value)}[:]", mode="eval").body
             case _:
@@ -246,7 +252,8 @@ def _mentions(node: ast.AST, name: str) -> bool:
 
 def _simple(node: ast.expr) -> bool:
     """Whether it costs nothing and stays the same along a loop."""
-    return isinstance(node, ast.Constant | ast.Name) or (isinstance(node, ast.UnaryOp) and _simple(node.operand))
+    plain = isinstance(node, ast.Constant | ast.Name)
+    return plain or (isinstance(node, ast.UnaryOp) and _simple(node.operand))
 
 
 def _hoisted(types: Types, body: list[ast.stmt]) -> tuple[list[str], list[ast.stmt]]:

@@ -14,8 +14,8 @@ from lagc.render.numpy import runtime
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
-START = ("quaternions.py", "leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py", "startchoice.py",
-         "start.py")  # fmt: skip
+START = ("quaternions.py", "leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py",
+         "startchoice.py", "start.py")  # fmt: skip
 _IMPORTS = """\
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
 ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense", "system_at")
 OF_ROWS = ("assemble_at", "solve_at")
 GIVEN, MADE = ("Options",), ("Work", "State")  # records that are written by hand, and that callers make
+Members = list[tuple[str, Sequence[str]]]  # of a record: name and type
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
 
 
@@ -43,14 +44,16 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
 
 def _constants(interface: Interface, use: Chosen) -> str:
     """Sizes, tables, statuses, numbers that kernels know."""
-    used = {*use.names, *PUBLIC, *(size for _, members in _records(interface, use) for _, kind in members for size in kind)}
+    kinds = [kind for _, members in _records(interface, use) for _, kind in members]
+    used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     text += f"METHODS = {METHODS!r}\n"
     for part in parts():
-        if part["kind"] == "Status" or (part["kind"] in ("int", "Real", "Code", "Method") and part["name"] in used):
+        number = part["kind"] in ("int", "Real", "Code", "Method") and part["name"] in used
+        if number or part["kind"] == "Status":
             text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
     return text
 
@@ -72,9 +75,10 @@ def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any], list[tuple[str, Sequence[str]]]]]:
+def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any], Members]]:
     """Those that callers or kernels make, with the members that they have."""
-    switches, found = switches_of(interface, True), []
+    switches = switches_of(interface, True)
+    found: list[tuple[Mapping[str, Any], Members]] = []
     for part in parts():
         if part["kind"] != "record" or part["name"] in GIVEN:
             continue
@@ -85,20 +89,20 @@ def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any],
     return found
 
 
-def record(name: str, doc: str, members: Sequence[tuple[str, Sequence[str]]]) -> str:
+def record(name: str, doc: str, members: Members) -> str:
     """A class of slots."""
-    slots = "".join(f'\n        "{m}",' for m, _ in members)
-    lines = [f"class {name}:", f'    """{doc.splitlines()[0]}', *(f"    {line}" for line in doc.splitlines()[1:])]
-    lines = [*lines[:-1], lines[-1] + '"""', "", f"    __slots__ = ({slots}\n    )", "", "    def __init__(self):"]
-    lines += [f"        self.{m} = {_zero(kind)}" for m, kind in members]
-    return "\n".join(lines) + "\n"
+    about = "\n    ".join(doc.splitlines())
+    slots = "".join(f'        "{m}",\n' for m, _ in members)
+    zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind in members)
+    head = f'class {name}:\n    """{about}"""\n\n    __slots__ = (\n{slots}    )\n'
+    return f"{head}\n    def __init__(self):\n{zeros}"
 
 
 def _zero(kind: Sequence[str]) -> str:
     if kind[0] == "Mat":
         return f"[[0.0] * {kind[2]} for _ in range({kind[1]})]"
-    lists: Mapping[str, Any] = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NP"}
-    return lists.get(kind[0]) or {"Real": "0.0", "bool": "False"}.get(kind[0], "0")
+    plain = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NP", "Real": "0.0"}
+    return plain.get(kind[0], "False" if kind[0] == "bool" else "0")
 
 
 def _work(program: Program) -> str:

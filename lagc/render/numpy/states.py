@@ -159,8 +159,9 @@ def _integrate(problem, options, t0, x0, times, progress=None):
         return Trajectory(
             times=list(times[: done[0]]), states=states[: done[0]], t=run.t, x=run.x[:], status=status,
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
-            step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks, redundant_rows=problem.redundant_rows,
-            position_drift=run.position_drift, velocity_drift=run.velocity_drift,
+            step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
+            redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
+            velocity_drift=run.velocity_drift,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress)

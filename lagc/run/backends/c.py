@@ -15,7 +15,6 @@ from lagc.run.backends.library import library
 from lagc.run.problem import OK, Options, Trajectory, Vector
 
 
-
 class _Options(ctypes.Structure):
     """lagc_options"""
 
@@ -171,8 +170,8 @@ class CSystem(CompiledSystem):
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
             status: int = call["record"](
-                self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states, ctypes.byref(done),
-                c_long(steps), work,
+                self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
+                ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
             return status
 

@@ -9,7 +9,8 @@ from typing import Any
 from lagc.kernels import METHODS
 
 # In generated modules these come from `lagc.kernels.statuses`.
-OK, SINGULAR_MASS, REDUNDANT, INCONSISTENT, NOT_FINITE, STEP_UNDERFLOW, MAX_STEPS, INTERRUPTED, INVALID = range(9)
+OK, SINGULAR_MASS, REDUNDANT, INCONSISTENT, NOT_FINITE = range(5)
+STEP_UNDERFLOW, MAX_STEPS, INTERRUPTED, INVALID = range(5, 9)
 
 # -- what follows is part of generated modules --
 

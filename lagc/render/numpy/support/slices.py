@@ -29,8 +29,8 @@ def recorded(
     progress: Callable[[float], None] | None,
 ) -> Trajectory:
     """What `told(status)` gives at the end of `record(steps, max_steps)`, which makes so many steps of a
-    trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it with what
-    was recorded; ValueError where the times make no sense."""
+    trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it
+    with what was recorded; ValueError where an option or the times make no sense."""
     budget, look, status = 1, FIRST_LOOK, INTERRUPTED
     try:
         while status == INTERRUPTED:
