@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import cos, inf, nan, pi, sin, sqrt
+from random import Random
 
 import pytest
 
@@ -112,6 +113,42 @@ def test_an_interruption_keeps_what_was_computed() -> None:
     run = integrate(Oscillator(), Options(), 0.0, [1.0, 0.0], [0.1 * i for i in range(101)], progress)
     assert run.status == INTERRUPTED and 3.0 < run.t < 10.0
     assert run.times[-1] <= run.t and run.x[0] == pytest.approx(cos(run.t), abs=1e-7)
+
+
+class Interrupted(Rod):
+    """The rod, with Ctrl-C in one of its evaluations, or in one of its constraints."""
+
+    def __init__(self, after: int) -> None:
+        super().__init__()
+        self.left = after
+
+    def count(self) -> None:
+        self.left -= 1
+        if self.left == 0:
+            raise KeyboardInterrupt
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        self.count()
+        return super().rhs(t, x, xdot, lam)
+
+    def velocity(self, t: float, x: Vector) -> list[float]:
+        self.count()
+        return super().velocity(t, x)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_was_recorded_is_whole_wherever_an_interruption_comes(seed: int) -> None:
+    """Time and state belong together, and the states are those of the run that was not interrupted."""
+    times, x = [0.01 * i for i in range(201)], [0.6, -0.8, 0.8, 0.6]
+    counted = Interrupted(0)
+    whole = integrate(counted, Options(), 0.0, x, times)
+    after = Random(seed).randrange(1, -counted.left)
+    run = integrate(Interrupted(after), Options(), 0.0, x, times)
+    assert run.status == INTERRUPTED and run.t < 2.0
+    assert run.states == whole.states[: len(run.states)] and run.times == times[: len(run.times)]
+    there = integrate(Rod(), Options(), 0.0, x, [run.t])
+    assert run.x == pytest.approx(there.x, abs=1e-7) and run.rhs < after
+    assert not run.times or run.times[-1] <= run.t
 
 
 class Wall(Handmade):
