@@ -81,7 +81,12 @@ def test_code_is_generated(installed: Path) -> None:
 
 
 def test_nothing_is_left_behind(installed: Path) -> None:
-    for name in ("grammar/lag.lark", "frontend/tables.json", "render/kernels/kernels.json", "models/classic/kepler.lag"):
+    for name in (
+        "grammar/lag.lark",
+        "frontend/tables.json",
+        "render/kernels/kernels.json",
+        "models/classic/kepler.lag",
+    ):
         assert (installed / "lagc" / name).is_file()
     for path in (ROOT / "lagc").rglob("*"):
         if path.suffix in (".py", ".c", ".h"):

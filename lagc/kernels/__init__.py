@@ -12,4 +12,9 @@ FILES = (
     "startrecords", "leastnorm", "startrows", "starttable", "startalone", "startsteps", "startfind",
     "startchoice", "startsearch", "start",
 )  # fmt: skip
-METHODS = ("dop853", "dopri5", "rk4", "bs32")  # folder `methods`: one file each; a number of the interface by its place
+METHODS = (
+    "dop853",
+    "dopri5",
+    "rk4",
+    "bs32",
+)  # folder `methods`: one file each; a number of the interface by its place

@@ -6,6 +6,7 @@ from math import fabs, inf
 
 from lagc.kernels.kinds import not_finite
 from lagc.kernels.limits import LEFT_OVER
+from lagc.kernels.model import fn_limits
 from lagc.kernels.records import (
     BAD_ATOL,
     BAD_FIRST_STEP,
@@ -19,7 +20,6 @@ from lagc.kernels.records import (
     Options,
     State,
 )
-from lagc.kernels.model import fn_limits
 from lagc.kernels.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NX
 from lagc.kernels.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.tableau import METHODS

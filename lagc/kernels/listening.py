@@ -168,7 +168,9 @@ def error_of(s: State, o: Options, h: Real, w: Work) -> Real:
     return method_error(o.method, h, s, w)
 
 
-def reconsider(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, rejected: int, w: Work) -> Real:
+def reconsider(
+    p: Params, s: State, t: Real, h: Real, o: Options, before: Real, rejected: int, w: Work
+) -> Real:
     """An error that rejects a step another time, or after steps that went by this, less what rounding
     contributes: as it is told at the start, and, where that tells too little, along the step."""
     if NH > 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lagc.kernels.sizes import NC, NG, NH, NJ, NKIND, NLIMITS, NM, NQ, NR, NREACH, NU, NV, NWORK, NX
+from lagc.kernels.sizes import NC, NG, NJ, NKIND, NLIMITS, NM, NQ, NR, NREACH, NU, NV, NWORK, NX
 from lagc.kernels.words import Out, Params, Real, Vec
 
 

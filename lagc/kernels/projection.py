@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fabs, inf
 from typing import Any
 
+from lagc.kernels.fallback import solve_fallback
 from lagc.kernels.kinds import RESTING
 from lagc.kernels.limits import LARGEST_RESIDUAL, LEAST_PIVOT, LEFT_OVER, UNTOUCHED
 from lagc.kernels.model import (
@@ -19,7 +20,6 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.quaternions import normalise
 from lagc.kernels.records import Work
-from lagc.kernels.fallback import solve_fallback
 from lagc.kernels.rhs import factor_dense, system_at
 from lagc.kernels.sizes import HAS_DISPLACE, NC, NH, NKIND, NQ, NQUAT, NR, NV, NX, STRAIGHT
 from lagc.kernels.statuses import INCONSISTENT, OK, failed

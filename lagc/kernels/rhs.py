@@ -174,4 +174,3 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             return OK
     # it tells why
     return rhs_dense(p, t, x, xdot, lam, w)
-

@@ -12,7 +12,7 @@ from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NH, NQ, NV, NX
 from lagc.kernels.statuses import OK, failed
-from lagc.kernels.tableau import A, B, C, DENSE, ERROR, EXTRA_A, EXTRA_C
+from lagc.kernels.tableau import DENSE, ERROR, EXTRA_A, EXTRA_C, A, B, C
 from lagc.kernels.words import Params, Real, Status, Vec, combination, number, size, static, vector
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from lagc.kernels.words import SizeType
 
+# fmt: off
 STRAIGHT: bool  # the right-hand side is straight-line code
 HAS_DISPLACE: bool  # qdot is not v
 COMPLETE: bool  # with what a run of lagc does itself: bounds of parameters, the search for a start

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf
 
-from lagc.kernels.limits import ACCEPTED, UNMOVED
+from lagc.kernels.limits import UNMOVED
 from lagc.kernels.sizes import NU
 from lagc.kernels.startchoice import WIDE, following, let_all, let_one, moved, predicted, squared_move, tries
 from lagc.kernels.startfind import BESIDE, NEAR, SPREADS, find, lacking

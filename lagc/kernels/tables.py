@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 from lagc.kernels.sizes import NBOUNDED, NE, NJ, NLIMITS, NQUAT, NU, NX, TWO
 from lagc.kernels.words import IVec, Mat
 

@@ -134,4 +134,4 @@ def combination(row: Row, k: Mat[Any, N], i: Size) -> float: ...  # type: ignore
 def number(text: str) -> float: ...  # type: ignore[empty-body]
 def quotient(a: float, b: float) -> float: ...  # type: ignore[empty-body]
 def root(a: float) -> float: ...  # type: ignore[empty-body]
-def Code(value: int) -> int: ...  # type: ignore[empty-body]  # noqa: N802
+def Code(value: int) -> int: ...  # type: ignore[empty-body]

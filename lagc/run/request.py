@@ -9,7 +9,6 @@ from math import isfinite
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
-from lagc.kernels.methods import adapts
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
 from lagc.run.problem import System
@@ -90,7 +89,7 @@ class Request:
             faults.append(_request("one of `rtol` and `atol` must be positive"))
         if self.method is not None and self.method not in METHODS:
             faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
-        elif self.method is not None and self.step is None and not adapts(self.method):
+        elif self.method is not None and self.step is None and not _adapts(self.method):
             faults.append(_request(f"`{self.method}` has no estimate of its errors: give it a fixed `step`"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
@@ -237,6 +236,12 @@ def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
     low = value < field.minimum
     bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
     return [Fault(code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
+
+
+def _adapts(method: str) -> bool:
+    from lagc.kernels.methods import adapts
+
+    return adapts(method)
 
 
 def _request(message: str) -> Fault:

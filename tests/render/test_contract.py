@@ -280,11 +280,7 @@ def module(name: str) -> Any:
 def attempts(m: Any, p: list[float], options: Any) -> list[Any]:
     """All functions that take options, times and parameters."""
     x = m.start() if not hasattr(m, "consistent") else m.consistent()
-    run = (
-        None
-        if options.method not in METHODS
-        else m.Integrator(m.equations(), m.Options(), 0.0, x)
-    )
+    run = None if options.method not in METHODS else m.Integrator(m.equations(), m.Options(), 0.0, x)
     if run is not None:
         run.options, run.problem.p = options, p
     found = [lambda: m.check(p, options), lambda: m.integrate(0.0, x, [0.1, 0.2], p, options)]

@@ -169,7 +169,18 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     text += "\n".join(leaf["c"] for _, leaf in use.parts)
     text += "double scaled(const double *a, const double *b, double *y, int n) { return lagc_scaled(a, b, y, n); }\n"
     (tmp_path / "a.c").write_text(text)
-    words = ["gcc", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wconversion", "-Werror", "-ffp-contract=off", "-fPIC", "-shared"]
+    words = [
+        "gcc",
+        "-std=c99",
+        "-O2",
+        "-Wall",
+        "-Wextra",
+        "-Wconversion",
+        "-Werror",
+        "-ffp-contract=off",
+        "-fPIC",
+        "-shared",
+    ]
     done = subprocess.run([*words, "a.c", "-o", "a.so", "-lm"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     compiled = ctypes.CDLL(str(tmp_path / "a.so")).scaled
@@ -199,7 +210,15 @@ def _same(one: list[float], other: list[float]) -> bool:
 
 
 def _as_it_stands(straight: bool) -> dict[str, Any]:
-    space: dict[str, Any] = {"NX": 4, "NC": 1, "NZ": 0, "STRAIGHT": straight, "Vec": dict, "Real": float, "Any": Any}
+    space: dict[str, Any] = {
+        "NX": 4,
+        "NC": 1,
+        "NZ": 0,
+        "STRAIGHT": straight,
+        "Vec": dict,
+        "Real": float,
+        "Any": Any,
+    }
     more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
     exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", MEANS), space)
     return space

@@ -98,5 +98,7 @@ def test_the_command_line_builds_for_floats(tmp_path: Path, capsys: pytest.Captu
     assert main(["build", "double_pendulum", "--real", "float", "-o", str(tmp_path), "-q"]) == 0
     text = (tmp_path / "double_pendulum.h").read_text() + (tmp_path / "double_pendulum.c").read_text()
     assert "double " not in "\n".join(line for line in text.splitlines() if "*" not in line[:3])
-    assert main(["build", "double_pendulum", "--real", "float", "--target", "numpy", "-o", str(tmp_path)]) == 2
+    assert (
+        main(["build", "double_pendulum", "--real", "float", "--target", "numpy", "-o", str(tmp_path)]) == 2
+    )
     assert "--target c" in capsys.readouterr().err

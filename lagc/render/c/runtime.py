@@ -42,7 +42,9 @@ def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> st
 
 def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> str:
     """The functions that integrate: for the header."""
-    found = ["lagc_options lagc_default_options(void);\nsize_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]
+    found = [
+        "lagc_options lagc_default_options(void);\nsize_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"
+    ]
     found += ["/* What a status means, in English; of a number that is none, too. */\n"
               "const char *lagc_status_text(int status);\n"] if complete else []  # fmt: skip
     for part, _ in needed(program, complete, real).parts:
@@ -97,7 +99,11 @@ def _record(name: str, interface: Interface, real: Arithmetic) -> str:
     """A struct; C has no arrays of nothing."""
     part = next(p for p in parts(real) if p["kind"] == "record" and p["name"] == name)
     switches, public = switches_of(interface, True), {name for name, _, _ in header.sizes(interface)}
-    sizes = {n: max(size, 1) for n, size in sizes_of(interface).items() if size == 0 or n not in {*public, *DERIVED}}
+    sizes = {
+        n: max(size, 1)
+        for n, size in sizes_of(interface).items()
+        if size == 0 or n not in {*public, *DERIVED}
+    }
     lines = []
     for member, kind, when, lead, trail in part["members"]:
         if all(switches[switch] == value for switch, value in when):
@@ -130,7 +136,9 @@ def _codes(file: str) -> str:
         now = part["name"] if part["kind"] == "file" else now
         if part["kind"] == "Code" and now == file:
             head = head or part["note"]
-            rows.append((f"LAGC_{part['name']} = {part['value']}", "" if part["note"] == head else part["note"]))
+            rows.append(
+                (f"LAGC_{part['name']} = {part['value']}", "" if part["note"] == head else part["note"])
+            )
     lines = [f"    {text}{',' if k < len(rows) - 1 else ''}" + (f" /* {note} */" if note else "")
              for k, (text, note) in enumerate(rows)]  # fmt: skip
     return f"/* {head} */\nenum {{\n" + "\n".join(lines) + "\n};\n"
@@ -152,7 +160,11 @@ def _section(title: str, text: str) -> str:
 
 def _comment(text: str) -> str:
     lines = text.splitlines()
-    return "/* " + "\n".join([*lines[:1], *((" * " + line).rstrip() for line in lines[1:])]) + " */\n" if lines else ""
+    return (
+        "/* " + "\n".join([*lines[:1], *((" * " + line).rstrip() for line in lines[1:])]) + " */\n"
+        if lines
+        else ""
+    )
 
 
 def _work(program: Program) -> str:
@@ -175,7 +187,9 @@ def _defaults(complete: bool, real: Arithmetic) -> str:
               "atol": "0.0", "step": "0.0", "first_step": "0.0", "max_step": "0.0"}  # fmt: skip
     lines = "".join(f"    o.{name} = {value};\n" for name, value in values.items())
     text = f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n\n"
-    text += "".join(f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n\n" for n in ("work", "state"))
+    text += "".join(
+        f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n\n" for n in ("work", "state")
+    )
     if not complete:
         return text
     texts = ",\n        ".join(f'"{text}"' for _, text, _ in STATUSES)
@@ -184,5 +198,3 @@ def _defaults(complete: bool, real: Arithmetic) -> str:
         f"        {texts}\n    }};\n"
         '    return status >= 0 && status <= LAGC_INVALID ? texts[status] : "no status";\n}\n'
     )
-
-

@@ -63,7 +63,9 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
 
 def _direct(name: str, comment: str, output: str) -> Verb:
     return Verb(
-        comment, f"void lagc_{name}({_POINT}, lagc_real *{output})", f"    lagc_fn_{name}(p, t, x, {output});\n"
+        comment,
+        f"void lagc_{name}({_POINT}, lagc_real *{output})",
+        f"    lagc_fn_{name}(p, t, x, {output});\n",
     )
 
 

@@ -9,7 +9,6 @@ from typing import Any
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
-
 # Sizes that are expressions of others, or the same in every model.
 DERIVED = {
     "NM": "LAGC_NV * (LAGC_NV + 1) / 2", "NG": "LAGC_NC * LAGC_NV", "NR": "LAGC_NV + LAGC_NC",
@@ -45,7 +44,9 @@ def chosen(parts: Iterable[Mapping[str, Any]], switches: Mapping[str, bool], roo
         leaves[name] = leaf
         names.update(leaf["uses"], leaf["calls"])
         wanted += [call for call in leaf["calls"] if call in functions]
-    return Chosen(tuple((functions[n], leaves[n]) for n in functions if n in leaves), frozenset(names | leaves.keys()))
+    return Chosen(
+        tuple((functions[n], leaves[n]) for n in functions if n in leaves), frozenset(names | leaves.keys())
+    )
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:

@@ -115,7 +115,12 @@ class CPrinter:
                 out.append(f"{indent}{self.text(target)} = {self.given(value, target.type)};")  # type: ignore[attr-defined]
             case ast.AugAssign(target=target, op=op, value=value):
                 sign = _OPERATORS[type(op)][0]
-                if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and target.type in WHOLE:  # type: ignore[attr-defined]
+                if (
+                    isinstance(value, ast.Constant)
+                    and value.value == 1
+                    and sign in "+-"
+                    and target.type in WHOLE
+                ):  # type: ignore[attr-defined]
                     out.append(f"{indent}{self.text(target)}{sign * 2};")
                 else:
                     out.append(f"{indent}{self.text(target)} {sign}= {self.given(value, target.type)};")  # type: ignore[attr-defined]
@@ -148,7 +153,9 @@ class CPrinter:
             test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"
         else:
             test = f"{i} < {limit}"
-        out.append(f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})")
+        out.append(
+            f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})"
+        )
         self.braced(node.body, indent, out)
 
     def braced(self, body: Sequence[ast.stmt], indent: str, out: list[str]) -> None:
@@ -186,13 +193,21 @@ class CPrinter:
             offset, value = self.text(value.args[1]), value.args[0]
         shift = "i_"
         if offset != first:
-            shift += f" + {offset}" if first == "0" else f" - {first}" if offset == "0" else f" - {first} + {offset}"
+            shift += (
+                f" + {offset}"
+                if first == "0"
+                else f" - {first}"
+                if offset == "0"
+                else f" - {first} + {offset}"
+            )
         out.append(f"{indent}for (int i_ = {first}; i_ < {end}; i_++)")
         out.append(f"{indent}    {self.text(target.value)}[i_] = {self.text(value)}[{shift}];")
 
     def pointed(self, node: ast.expr) -> str:
         """The struct of parameters itself."""
-        return self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
+        return (
+            self.text(node) if isinstance(node, ast.Attribute) or self.is_own(node) else f"*{self.text(node)}"
+        )
 
     def is_own(self, node: ast.expr) -> bool:
         """Whether it is a local record, or struct of parameters, not a pointer to one."""
@@ -224,7 +239,9 @@ class CPrinter:
                 out[first - 1] = f"{indent}}} {out[first - 1].lstrip()}"
         out.append(indent + "}")
 
-    def part(self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]) -> tuple[int, int, bool]:
+    def part(
+        self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]
+    ) -> tuple[int, int, bool]:
         """Where the lines of a block begin and end, and whether it is one plain statement."""
         if node is not None and getattr(node, "trail", "") and out[-1].startswith(f"{indent}else "):
             out[-1] += f" /* {node.trail} */"  # type: ignore[attr-defined]
@@ -276,12 +293,18 @@ class CPrinter:
                 kind: Type = node.type  # type: ignore[attr-defined]
                 if isinstance(op, ast.BitAnd | ast.RShift):  # compilers ask for parentheses
                     return f"{self.operand(left, kind, ATOM)} {sign} {self.operand(right, kind, ATOM)}", binds
-                return f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}", binds
+                return (
+                    f"{self.operand(left, kind, binds)} {sign} {self.operand(right, kind, binds, True)}",
+                    binds,
+                )
             case ast.Compare(left=left, ops=[op], comparators=[right]):
                 sign, binds = _OPERATORS[type(op)]
                 kinds = (left.type, right.type)  # type: ignore[attr-defined]
                 common = next((k for k in (REAL, *reversed(WHOLE)) if k in kinds), None)
-                return f"{self.operand(left, common, SHIFT)} {sign} {self.operand(right, common, SHIFT)}", binds
+                return (
+                    f"{self.operand(left, common, SHIFT)} {sign} {self.operand(right, common, SHIFT)}",
+                    binds,
+                )
             case ast.BoolOp(op=op, values=values):
                 sign, binds = ("&&", AND) if isinstance(op, ast.And) else ("||", OR)
                 return f" {sign} ".join(self.operand(v, None, EQUAL) for v in values), binds
@@ -309,7 +332,11 @@ class CPrinter:
         if kind[0] == "Rows":
             return f"({self.text(value)} + {self.operand(index, None, PRODUCT)} * {self.size(kind[1])})", ATOM
         if kind[0] == "Params":  # they are all of one type
-            pointer = f"&{self.text(value)}" if isinstance(value, ast.Attribute) or self.is_own(value) else self.text(value)
+            pointer = (
+                f"&{self.text(value)}"
+                if isinstance(value, ast.Attribute) or self.is_own(value)
+                else self.text(value)
+            )
             written = self.now.is_written(_root(value))
             return f"(({'' if written else 'const '}{self.real.name} *){pointer})[{self.text(index)}]", ATOM
         return f"{self.text(value)}[{self.text(index)}]", ATOM
@@ -324,7 +351,10 @@ class CPrinter:
         if name == "present":
             return f"{self.text(args[0])} != NULL", EQUAL
         if name == "quotient":
-            return f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}", PRODUCT
+            return (
+                f"{self.operand(args[0], REAL, PRODUCT)} / {self.operand(args[1], REAL, PRODUCT, True)}",
+                PRODUCT,
+            )
         callee = self.now.known.signatures.get(name)
         if callee is None:
             spelled = self.real.call.format("sqrt" if name == "root" else name)
@@ -352,7 +382,9 @@ def folded(line: str) -> str:
     indent = " " * (len(line) - len(line.lstrip()) + 4)
     rows = []
     while len(line) > WIDTH and not line.lstrip().startswith("/*"):
-        cuts = [line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")]
+        cuts = [
+            line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")
+        ]
         cut = max(*cuts, line.rfind(", ", len(indent) + 12, WIDTH) + 1)
         if cut < 1:
             break
@@ -381,4 +413,3 @@ def _root(node: ast.expr) -> str:
     while isinstance(node, ast.Subscript | ast.Attribute):
         node = node.value
     return _name(node)
-

@@ -38,7 +38,9 @@ def functions() -> dict[str, Function]:
     for node in _tree("model").body:
         if isinstance(node, ast.FunctionDef):
             parameters = tuple((a.arg, ast.unparse(a.annotation)) for a in node.args.args if a.annotation)
-            found[node.name] = Function("model.py", node.lineno, node.name, parameters, "None", "", [], False, ())
+            found[node.name] = Function(
+                "model.py", node.lineno, node.name, parameters, "None", "", [], False, ()
+            )
     return found
 
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from lagc.kernels import FILES, METHODS
 from lagc.render.kernels import python
-from lagc.render.kernels.assembly import DERIVED
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
+from lagc.render.kernels.assembly import DERIVED
 from lagc.render.kernels.c import CPrinter
 from lagc.render.kernels.static import Statics, Undecided
 from lagc.render.kernels.syntax import Constant, Function, Module, Outside, Record, read
@@ -94,7 +94,9 @@ class Library:
     def module(self, module: Module, known: Mapping[str, Any], prefix: str = "", title: str = "") -> None:
         name, title = module.file.removesuffix(".py"), title or module.title[:1].lower() + module.title[1:]
         self.parts.append({"kind": "file", "name": name, "title": title, "text": module.text})
-        own = frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()
+        own = (
+            frozenset(p.name for p in module.parts if isinstance(p, Function)) if prefix else frozenset[str]()
+        )
         for part in module.parts:
             if isinstance(part, Constant):
                 self.constant(part)
@@ -112,7 +114,9 @@ class Library:
         plain = part.value[1] if isinstance(part.value, tuple) else part.value
         note = " ".join([*part.lead, part.trail]).strip()
         text = str(value) if isinstance(value, int) else self.real.literal(value)
-        self.parts.append({"kind": part.kind, "name": part.name, "value": text, "python": repr(plain), "note": note})
+        self.parts.append(
+            {"kind": part.kind, "name": part.name, "value": text, "python": repr(plain), "note": note}
+        )
 
     def record(self, part: Record) -> None:
         members: dict[str, Member] = {}
@@ -215,4 +219,3 @@ def _mapped(tree: Tree, change: Callable[[Any], Any]) -> Tree:
     if isinstance(tree, list):
         return [tree[0], _mapped(tree[1], change), _mapped(tree[2], change)]
     return change(tree)
-

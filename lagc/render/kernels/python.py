@@ -311,4 +311,3 @@ class _Replace(ast.NodeTransformer):
         known = isinstance(node.slice, ast.Constant) and isinstance(node.value, ast.Attribute)
         name = self.names.get(ast.unparse(node)) if known else None
         return ast.Name(name, ast.Load()) if name else self.generic_visit(node)  # type: ignore[return-value]
-

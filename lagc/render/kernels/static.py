@@ -51,7 +51,11 @@ class Statics:
     def statement(self, node: ast.stmt) -> list[ast.stmt]:
         if isinstance(node, ast.If):
             return self.branch(node)
-        if isinstance(node, ast.For) and isinstance(node.iter, ast.Call) and _name(node.iter.func) == "static":
+        if (
+            isinstance(node, ast.For)
+            and isinstance(node.iter, ast.Call)
+            and _name(node.iter.func) == "static"
+        ):
             if not isinstance(node.target, ast.Name):
                 raise Outside(self.file, node, "a static loop has one name")
             out = []
@@ -91,7 +95,11 @@ class Statics:
             return found
         if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
             inner = self.test(node.operand)
-            return not inner if isinstance(inner, bool) else ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
+            return (
+                not inner
+                if isinstance(inner, bool)
+                else ast.copy_location(ast.UnaryOp(ast.Not(), inner), node)
+            )
         if isinstance(node, ast.BoolOp):
             absorbing, left = isinstance(node.op, ast.Or), []
             for part in node.values:
@@ -141,7 +149,9 @@ class Statics:
                 return _number(value, node)
             if isinstance(value, ast.Name):  # of a constant
                 return ast.copy_location(ast.Name(value.id, ast.Load()), node)
-            return ast.copy_location(ast.Name(f"{owner.NAME}_{node.attr}", ast.Load()), node)  # of its kernels
+            return ast.copy_location(
+                ast.Name(f"{owner.NAME}_{node.attr}", ast.Load()), node
+            )  # of its kernels
         elif any(isinstance(n, ast.Name) and n.id in self.known for n in ast.walk(node)):
             try:
                 value = self.static(node)
@@ -165,7 +175,9 @@ class Statics:
         total: ast.expr | None = None
         for stage, text in row.items():
             value = exact(text)
-            entry = ast.Subscript(ast.Subscript(clone(k), ast.Constant(stage - 1), ast.Load()), clone(i), ast.Load())
+            entry = ast.Subscript(
+                ast.Subscript(clone(k), ast.Constant(stage - 1), ast.Load()), clone(i), ast.Load()
+            )
             term: ast.expr = entry
             if abs(value) != 1 or (total is None and value < 0):
                 term = ast.BinOp(_number(value if total is None else abs(value), node), ast.Mult(), entry)

@@ -81,7 +81,9 @@ def module(file: str, text: str) -> Module:
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             parts.append(_function(file, node))
-        elif isinstance(node, ast.ClassDef) and [getattr(d, "id", "") for d in node.decorator_list] == ["record"]:
+        elif isinstance(node, ast.ClassDef) and [getattr(d, "id", "") for d in node.decorator_list] == [
+            "record"
+        ]:
             doc = ast.get_docstring(node) or ""
             parts.append(Record(file, node.name, doc, node.body[1:] if doc else node.body))
         elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
@@ -93,7 +95,11 @@ def module(file: str, text: str) -> Module:
 
 
 def _is_text(node: ast.stmt) -> bool:
-    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
 
 
 def _function(file: str, node: ast.FunctionDef) -> Function:

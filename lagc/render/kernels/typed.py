@@ -90,7 +90,9 @@ class Types:
         try:
             kind = parsed(text, self.known.is_record)
             sizes = () if kind[0] in ("Cell", "Record") else kind[1:]
-            if not set(sizes) <= {*self.known.sizes, "Any"} or (kind[0] == "Cell" and (kind[1],) not in SCALARS):
+            if not set(sizes) <= {*self.known.sizes, "Any"} or (
+                kind[0] == "Cell" and (kind[1],) not in SCALARS
+            ):
                 raise ValueError(text)
             return kind
         except ValueError:
@@ -98,7 +100,9 @@ class Types:
 
     @property
     def signature(self) -> Signature:
-        return Signature(tuple(self.parameters.values()), self.returns, [self.is_written(n) for n in self.parameters])
+        return Signature(
+            tuple(self.parameters.values()), self.returns, [self.is_written(n) for n in self.parameters]
+        )
 
     # -- statements --
 
@@ -115,7 +119,9 @@ class Types:
             case ast.Assign(targets=[ast.Subscript() | ast.Attribute() as target], value=value):
                 self.touch(target)
                 self.fits(node, self.of(target), value)
-            case ast.AugAssign(target=target, op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() as op, value=value):
+            case ast.AugAssign(
+                target=target, op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() as op, value=value
+            ):
                 if isinstance(target, ast.Name):
                     self.assigned[target.id] = self.assigned.get(target.id, 0) + 2
                     if target.id in self.parameters:
@@ -259,7 +265,14 @@ class Types:
                     raise self.fail(node, f"an index is an integer: {ast.unparse(node)}")
                 if owner[0] in (*ARRAYS, "Cell", "Params"):
                     row = ("Vec", owner[-1])
-                    return {"Vec": REAL, "Params": REAL, "IVec": INT, "Mat": row, "Rows": row, "Cell": owner[1:]}[owner[0]]
+                    return {
+                        "Vec": REAL,
+                        "Params": REAL,
+                        "IVec": INT,
+                        "Mat": row,
+                        "Rows": row,
+                        "Cell": owner[1:],
+                    }[owner[0]]
             case ast.BinOp(left=left, op=op, right=right):
                 return self.binary(node, op, self.of(left), self.of(right))
             case ast.UnaryOp(op=ast.USub(), operand=operand):
@@ -354,7 +367,9 @@ def _roots(node: ast.expr) -> set[str]:
 
 
 def _targets(body: list[ast.stmt]) -> set[str]:
-    return {n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    return {
+        n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
+    }
 
 
 def _returns(body: list[ast.stmt]) -> bool:
