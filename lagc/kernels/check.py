@@ -69,8 +69,9 @@ def bad_parameter(p: Params) -> int:
 
 @public
 def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
-    """Whether parameters and inputs are finite and within their bounds, and options make sense: OK or INVALID,
-    with *culprit one of LAGC_BAD_..., else -1.  Each of the three may be NULL: it is left out then."""
+    """Whether parameters and inputs are finite and within their bounds, and options make sense: OK or
+    INVALID, with *culprit one of LAGC_BAD_..., else -1.  Each of the three may be NULL: it is left out
+    then."""
     found = -1
     if present(o):
         found = bad_option(o)

@@ -57,10 +57,10 @@ def steadiness(w: Work, i: int) -> Real:
 
 
 def next_row(w: Work, k: int, longest: Real) -> int:
-    """The place in w.order, from k on, of the next vector: the first row that is long enough, not the longest,
-    so that it is always the same rows that are said to depend on those before.  Rows are passed by whose
-    gamma is made of much larger terms for their length than that of others: near where a gradient vanishes,
-    those that tell the same are better."""
+    """The place in w.order, from k on, of the next vector: the first row that is long enough, not the
+    longest, so that it is always the same rows that are said to depend on those before.  Rows are passed by
+    whose gamma is made of much larger terms for their length than that of others: near where a gradient
+    vanishes, those that tell the same are better."""
     steadiest = inf
     for j in range(k, NC):
         i = w.order[j]

@@ -72,8 +72,8 @@ def within(s: State, t: Real) -> bool:
 
 @public
 def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
-    """x[NX] at a time t within the last step, which was made with the parameters of then; at any other INVALID.
-    Of the options it takes `project` alone.  Where it fails x has no meaning."""
+    """x[NX] at a time t within the last step, which was made with the parameters of then; at any other
+    INVALID.  Of the options it takes `project` alone.  Where it fails x has no meaning."""
     if not within(s, t):
         s.culprit = BAD_TIME
         return INVALID

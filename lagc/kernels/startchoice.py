@@ -176,7 +176,8 @@ def is_basic(j: int, k: int, w: StartWork) -> bool:
 
 
 def swapped(i: int, j: int, n: int, k: int, w: StartWork) -> Real:
-    """w.step: the moves of the basis of k of n columns where j takes the place of its number i; the largest."""
+    """w.step: the moves of the basis of k of n columns where j takes the place of its number i; the
+    largest."""
     row = w.rests[w.solved[i]]
     way = row[n] / row[j]
     for r in range(k):
@@ -248,8 +249,8 @@ def candidates(n: int, k: int, slack: Real, w: StartWork) -> int:
 
 
 def predict(p: Params, t: Real, m: int, slack: Real, w: StartWork) -> int:
-    """Candidates of the m columns w.stated, from the conditions as they are linear between the start w.kept and
-    w.now; how many they are.  w.rank: of how many columns each is."""
+    """Candidates of the m columns w.stated, from the conditions as they are linear between the start w.kept
+    and w.now; how many they are.  w.rank: of how many columns each is."""
     for i in range(NU):
         w.best[i] = 0.5 * (w.kept[i] + w.now[i])
     rank = table(p, t, w.kept, w.now, m, w)

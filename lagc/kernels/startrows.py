@@ -44,8 +44,8 @@ def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE])
 
 
 def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """w.blurred: 1 for each of the derivatives w.J at y that is rounding: it changes by as much as it is where
-    positions, of these `sizes`, change in their last places."""
+    """w.blurred: 1 for each of the derivatives w.J at y that is rounding: it changes by as much as it is
+    where positions, of these `sizes`, change in their last places."""
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
@@ -69,8 +69,8 @@ def steepen(i: int, w: StartWork) -> None:
 
 
 def stretch(w: StartWork) -> None:
-    """w.common, the largest unknown of each unit, and w.reach: what changes a row by the size of its terms, of
-    the unknown of its unit that the row depends on most; 0 where there is none."""
+    """w.common, the largest unknown of each unit, and w.reach: what changes a row by the size of its terms,
+    of the unknown of its unit that the row depends on most; 0 where there is none."""
     for i in range(NU):
         w.common[i] = 0.0
     for i in range(NU):
@@ -92,9 +92,9 @@ def stretch(w: StartWork) -> None:
 
 
 def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
-    """The size of each unknown: its own; that of others of its unit; what changes a row by the size of its terms,
-    of the unknown of its unit that the row depends on most; that of a parameter of its unit; 1.  And the size
-    of the largest of its unit."""
+    """The size of each unknown: its own; that of others of its unit; what changes a row by the size of its
+    terms, of the unknown of its unit that the row depends on most; that of a parameter of its unit; 1.  And
+    the size of the largest of its unit."""
     meet(p, t, w.home, w.c, w.J, w.sizes)
     w.terms[:] = w.sizes
     blur(p, t, w.home, w.home, w)

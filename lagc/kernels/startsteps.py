@@ -177,8 +177,8 @@ def strayed(y: Vec[NU], w: StartWork) -> Real:
 
 
 def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
-    """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a number
-    is not finite."""
+    """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a
+    number is not finite."""
     meet(p, t, y, w.c, w.J, w.sizes)
     unblur(w)
     fill(0, end, w)

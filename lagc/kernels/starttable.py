@@ -54,7 +54,8 @@ def solve_rows(m: int, n: int, w: StartWork) -> int:
 
 
 def lay_out(n: int, w: StartWork) -> int:
-    """w.places of unknowns in a row of the table: what is free, then the n values w.stated; how many are free."""
+    """w.places of unknowns in a row of the table: what is free, then the n values w.stated; how many are
+    free."""
     for i in range(NU):
         w.places[i] = -1
     first = 0
@@ -68,8 +69,8 @@ def lay_out(n: int, w: StartWork) -> int:
 
 
 def linear_row(i: int, m: int, width: int, w: StartWork) -> bool:
-    """Row m of w.rests: condition i by its derivatives w.J and its residual in w.c, with a largest slope of 1;
-    whether there is one."""
+    """Row m of w.rests: condition i by its derivatives w.J and its residual in w.c, with a largest slope of
+    1; whether there is one."""
     row = w.rests[m]
     for j in range(width):
         row[j] = 0.0
@@ -139,7 +140,8 @@ def table(p: Params, t: Real, at: Vec[NU], beside: Vec[NU], n: int, w: StartWork
 
 
 def find_ways(n: int, k: int, w: StartWork) -> bool:
-    """w.ways: the moves of the k picked of n columns alone that satisfy all rows; False where there are none."""
+    """w.ways: the moves of the k picked of n columns alone that satisfy all rows; False where there are
+    none."""
     for r in range(k):
         row = w.rests[w.solved[r]]
         own = w.matrix[r]

@@ -3,7 +3,8 @@
 TITLE, ORDER; a tableau k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i, with rows that leave
 out zeros, stages counted from 1, and numbers as decimal text or quotients, exactly as published.
 
-ERROR: the error of a step is h times its one row; with two rows e5 and e3 it is h e5^2 / sqrt(e5^2 + 0.01 e3^2).
+ERROR: the error of a step is h times its one row; with two rows e5 and e3 it is
+h e5^2 / sqrt(e5^2 + 0.01 e3^2).
 Dense output: stages EXTRA after the rate at the new state, and
 
     x(t + s h) = x + s (r1 + (1-s) (r2 + s (r3 + (1-s) (r4 + ...))))

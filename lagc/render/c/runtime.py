@@ -31,10 +31,10 @@ def needed(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> Chose
 
 
 def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> str:
-    """lagc_work, lagc_method, lagc_options, lagc_state, the culprits of INVALID, and what the search for a start
-    has: for the header."""
-    found = [_record("Work", interface, real), _methods(), _record("Options", interface, real), _codes("records"),
-             _record("State", interface, real)]  # fmt: skip
+    """lagc_work, lagc_method, lagc_options, lagc_state, the culprits of INVALID, and what the search for a
+    start has: for the header."""
+    found = [_record("Work", interface, real), _methods(), _record("Options", interface, real)]
+    found += [_codes("records"), _record("State", interface, real)]
     if complete and interface.needs_consistency:
         found += [_codes("startrecords"), _record("StartWork", interface, real)]
     return "\n".join(found)
@@ -42,9 +42,8 @@ def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> st
 
 def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> str:
     """The functions that integrate: for the header."""
-    found = [
-        "lagc_options lagc_default_options(void);\nsize_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"
-    ]
+    found = ["lagc_options lagc_default_options(void);\n"
+             "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
     found += ["/* What a status means, in English; of a number that is none, too. */\n"
               "const char *lagc_status_text(int status);\n"] if complete else []  # fmt: skip
     for part, _ in needed(program, complete, real).parts:
@@ -62,8 +61,9 @@ def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> 
     own = [n for n in sizes if n in use.names and n not in public and n not in DERIVED]
     found = ["".join(f"#define LAGC_{name} {sizes[name]}\n" for name in own), _work(program)]
     found += [_table(name, values[name]) for name in values if name in use.names]
-    found += [_record(p["name"], interface, real) for p in parts(real) if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS
-              and any(f"lagc_{snake(p['name'])} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
+    records = [p["name"] for p in parts(real) if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS]
+    found += [_record(name, interface, real) for name in records
+              if any(f"lagc_{snake(name)} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
     chosen_texts = {part["name"]: leaf["c"] for part, leaf in use.parts}
     section, held = "", list[str]()
     for part in parts(real):
@@ -123,8 +123,9 @@ def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int], real: Arithm
 
 def _methods() -> str:
     found = [part for part in parts() if part["kind"] == "Method"]
-    rows = [f"    LAGC_{part['name']} = {part['value']}{',' if part is not found[-1] else ''} /* {part['note']} */\n"
-            for part in found]  # fmt: skip
+    ends = ["," if part is not found[-1] else "" for part in found]
+    rows = [f"    LAGC_{part['name']} = {part['value']}{end} /* {part['note']} */\n"
+            for part, end in zip(found, ends)]  # fmt: skip
     return f"typedef enum {{\n{''.join(rows)}}} lagc_method;\n"
 
 
@@ -183,7 +184,8 @@ def _work(program: Program) -> str:
 
 def _defaults(complete: bool, real: Arithmetic) -> str:
     """What the subset cannot say: structs by value, their sizes, texts."""
-    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": real.literal((1e-4, 1e-9, 1e-22)[real.column]),
+    rtol = real.literal((1e-4, 1e-9, 1e-22)[real.column])
+    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": rtol,
               "atol": "0.0", "step": "0.0", "first_step": "0.0", "max_step": "0.0"}  # fmt: skip
     lines = "".join(f"    o.{name} = {value};\n" for name, value in values.items())
     text = f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n\n"

@@ -114,16 +114,11 @@ class CPrinter:
             case ast.Assign(targets=[target], value=value):
                 out.append(f"{indent}{self.text(target)} = {self.given(value, target.type)};")  # type: ignore[attr-defined]
             case ast.AugAssign(target=target, op=op, value=value):
-                sign = _OPERATORS[type(op)][0]
-                if (
-                    isinstance(value, ast.Constant)
-                    and value.value == 1
-                    and sign in "+-"
-                    and target.type in WHOLE
-                ):  # type: ignore[attr-defined]
+                sign, kind = _OPERATORS[type(op)][0], target.type  # type: ignore[union-attr]
+                if isinstance(value, ast.Constant) and value.value == 1 and sign in "+-" and kind in WHOLE:
                     out.append(f"{indent}{self.text(target)}{sign * 2};")
                 else:
-                    out.append(f"{indent}{self.text(target)} {sign}= {self.given(value, target.type)};")  # type: ignore[attr-defined]
+                    out.append(f"{indent}{self.text(target)} {sign}= {self.given(value, kind)};")
             case ast.If():
                 self.branch(node, indent, out)
             case ast.While(test=test, body=body):
@@ -149,10 +144,9 @@ class CPrinter:
         kind: Type = node.kind  # type: ignore[attr-defined]
         first, end = ("0", args[0]) if len(args) == 1 else (self.text(args[0]), args[1])
         limit = self.operand(end, None, SHIFT)
+        test = f"{i} < {limit}"
         if len(args) == 3:
             test = f"{i} >= 0" if limit == "-1" else f"{i} > {limit}"
-        else:
-            test = f"{i} < {limit}"
         out.append(
             f"{indent}for ({self.ctype(kind)}{i} = {first}; {test}; {i}{'--' if len(args) == 3 else '++'})"
         )
@@ -230,7 +224,7 @@ class CPrinter:
             break
         if all(last - first == 1 for first, last, simple in blocks if simple) and all(b[2] for b in blocks):
             return
-        for first, last, _ in reversed(blocks):
+        for first, _, _ in reversed(blocks):
             head, note = out[first - 1], ""
             if " /* " in head and not head.lstrip().startswith("/*"):
                 head, _, note = head.partition(" /* ")
@@ -243,8 +237,9 @@ class CPrinter:
         self, node: ast.If | None, body: Sequence[ast.stmt], indent: str, out: list[str]
     ) -> tuple[int, int, bool]:
         """Where the lines of a block begin and end, and whether it is one plain statement."""
-        if node is not None and getattr(node, "trail", "") and out[-1].startswith(f"{indent}else "):
-            out[-1] += f" /* {node.trail} */"  # type: ignore[attr-defined]
+        trail: str = getattr(node, "trail", "")
+        if trail and out[-1].startswith(f"{indent}else "):
+            out[-1] += f" /* {trail} */"
         first = len(out)
         self.block(body, indent + "    ", out)
         simple = len(body) == 1 and not isinstance(body[0], ast.If | ast.For | ast.While)

@@ -163,8 +163,8 @@ class Library:
 
         def typed(switches: Mapping[str, bool]) -> Types | str:
             body = Statics(part.file, switches, self.sizes, known, prefix, own).block(part.body)
-            seen = Known(self.signatures, lambda r: Members(self.records[r], switches), self.records.__contains__,
-                         self.constants, self.tables, self.sizes)  # fmt: skip
+            seen = Known(self.signatures, lambda r: Members(self.records[r], switches),
+                         self.records.__contains__, self.constants, self.tables, self.sizes)  # fmt: skip
             try:
                 return Types(part, name, body, seen)
             except Outside as error:

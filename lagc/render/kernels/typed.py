@@ -139,8 +139,11 @@ class Types:
             case ast.While(test=test, body=body, orelse=[]):
                 self.condition(test)
                 self.block(body)
-            case ast.For(target=ast.Name(id=name), iter=ast.Call(func=ast.Name(id="range"), args=args, keywords=[]),
-                         orelse=[]):  # fmt: skip
+            case ast.For(
+                target=ast.Name(id=name),
+                iter=ast.Call(func=ast.Name(id="range"), args=args, keywords=[]),
+                orelse=[],
+            ):
                 self.loop(node, name, args)
             case ast.Return(value=None) | ast.Break() | ast.Continue():
                 if isinstance(node, ast.Return) and self.returns != VOID:
@@ -232,7 +235,7 @@ class Types:
 
     def is_written(self, name: str) -> bool:
         """Whether the contents of an argument, or alias, change."""
-        seen, more = set(), set(self.touched)
+        seen, more = set[str](), set(self.touched)
         while more - seen:
             seen |= more
             more = {root for n in seen for root in self.roots.get(n, ())}
