@@ -1,8 +1,8 @@
 """The search for a consistent start, in words.
 
-The search is that of the generated code (`lagc.render.numpy.support.start` and its twin in C); here
-are the names.  Which conditions forced a value, or contradict each other, is found by leaving out
-one after the other while the search still fails.
+The search is that of the generated code (`lagc.kernels.start`); here are the names.  Which conditions
+forced a value, or contradict each other, is found by leaving out one after the other while the search
+still fails.
 """
 
 from __future__ import annotations
@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from lagc.optimize.program import Interface
-from lagc.render.numpy.support.leastnorm import inner, least_norm
-from lagc.render.numpy.support.start import Consistency
-from lagc.render.numpy.support.startrows import FIXED, RUN, UNSTATED, Conditions
+from lagc.run.conditions import FIXED, RUN, UNSTATED, Conditions, Consistency, least_norm
 from lagc.run.problem import NOT_FINITE, OK, System
 from lagc.run.start import Anchor, Change, Missed, Start, names
 
@@ -31,9 +29,9 @@ def search(system: System, t: float, guess: list[float], stated: Collection[int]
     tried = Consistency(conditions, t, guess, levels)
     status = tried.run()
     if status == NOT_FINITE:
-        return Start(guess, (), _strange(interface, tried.culprit - tried.state))
+        return Start(guess, (), _strange(interface, tried.culprit - system.nq - system.nv))
     found = _Words(system, conditions, t, guess, tried.levels)
-    x = [*tried.y[: tried.state], *guess[tried.state :]]
+    x = [*tried.y[: system.nq + system.nv], *guess[system.nq + system.nv :]]
     if status == OK:
         return Start(x, found.changes(tried))
     return Start(x, (), *found.conflict(tried))
@@ -64,7 +62,7 @@ class _Words:
     ):
         interface = system.interface
         self.interface, self.conditions, self.t = interface, conditions, t
-        self.guess, self.levels = guess, levels
+        self.guess, self.levels, self.state = guess, levels, system.nq + system.nv
         self.names = [*names(system), *interface.rate_names]
         self.units = [*interface.q_units, *interface.v_units, *interface.rate_units]
         self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
@@ -72,27 +70,28 @@ class _Words:
 
     def changes(self, search: Consistency) -> tuple[Change, ...]:
         """What is not as given, of the rates that were stated too."""
+        y, weights, free, part = search.y, search.weights, search.free, search.part
         moved = []
-        for i, (given, used) in enumerate(zip(self.given, search.y)):
-            if abs(given - used) > _SHOWN * max(abs(given), search.weights[i]):
+        for i, (given, used) in enumerate(zip(self.given, y)):
+            if abs(given - used) > _SHOWN * max(abs(given), weights[i]):
                 moved.append(i)
         found: dict[tuple[int, ...], Change] = {}
-        led = [i for i in moved if self.levels[i] != UNSTATED and search.free[i] and not search.part[i]]
+        led = [i for i in moved if self.levels[i] != UNSTATED and free[i] and not part[i]]
         together = self._forced(search, led) if len(led) > _MOST_FOUND else ()
         for i in moved:
             stated = self.levels[i] != UNSTATED
             whole = _whole(self.conditions, i) if stated else (i,)
             if whole in found:
                 continue
-            name, given, used = self.names[i], self.given[i], search.y[i]
+            name, given, used = self.names[i], self.given[i], y[i]
             forced = together
-            if not together and stated and search.free[i]:
+            if not together and stated and free[i]:
                 forced = self._forced(search, [i])
             place = self.interface.start_places[i] if stated and self.levels[i] != RUN else ""
-            share = max(abs(self.given[j] - search.y[j]) / search.weights[j] for j in whole)
+            share = max(abs(self.given[j] - y[j]) / weights[j] for j in whole)
             change = Change(name, given, used, self.units[i], stated, place, forced, share)
             if len(whole) > 1:
-                parts = tuple([self.given[j] for j in whole]), tuple([search.y[j] for j in whole])
+                parts = tuple([self.given[j] for j in whole]), tuple([y[j] for j in whole])
                 change = Change(_owner(name), *parts, "", stated, place, forced, share)
             found[whole] = change
         return tuple(found.values())
@@ -102,7 +101,7 @@ class _Words:
         at the start, asks for moves of them and of nothing else that is free."""
         rows = self._tied(search, values)
         _, jacobian, _ = search.evaluate(search.y)
-        free = [j for j in range(search.n) if search.free[j]]
+        weights, free = search.weights, [j for j, moves in enumerate(search.free) if moves]
         place = {j: k for k, j in enumerate(free)}
         slopes = [[0.0] * len(rows) for _ in free]
         for k, row in enumerate(rows):
@@ -111,7 +110,7 @@ class _Words:
             for entry in range(first, self.conditions.ends[row]):
                 j = self.conditions.columns[entry]
                 if j in place:
-                    slopes[place[j]][k] = jacobian[entry] * search.weights[j]
+                    slopes[place[j]][k] = jacobian[entry] * weights[j]
                     largest = max(largest, abs(slopes[place[j]][k]))
             for slope in slopes if largest > 0.0 else ():
                 slope[k] /= largest
@@ -127,12 +126,13 @@ class _Words:
         c = search.evaluate(search.y)[0]
         at_guess = search.evaluate(search.home)[0]
         strange = [k for k, value in enumerate(at_guess) if not abs(value) < float("inf")]
-        strange = strange or [row for row in (search.directionless(),) if row >= 0]
+        if not strange and not search.has_begun:
+            strange = [search.culprit]
         levels = [FIXED if level == FIXED else UNSTATED for level in self.levels]
         rows = strange or self._minimal(levels, search)
-        held, anchors = [], []
+        part, held, anchors = search.part, [], []
         for i in [] if strange else range(search.n):
-            if levels[i] == FIXED and not search.part[i]:
+            if levels[i] == FIXED and not part[i]:
                 whole = _whole(self.conditions, i)
                 tried = [UNSTATED if j in whole else level for j, level in enumerate(levels)]
                 if self._fails(tried, rows, self.guess):
@@ -152,7 +152,7 @@ class _Words:
         What is left out sets others free to go far, as all links of a chain but the last ones: that no start
         is near the guess does not say yet that there is none.
         """
-        rows, ended = list(search.rows), self._ended(search, self.guess)
+        rows, ended = search.rows, self._ended(search, self.guess)
         for patience in _PATIENCE:
             kept = rows
             for k in sorted(rows, reverse=True):
@@ -174,24 +174,25 @@ class _Words:
         return True
 
     def _ended(self, search: Consistency, guess: list[float]) -> list[float]:
-        return [*search.y[: search.state], *guess[search.state :]]
+        return [*search.y[: self.state], *guess[self.state :]]
 
     def _tied(self, search: Consistency, values: Sequence[int]) -> list[int]:
         """The rows that `values` reach, from row to row by what is free."""
-        known, rows = {j for i in values for j in _whole(self.conditions, i)}, set[int]()
+        known, rows, free = {j for i in values for j in _whole(self.conditions, i)}, set[int](), search.free
+        columns = [set(self.conditions.columns_of(k)) for k in range(len(self.rows))]
         while True:
-            more = {k for k in range(len(self.rows)) if k not in rows and known & set(search.columns(k))}
+            more = {k for k in range(len(self.rows)) if k not in rows and known & columns[k]}
             if not more:
                 return sorted(rows)
             rows |= more
-            known |= {j for k in more for j in search.columns(k) if search.free[j]}
+            known |= {j for k in more for j in columns[k] if free[j]}
 
 
 def _combined(slopes: Sequence[Sequence[float]], right: list[float], rows: Sequence[int]) -> list[int] | None:
     """Those of `rows`, columns of `slopes`, that take part in a combination that is `right`, if one is."""
     table = [[slope[k] for k in rows] for slope in slopes]
     factors = least_norm(table, right, _SHOWN) if rows and slopes else []
-    missed = [abs(inner(slope, factors) - wanted) for slope, wanted in zip(table, right)]
+    missed = [abs(sum(a * b for a, b in zip(slope, factors)) - wanted) for slope, wanted in zip(table, right)]
     if not factors or not max(missed) < _PART:
         return None
     least = _PART * max(map(abs, factors))

@@ -8,10 +8,10 @@ from fractions import Fraction
 
 import pytest
 
-from lagc.render.numpy.support.start import Consistency
-from lagc.render.numpy.support.startrows import ACCEPTED, Conditions
+from lagc.run.conditions import Conditions, Consistency
 from tests.run.started import Twins, program_of
 
+ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.limits`
 Row = tuple[dict[int, float], float]  # coefficients by unknown, and the value of their sum
 
 

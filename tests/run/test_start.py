@@ -6,8 +6,8 @@ from math import sqrt
 
 import pytest
 
-from lagc.render.numpy.support.leastnorm import least_norm
 from lagc.run.begin import consistent_start
+from lagc.run.conditions import least_norm
 from lagc.run.problem import Vector
 from tests.run.systems import Oscillator, Pendulum, Spun, norm
 

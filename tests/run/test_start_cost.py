@@ -9,8 +9,8 @@ from math import cos, hypot, pi, sin
 
 import pytest
 
-from lagc.render.numpy.support.start import Consistency
 from lagc.run.begin import consistent_start
+from lagc.run.conditions import Consistency
 from lagc.run.consistency import conditions_of
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
 from tests.run.started import Twins, program_of, start_of, system_of

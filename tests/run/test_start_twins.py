@@ -8,7 +8,7 @@ import shutil
 import pytest
 
 from lagc.meaning.units import unit
-from lagc.render.numpy.support.start import Consistency
+from lagc.run.conditions import Consistency
 from lagc.run.consistency import conditions_of
 from tests.run.started import Twins, program_of, random_levels, system_of
 

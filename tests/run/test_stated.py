@@ -9,8 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from lagc.render.numpy.support.start import Consistency
-from lagc.render.numpy.support.startrows import Conditions
+from lagc.run.conditions import Conditions, Consistency
 from lagc.run.problem import INCONSISTENT, OK
 
 Rows = Callable[[Sequence[float]], tuple[list[float], list[list[float]], list[float]]]

@@ -1,0 +1,55 @@
+"""The kernels of the search for a consistent start as Python for any conditions, which need no model.
+
+They are the same for all that have the same kinds of conditions; as code they are kept in the cache.
+"""
+
+from __future__ import annotations
+
+import marshal
+import sys
+from functools import cache
+from types import CodeType
+from typing import Any
+
+from lagc import cache as store
+from lagc.cache.sources import tool_fingerprint
+
+ROOTS = ("prepare", "reach_start")
+SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION")
+
+
+@cache
+def code(kinds: tuple[bool, ...]) -> CodeType:
+    """What makes the kernels in a namespace that has their sizes, tables and `fn_` functions.  `kinds`: of
+    each of SWITCHES, whether there is any."""
+    version = f"{sys.implementation.cache_tag} {sys.hexversion:x}"
+    name = store.key(version, tool_fingerprint(), repr(kinds))
+    kept: CodeType | None = store.load("search", name, marshal.loads)
+    if kept is None:
+        kept = compile(text(dict(zip(SWITCHES, kinds))), "search", "exec", dont_inherit=True)
+        store.store("search", name, marshal.dumps(kept))
+    return kept
+
+
+def text(switches: dict[str, bool]) -> str:
+    from lagc.render.kernels import python
+    from lagc.render.kernels.assembly import chosen
+    from lagc.render.kernels.shipped import parts
+
+    use = chosen(parts(), switches, ROOTS)
+    found = [python.HELPERS]
+    for part in parts():
+        if part["kind"] in ("int", "Real", "Code", "Status") and part["name"] in use.names:
+            found.append(f"{part['name']} = {part['python']}\n")
+        elif part["kind"] == "record" and part["name"] in ("StartWork", "Place"):
+            found.append(_record(part, switches))
+    return "\n".join([*found, *(leaf["python"] for _, leaf in use.parts)])
+
+
+def _record(part: dict[str, Any], switches: dict[str, bool]) -> str:
+    from lagc.render.kernels import python
+
+    members = [
+        (name, kind) for name, kind, when, _, _ in part["members"] if all(switches[s] == v for s, v in when)
+    ]
+    return python.record(part["name"], part["doc"], members)

@@ -1,0 +1,167 @@
+"""The search for a consistent start of any conditions, by the kernels of generated code."""
+
+from __future__ import annotations
+
+from _thread import RLock
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+from lagc.once import once
+from lagc.render.numpy.search import code
+from lagc.run.problem import OK
+
+UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
+
+
+class Conditions:
+    """The conditions of a consistent start.
+
+    `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
+    `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
+    parameter of each unit.  `units[i]` is the number of the unit of unknown i; `angles` are the
+    coordinates that are angles.
+    """
+
+    def __init__(
+        self,
+        nq: int,
+        nv: int,
+        quaternions: Sequence[int],
+        units: Sequence[int],
+        angles: Sequence[int],
+        ends: Sequence[int],
+        columns: Sequence[int],
+        evaluate: Callable[[float, Sequence[float]], tuple[list[float], list[float], list[float]]],
+        measures: Callable[[], tuple[list[float], list[float]]],
+    ):
+        self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
+        self.units, self.angles = tuple(units), tuple(angles)
+        self.n, self.own = len(units), len(ends)
+        self.ends, self.columns = list(ends), list(columns)
+        for k in quaternions:
+            self.ends.append(len(self.columns) + 4)
+            self.columns += [k, k + 1, k + 2, k + 3]
+        self.evaluate, self.measures = evaluate, measures
+        self.lock = RLock()
+
+    def columns_of(self, i: int) -> list[int]:
+        """The unknowns in condition i."""
+        return self.columns[self.ends[i - 1] if i > 0 else 0 : self.ends[i]]
+
+    @once
+    def kernels(self) -> dict[str, Any]:
+        """The kernels of the search, with the sizes, tables and functions of these conditions."""
+        rates, all_, n = self.n - self.nq - self.nv, len(self.ends), self.n
+        positions = sum(max(self.columns_of(i), default=0) < self.nq for i in range(self.own))
+        found = {
+            "NQ": self.nq, "NV": self.nv, "NX": self.nq + self.nv, "NU": n, "NE": all_,
+            "NJ": len(self.columns), "NCOND": self.own, "NRATE": rates, "NQUAT": len(self.quaternions),
+            "NPOSITION": positions, "NROW": n + 1, "NSETS": 3, "NSETU": 3 * n,
+            "quaternion": self.quaternions, "level": (UNSTATED,) * n,
+            "unit": self.units, "angle": tuple([int(i in self.angles) for i in range(n)]), "ends": self.ends,
+            "column": self.columns, "fn_conditions": self._conditions, "fn_measures": self._measures,
+        }  # fmt: skip
+        exec(code((self.own > 0, rates > 0, len(self.quaternions) > 0, positions > 0)), found)
+        return found
+
+    def _conditions(self, p: None, t: float, y: list[float], c: list[float], jacobian: list[float],
+                    sizes: list[float]) -> None:  # fmt: skip
+        found = self.evaluate(t, y[: self.nq + self.nv])
+        c[: self.own], jacobian[: len(found[1])], sizes[: self.own] = found
+
+    def _measures(self, p: None, rates: list[float], largest: list[float]) -> None:
+        s, most = self.measures()
+        rates[: len(s)], largest[: len(most)] = s, most
+
+
+class Consistency:
+    """The search for values of the unknowns near the guess `x` at time t that meet the conditions.
+
+    `levels` of q, v and the stated rates; `given`: the conditions that count, all where None.  Afterwards `y`
+    is the best that was found, and `free` tells what might move; `culprit` is the row that misses most, or
+    the unknown that is not finite; `rows`, of a failure, those of the part of the conditions that cannot be
+    met.
+    """
+
+    def __init__(self, conditions: Conditions, t: float, x: Sequence[float], levels: Sequence[int],
+                 given: Sequence[int] | None = None):  # fmt: skip
+        self.conditions, self.t = conditions, t
+        self.kernels, self.n = conditions.kernels, conditions.n
+        self.room = self.kernels["StartWork"]()
+        self.status: int = self.kernels["prepare"](None, t, x, levels, self.room)
+        self.has_begun = self.status == OK  # else `culprit` is what of the guess has no value or no direction
+        if not self.has_begun:
+            self.room.y[:] = self.room.home
+        elif given is not None:
+            self.room.order[: len(given)] = given
+            self.kernels["confine"](len(given), self.room)
+
+    def run(self) -> int:
+        """OK, INCONSISTENT or NOT_FINITE."""
+        if self.has_begun:
+            self.status = self.kernels["reach_start"](None, self.t, self.room)
+        return self.status
+
+    def solve(self, first: int, end: int) -> bool:
+        """Whether attempts first..end-1 alone lead to a start, what is free moving."""
+        found: bool = self.has_begun and self.kernels["find"](None, self.t, first, end, self.room)
+        return found
+
+    def evaluate(self, y: Sequence[float]) -> tuple[list[float], list[float], list[float]]:
+        """Residuals, derivatives and sizes of the terms of all conditions."""
+        m = len(self.conditions.ends)
+        found = [0.0] * m, [0.0] * len(self.conditions.columns), [0.0] * m
+        self.kernels["meet"](None, self.t, y, *found)
+        return found
+
+    @property
+    def y(self) -> list[float]:
+        return list(self.room.y)
+
+    @property
+    def home(self) -> list[float]:
+        return list(self.room.home)
+
+    @property
+    def weights(self) -> list[float]:
+        return list(self.room.weights)
+
+    @property
+    def levels(self) -> list[int]:
+        return list(self.room.levels)
+
+    @property
+    def free(self) -> list[bool]:
+        return [loose == 1 for loose in self.room.loose]
+
+    @property
+    def part(self) -> list[bool]:
+        """Of a quaternion, behind its first."""
+        return [part == 1 for part in self.room.part]
+
+    @property
+    def rows(self) -> list[int]:
+        return list(self.room.rows[: self.room.ended])
+
+    @property
+    def culprit(self) -> int:
+        return int(self.room.culprit)
+
+    @property
+    def work(self) -> int:
+        """Factorisations."""
+        return int(self.room.work)
+
+
+def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependent: float) -> list[float]:
+    """The shortest y with rows . y = right; empty where a number is not finite.  Rows that depend on the ones
+    before (to `dependent` of their length) are left out, the longest remaining row first."""
+    kernels: dict[str, Any] = {}
+    exec(code((False, False, False, False)), kernels)
+    m, n = len(rows), len(rows[0])
+    room = SimpleNamespace(
+        matrix=[list(row) for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
+        squares=[0.0] * m, chosen=[0] * m, turns=[0] * m, step=[0.0] * n,
+    )  # fmt: skip
+    return room.step if kernels["least_norm"](room, m, n, dependent) else []
