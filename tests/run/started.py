@@ -82,10 +82,12 @@ class Twins:
 
     def by_python(self, t: float, x: Sequence[float], levels: Sequence[int]) -> tuple[int, int, list[float]]:
         """Status, culprit where it failed, and x."""
-        search = self.module["Consistency"](self.module["_conditions"](self.model), t, x, levels)
-        status = search.run()
-        y = [*search.y[: self.n], *x[self.n :]] if status == 0 else list(x)
-        return status, search.culprit if status else 0, y
+        room = self.module["StartWork"]()
+        status = self.module["prepare"](self.model.p, t, x, levels, room)
+        if status == 0:
+            status = self.module["reach_start"](self.model.p, t, room)
+        y = [*room.y[: self.n], *x[self.n :]] if status == 0 else list(x)
+        return status, room.culprit if status else 0, y
 
     def by_c(
         self, t: float, x: Sequence[float], levels: Sequence[int] | None

@@ -14,8 +14,6 @@ from lagc.render.numpy import runtime
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
 from lagc.render.numpy.verbs import verbs
 
-START = ("quaternions.py", "leastnorm.py", "startrows.py", "starttable.py", "startalone.py", "startsteps.py",
-         "startchoice.py", "start.py")  # fmt: skip
 _IMPORTS = """\
 from __future__ import annotations
 
@@ -35,8 +33,6 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     parts += runtime.definitions(program, complete)
     if complete:
         parts.append(_bounds(program.interface))
-    if complete and program.interface.needs_consistency:
-        parts += [_start_tables(program.interface), *runtime.support(START)]
     return {file: "\n\n".join([*filter(None, parts), *verbs(program, complete)])}
 
 
@@ -69,21 +65,6 @@ def _names(interface: Interface) -> str:
     text.append("PARAMETERS = {  # keyword: (value, unit, name in the model, what it is)")
     text += [f"    {n!r}: {_row(f)}," for n, f in zip(member_names(interface), fields)]
     return "\n".join([*text, "}"]) + "\n"
-
-
-def _start_tables(interface: Interface) -> str:
-    """What the search for a consistent start knows of the model (see `Conditions`)."""
-    return "".join(
-        f"{name} = {values!r}\n"
-        for name, values in (
-            ("QUATERNIONS", interface.quaternions),
-            ("LEVELS", interface.start_levels),
-            ("UNITS", interface.start_units),
-            ("ANGLES", interface.angles),
-            ("CONDITION_ENDS", interface.condition_ends),
-            ("CONDITION_COLUMNS", interface.condition_columns),
-        )
-    )
 
 
 def _bounds(interface: Interface) -> str:

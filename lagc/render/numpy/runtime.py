@@ -18,14 +18,18 @@ SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
 # Kernels that every model has, and those for rows of constraints.
 ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense", "system_at")
 OF_ROWS = ("assemble_at", "solve_at")
-GIVEN, MADE = ("Options",), ("Work", "State")  # records that are written by hand, and that callers make
+SEARCH = ("prepare", "reach_start")  # for a consistent start
+GIVEN = ("Options",)  # records that are written by hand
+MADE = {"Work": "rhs_at", "State": "begin", "StartWork": "prepare"}  # that callers make, for these kernels
+LEVELS = ("UNSTATED", "DECLARED", "SCENE", "RUN", "FIXED")
 Members = list[tuple[str, Sequence[str]]]  # of a record: name and type
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
 
 
 def definitions(program: Program, complete: bool) -> list[str]:
     """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
-    use = _needed(program.interface, ROOTS, complete)
+    search = SEARCH if complete and program.interface.needs_consistency else ()
+    use = _needed(program.interface, (*ROOTS, *search), complete)
     return [_constants(program.interface, use), *support(), _work(program), *_kernels(program.interface, use),
             EQUATIONS, STATES]  # fmt: skip
 
@@ -46,6 +50,7 @@ def _constants(interface: Interface, use: Chosen) -> str:
     """Sizes, tables, statuses, numbers that kernels know."""
     kinds = [kind for _, members in _records(interface, use) for _, kind in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
+    used |= set(LEVELS) if "prepare" in use.names else set()
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
@@ -83,7 +88,7 @@ def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any],
         if part["kind"] != "record" or part["name"] in GIVEN:
             continue
         made = any(f"{part['name']}(" in leaf["python"] for _, leaf in use.parts)
-        if made or part["name"] in MADE:
+        if made or MADE.get(part["name"]) in use.names:
             found.append((part, [(name, kind) for name, kind, when, _, _ in part["members"]
                                  if all(switches[switch] == value for switch, value in when)]))  # fmt: skip
     return found

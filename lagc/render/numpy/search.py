@@ -9,12 +9,12 @@ import marshal
 import sys
 from functools import cache
 from types import CodeType
-from typing import Any
 
 from lagc import cache as store
 from lagc.cache.sources import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start")
+RECORDS = ("StartWork", "Place")
 SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION")
 
 
@@ -32,24 +32,19 @@ def code(kinds: tuple[bool, ...]) -> CodeType:
 
 
 def text(switches: dict[str, bool]) -> str:
-    from lagc.render.kernels import python
     from lagc.render.kernels.assembly import chosen
     from lagc.render.kernels.shipped import parts
+    from lagc.render.numpy.functions import ARITHMETIC
+    from lagc.render.numpy.runtime import record
 
     use = chosen(parts(), switches, ROOTS)
-    found = [python.HELPERS]
+    found = [ARITHMETIC]
     for part in parts():
-        if part["kind"] in ("int", "Real", "Code", "Status") and part["name"] in use.names:
+        if part["kind"] == "Status" or (
+            part["name"] in use.names and part["kind"] in ("int", "Real", "Code")
+        ):
             found.append(f"{part['name']} = {part['python']}\n")
-        elif part["kind"] == "record" and part["name"] in ("StartWork", "Place"):
-            found.append(_record(part, switches))
-    return "\n".join([*found, *(leaf["python"] for _, leaf in use.parts)])
-
-
-def _record(part: dict[str, Any], switches: dict[str, bool]) -> str:
-    from lagc.render.kernels import python
-
-    members = [
-        (name, kind) for name, kind, when, _, _ in part["members"] if all(switches[s] == v for s, v in when)
-    ]
-    return python.record(part["name"], part["doc"], members)
+        elif part["kind"] == "record" and part["name"] in RECORDS:
+            members = [m for m in part["members"] if all(switches[switch] == value for switch, value in m[2])]
+            found.append(record(part["name"], part["doc"], [(name, kind) for name, kind, *_ in members]))
+    return "\n\n".join([*found, *(leaf["python"] for _, leaf in use.parts)])

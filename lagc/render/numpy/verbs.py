@@ -86,34 +86,16 @@ def consistent(x=None, t=0.0, p=None, levels=None):
     model.check()
     if not abs(t) < inf:
         raise ValueError(f"the time {t!r} is not finite")
-    if levels is not None and not (len(levels) == len(LEVELS) and set(levels) <= set(range(FIXED + 1))):
-        raise ValueError(f"levels are {len(LEVELS)} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
+    if levels is not None and not (len(levels) == NU and set(levels) <= set(range(FIXED + 1))):
+        raise ValueError(f"levels are {NU} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
     guess = start(model.p) if x is None else _floats(x)
-    search = Consistency(_conditions(model), float(t), guess, LEVELS if levels is None else levels)
-    status = search.run()
+    room = StartWork()
+    status = prepare(model.p, float(t), guess, levels, room)
+    if status == OK:
+        status = reach_start(model.p, float(t), room)
     if status in FAILED:
-        raise ArithmeticError(f"{STATUSES[status]} (index {search.culprit})")
-    return [*search.y[: NQ + NV], *guess[NQ + NV :]]
-
-
-def _conditions(model):
-    functions, rates, units = globals(), len(LEVELS) - NQ - NV, max(UNITS) + 1
-
-    def evaluate(t, x):
-        n = len(CONDITION_ENDS)
-        found = [0.0] * n, [0.0] * len(CONDITION_COLUMNS), [0.0] * n
-        if n:
-            functions["fn_conditions"](model.p, t, x, *found)
-        return found
-
-    def measures():
-        found = [0.0] * rates, [0.0] * units
-        if CONDITION_ENDS:
-            functions["fn_measures"](model.p, *found)
-        return found
-
-    columns = CONDITION_COLUMNS
-    return Conditions(NQ, NV, QUATERNIONS, UNITS, ANGLES, CONDITION_ENDS, columns, evaluate, measures)
+        raise ArithmeticError(f"{STATUSES[status]} (index {room.culprit})")
+    return [*room.y[: NQ + NV], *guess[NQ + NV :]]
 '''
 
 _SYSTEM = '''\
