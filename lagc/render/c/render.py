@@ -1,7 +1,7 @@
 """Program -> one C header and one C source.
 
 The source holds, in this order: functions that the model uses (HELPERS), the model's own
-functions (`lagc_fn_...`), the parts of the hand-written support that it needs, and the public
+functions (`lagc_fn_...`), the kernels that it needs, and the public
 functions.  `lagc_` and `LAGC_` become the model's prefix over the whole text at the end.
 """
 
@@ -22,8 +22,8 @@ def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -
     """File name -> text: `<model>.h` and `<model>.c`, C99 and C++.
 
     Unless `complete` they lack what a run of `lagc` does itself: the search for a consistent start, which
-    takes a compiler as long as much of the rest, by its twin in Python, to the same bits; the bounds of
-    parameters; texts.
+    takes a compiler as long as much of the rest, by the same kernels in Python, to the same bits; the
+    bounds of parameters; texts.
     """
     interface = program.interface
     name = prefix(interface.model)

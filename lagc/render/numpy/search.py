@@ -40,9 +40,8 @@ def text(switches: dict[str, bool]) -> str:
     use = chosen(parts(), switches, ROOTS)
     found = [ARITHMETIC]
     for part in parts():
-        if part["kind"] == "Status" or (
-            part["name"] in use.names and part["kind"] in ("int", "Real", "Code")
-        ):
+        number = part["kind"] in ("int", "Real", "Code") and part["name"] in use.names
+        if number or part["kind"] == "Status":
             found.append(f"{part['name']} = {part['python']}\n")
         elif part["kind"] == "record" and part["name"] in RECORDS:
             members = [m for m in part["members"] if all(switches[switch] == value for switch, value in m[2])]
