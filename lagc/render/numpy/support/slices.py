@@ -11,6 +11,7 @@ from lagc.render.numpy.support.base import FIRST_LOOK, INTERRUPTED, INVALID, MAX
 # -- what follows is part of generated modules --
 
 SLICE = 0.05  # s between two calls of `progress`
+FIRST_BUDGET = 16  # steps of the first slice
 OPTIONS = ("method", "max_steps", "rtol", "atol", "step", "first_step", "max_step")  # in the order of BAD_...
 
 
@@ -31,7 +32,7 @@ def recorded(
     """What `told(status)` gives at the end of `record(steps, max_steps)`, which makes so many steps of a
     trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it
     with what was recorded; ValueError where an option or the times make no sense."""
-    budget, look, status = 1, FIRST_LOOK, INTERRUPTED
+    budget, look, status = FIRST_BUDGET, FIRST_LOOK, INTERRUPTED
     try:
         while status == INTERRUPTED:
             limit = options.max_steps
