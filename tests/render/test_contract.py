@@ -51,7 +51,8 @@ REALS = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf, "-1": -1.0, "-5e-3
 NAN, INF = math.nan, math.inf
 WRONG_OPTIONS: list[tuple[str, float]] = [
     *((name, value) for name in OPTIONS[2:] for value in REALS.values()),
-    ("method", len(METHODS)), ("method", -1), ("method", 2**31 - 1), ("max_steps", -1), ("max_steps", -(2**31)),
+    ("method", len(METHODS)), ("method", -1), ("method", 2**31 - 1),
+    ("max_steps", -1), ("max_steps", -(2**31)),
     ("rtol", 0.0), ("rtol", 5e-324), ("rtol", 1.0), ("rtol", 1e300),
 ]  # fmt: skip
 WRONG_TIMES = [NAN, INF, -INF]

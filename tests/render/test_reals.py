@@ -77,8 +77,8 @@ NAMES = sorted(p.stem for p in (MODELS / "classic").glob("*.lag"))[:: 1 if os.en
 
 @pytest.mark.parametrize("name", NAMES)
 def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path) -> None:
-    """A part of the motion of a scene, with floats to 1e-5: the states of doubles to a few 1e-3 of the largest
-    of their kind (a few hundred steps of rounding by 6e-8, and what the motion makes of them)."""
+    """A part of the motion of a scene, with floats to 1e-5: the states of doubles to a few 1e-3 of the
+    largest of their kind (a few hundred steps of rounding by 6e-8, and what the motion makes of them)."""
     model = lagc.load(f"classic/{name}").compile(backend="numpy")
     stop = min(0.3, 0.3 * model.program.interface.simulate["stop"])
     truth = model.simulate(stop=stop, accuracy=1e-6)

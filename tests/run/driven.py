@@ -118,8 +118,10 @@ class InC:
         self.p = (c_double * max(len(system.parameters), 1))(*system.parameters)
         self.room = ctypes.create_string_buffer(self._call("state_size", c_size_t))
         self.state = system.model.state.from_buffer(self.room)
-        self.options = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
-                                options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
+        o, method = options, METHODS.index(options.method)
+        self.options = _Options(
+            method, o.project, o.max_steps, o.rtol, o.atol, o.step, o.first_step, o.max_step
+        )
         self._call("begin", None, self.room, c_double(t), (c_double * self.nx)(*x))
 
     def _call(self, name: str, result: Any, *given: Any) -> Any:
