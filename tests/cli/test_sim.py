@@ -15,8 +15,6 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
-from lagc.cli.sim import METHODS
-from lagc.run import integrate
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 PENDULUM = "simple_pendulum"
@@ -38,10 +36,6 @@ def falling(tmp_path: Path) -> str:
     path = tmp_path / "falling.lag"
     path.write_text(FALLING)
     return str(path)
-
-
-def test_the_methods_are_those_of_the_integrators() -> None:
-    assert set(METHODS) == set(integrate.METHODS)
 
 
 def sim(*words: str) -> int:
