@@ -147,6 +147,11 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
     for i in range(NX - 1, -1, -1):
         y[i] += float(count) * quotient(own[i], b[i]) if b[i] != 0.0 or not own[i] > 0.0 else fabs(own[i])
     y[1:3] = part(own, 0, 2)
+    y[0] += floor(float(n) / 3.0 - 1.5)
+    state: Length = 12345 + n
+    for i in range(NX):
+        state = (1103515245 * state + 12345) & 2147483647
+    y[3] += float(state) / 2147483648.0
     largest = -inf
     for i in range(NX):
         if y[i] > largest:
@@ -165,7 +170,7 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     """Random vectors, with zeros, infinities and NaN, through both: to the last bit, and as Python has it."""
     found = library(MEANS)
     use = chosen(found.parts, {"STRAIGHT": straight, "NC": True, "NZ": False}, ["scaled"])
-    text = "#include <math.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
+    text = "#include <math.h>\n#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
     text += "#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
     text += "\n".join(leaf["c"] for _, leaf in use.parts)
     text += "double scaled(const double *a, const double *b, double *y, int n)\n"
