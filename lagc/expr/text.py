@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import INFIX
 from lagc.expr.walk import reachable
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
-_INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
 
 
 def number(value: float) -> str:
@@ -48,8 +48,8 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         return _monomial(parts, node.value)
     if op == "select":
         return f"if {parts[0][0]} then {parts[1][0]} else {parts[2][0]}", 0
-    if op in _INFIX:
-        return f"({parts[0][0]} {_INFIX[op]} {parts[1][0]})", _ATOM
+    if op in INFIX:
+        return f"({parts[0][0]} {INFIX[op]} {parts[1][0]})", _ATOM
     if op == "pow":
         return f"{_wrap(parts[0], _ATOM)}^{_wrap(parts[1], _ATOM)}", _POWER
     return f"{op}({', '.join(p[0] for p in parts)})", _ATOM

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from lagc.diagnostics.faults import Fault
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import ENTIRE, smooth_as
 from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import act
 from lagc.mechanics.constraints import Classified, classify
@@ -17,9 +18,7 @@ from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 
-_ANALYTIC = frozenset((
-    "const", "symbol", "add", "scale", "sin", "cos", "exp", "sinh", "cosh", "tanh", "atan"
-))  # fmt: skip
+_ANALYTIC = smooth_as(ENTIRE) | {"const", "symbol", "add", "scale"}
 
 Key = TypeVar("Key", bound=Hashable)
 

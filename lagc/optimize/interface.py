@@ -8,6 +8,7 @@ from itertools import accumulate
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
+from lagc.expr.operators import CHOICE, CORNER, STEP, TRUTHS, smooth_as
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
@@ -22,7 +23,7 @@ _UNHASHED = (
     "initial_places", "bends", "timed", "driven", "doubtful",
 )  # fmt: skip
 
-_BENDING = ("abs", "floor", "sign", "min", "max", "select")
+_BENDING = smooth_as(CORNER, STEP, CHOICE) - TRUTHS
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:

@@ -5,16 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
+from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program
 from lagc.render.c.parts import LONGEST, SHARED, divided
 from lagc.render.names import comment
 from lagc.render.statements import AND, OR, Dialect, lines, uses
 
-CALLS = {
-    **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
-    **{op: op for op in ("exp", "log", "sqrt", "floor", "atan2", "pow")},
-    "abs": "fabs", "sign": "lagc_sign", "min": "lagc_min", "max": "lagc_max", "not": "!",
-}  # fmt: skip
+CALLS = spelling("c")
 
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
@@ -44,7 +41,7 @@ def function_text(
 
     dialect = Dialect(
         calls=CALLS,
-        infix={"and": (" && ", AND), "or": (" || ", OR)},
+        infix={op: (f" {CALLS[op]} ", binds) for op, binds in (("and", AND), ("or", OR))},
         select="({} ? {} : {})",
         number="const double {name} = {value};",
         truth="const int {name} = {value};",
