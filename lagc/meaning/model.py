@@ -67,6 +67,8 @@ class Input:
     symbol: Node
     unit: str
     default: float
+    minimum: float
+    maximum: float
     span: Span
     description: str = ""
 

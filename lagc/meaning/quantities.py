@@ -167,6 +167,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
 
 def _input(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
+    bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         default = 0.0
@@ -178,10 +179,11 @@ def _input(context: Context, quantity: Quantity) -> Value:
                     value_span(context, quantity),
                 )
             default = scalar.node.value
-        name = quantity.name(subscript)
+        name, unit = quantity.name(subscript), quantity.type.unit
+        check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
         entry.nouns.append(
-            nouns.Input(name, symbol, quantity.type.unit, default, entry.span, quantity.description)
+            nouns.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
         )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)

@@ -155,8 +155,7 @@ def _limit(x: Limit) -> Field:
 
 
 def _input(u: Input) -> Field:
-    inf = float("inf")
-    return Field(u.name, u.default, -inf, inf, u.unit, u.unit, place(u.span), u.description)
+    return Field(u.name, u.default, u.minimum, u.maximum, u.unit, u.unit, place(u.span), u.description)
 
 
 def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:

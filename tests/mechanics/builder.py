@@ -68,7 +68,8 @@ class Builder:
 
     def input(self, name: str, default: float = 0.0) -> Node:
         symbol = self.graph.symbol("input", name)
-        self.inputs.append(Input(name, symbol, "", default, SPAN))
+        inf = float("inf")
+        self.inputs.append(Input(name, symbol, "", default, -inf, inf, SPAN))
         return symbol
 
     def coordinate(
