@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from lagc.expr.graph import Node
+from typing import TYPE_CHECKING
+
 from lagc.expr.operators import INFIX
 from lagc.expr.walk import reachable
+
+if TYPE_CHECKING:
+    from lagc.expr.graph import Node
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
 

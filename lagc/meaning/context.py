@@ -38,9 +38,16 @@ class Given:
 
 class Context:
     """`parameters` and `starts` are the values given from outside a model, by full name; each that
-    is used is noted in `taken`."""
+    is used is noted in `taken`.  `declare` finds the value of a declaration, `how` that of each kind of
+    expression."""
 
-    def __init__(self, importer: Importer, uses: frozenset[str], declare: Callable[[Context, Entry], Value]):
+    def __init__(
+        self,
+        importer: Importer,
+        uses: frozenset[str],
+        declare: Callable[[Context, Entry], Value],
+        how: Mapping[type, Callable[..., Value]],
+    ):
         self.graph = Graph()
         self.clock = Clock(self.graph)
         self.time: Node = self.graph.symbol("time", "time")
@@ -69,6 +76,7 @@ class Context:
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
+        self.how = how
 
     def report(self, wrong: Wrong) -> None:
         fault = wrong.fault

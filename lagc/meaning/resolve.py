@@ -13,6 +13,7 @@ from lagc.meaning.calls import look_at_uncalled
 from lagc.meaning.context import Context
 from lagc.meaning.declare import declare
 from lagc.meaning.dynamics import condition
+from lagc.meaning.expressions import HOW
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scene import (
@@ -53,7 +54,7 @@ def resolve(
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
-    context = Context(importer, frozenset(), declare)
+    context = Context(importer, frozenset(), declare, HOW)
     try:
         declaration, where = choose_model(file, space, model)
         setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
