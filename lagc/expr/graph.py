@@ -24,6 +24,7 @@ from typing import Any, TypeAlias
 
 from lagc.expr.operators import PARITY, TWINS, VALUES
 from lagc.expr.squares import exchanged
+from lagc.expr.symbol import Symbol
 
 Number: TypeAlias = "float | int"
 
@@ -43,7 +44,7 @@ class Node:
 
     op        args            value
     const     ()              float
-    symbol    ()              (kind, name)
+    symbol    ()              Symbol
     add       (a, b)          None
     scale     (x,)            float coefficient
     mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
@@ -94,6 +95,12 @@ class Node:
         return text(self)
 
     @property
+    def record(self) -> Symbol:
+        """What a symbol stands for."""
+        found: Symbol = self.value
+        return found
+
+    @property
     def is_zero(self) -> bool:
         return self.op == "const" and self.value == 0.0
 
@@ -131,9 +138,12 @@ class Graph:
         """The constant `value`; -0.0 is taken as 0.0 (no expression here tells them apart)."""
         return self._intern("const", (), float(value) + 0.0)
 
-    def symbol(self, kind: str, name: str) -> Node:
-        """The leaf called `name`; `kind` keeps name spaces apart (parameter, coordinate, ...)."""
-        return self._intern("symbol", (), (kind, name))
+    def symbol(self, kind: str, owner: str = "", component: str = "", order: int = 0) -> Node:
+        """The leaf of this `Symbol`."""
+        return self.leaf(Symbol(kind, owner, component, order))
+
+    def leaf(self, symbol: Symbol) -> Node:
+        return self._intern("symbol", (), symbol)
 
     def lift(self, value: Node | Number) -> Node:
         return value if isinstance(value, Node) else self.const(value)

@@ -24,7 +24,7 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
     import sympy
 
     def plain(symbol: Node) -> Any:
-        return sympy.Symbol(symbol.value[1], real=True)
+        return sympy.Symbol(symbol.record.name, real=True)
 
     leaf = names or plain
     known: dict[Node, Any] = {}

@@ -36,7 +36,7 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         value: float = node.value
         return number(value), _ATOM if value >= 0 else _SUM
     if op == "symbol":
-        return node.value[1], _ATOM
+        return node.record.name, _ATOM
     if op == "add":
         left, right = (_wrap(part, _SUM) for part in parts)
         if right.startswith("-"):

@@ -26,9 +26,10 @@ DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A value that comes from a scene (`expression`) or from the command (`number`, in `unit`,
-    SI where None)."""
+    """A value for `owner` or a rate of it, that comes from a scene (`expression`) or from the command
+    (`number`, in `unit`, SI where None)."""
 
+    owner: str
     expression: tree.Expression | None = None
     environment: Environment | None = None
     number: float = 0.0

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from lagc.expr.graph import Node
+from lagc.expr.symbol import derived
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
@@ -226,15 +227,16 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     dimension = quantity.type.dimension
     at_start, start_stated = starts(context, quantity, "start", dimension, quantity.name)
     rates, rate_stated = starts(
-        context, quantity, "rate", over(dimension, S), lambda s: f"der({quantity.name(s)})"
+        context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
     )
     start_stated, rate_stated = held(context, quantity.attributes, start_stated, rate_stated)
     found: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
-        symbol, speed = graph.symbol("coordinate", name), graph.symbol("rate", f"der({name})")
+        symbol = graph.symbol("coordinate", name)
+        speed = graph.leaf(symbol.record.derivative)
         context.clock.runs(symbol, speed)
-        context.clock.runs(speed, graph.symbol("acceleration", f"der(der({name}))"))
+        context.clock.runs(speed, graph.leaf(speed.record.derivative))
         entry.nouns.append(
             nouns.Coordinate(
                 name,
@@ -278,7 +280,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
-        context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))
+        context.clock.runs(symbol, graph.leaf(symbol.record.derivative))
         speed = nouns.Speed(
             name,
             symbol,

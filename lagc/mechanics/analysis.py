@@ -12,6 +12,7 @@ from itertools import chain
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
+from lagc.expr.symbol import Symbol
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -232,7 +233,7 @@ def _conserved(
                 momentum = momenta(states, parts, free, [c.rate_symbol])[c.rate_symbol]
                 reason = f"`{c.name}` is cyclic and no force acts along it"
                 proved = unpushed and cyclic[c.name]
-                found.append(Conserved(f"momentum({c.name})", momentum, reason, proved))
+                found.append(Conserved(Symbol("momentum", c.name).name, momentum, reason, proved))
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))
@@ -276,16 +277,16 @@ def _totals(
 ) -> list[Conserved]:
     """Components of the total momenta that are constant along the motion, where they are not zero."""
     found: list[Conserved] = []
-    for head, reason in (
+    for kind, reason in (
         ("momentum", "no net force acts along it"),
         ("angular_momentum", "no net torque acts about it"),
     ):
         for axis in "xyz":
-            name = f"{head}().{axis}"
-            node = quantities.value(name)
+            asked = Symbol(kind, component=axis)
+            node = quantities.value(asked)
             if at_rows.vanish([node]) is not None:
                 continue
             proved = motion.vanish([tangent(states.graph, [node], states.flow)[0]])
             if proved is not None:
-                found.append(Conserved(name, node, reason, proved and sure))
+                found.append(Conserved(asked.name, node, reason, proved and sure))
     return found

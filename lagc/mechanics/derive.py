@@ -51,8 +51,6 @@ def derive(model: Model) -> EquationsOfMotion:
         v=states.v,
         a=states.a,
         lam=lam,
-        q_names=states.q_names,
-        v_names=states.v_names,
         q_units=states.q_units,
         v_units=states.v_units,
         qdot=states.qdot,

@@ -81,10 +81,14 @@ class StatedRate:
     """A rate that a start value is stated for and that is no speed, since a declared one replaces it:
     its expression in t, q, v."""
 
-    name: str
+    symbol: Node
     unit: str
     rate: Node
     start: StartValue
+
+    @property
+    def name(self) -> str:
+        return self.symbol.record.name
 
 
 @dataclass(frozen=True)
@@ -96,8 +100,6 @@ class EquationsOfMotion:
     v: tuple[Node, ...]  # symbols: rates, or declared speeds
     a: tuple[Node, ...]  # symbols: d(v)/dt
     lam: tuple[Node, ...]  # symbols, one a row
-    q_names: tuple[str, ...]
-    v_names: tuple[str, ...]  # "der(theta)", "u1", "o.rate.x"
     q_units: tuple[str, ...]
     v_units: tuple[str, ...]
     qdot: tuple[Node, ...]
@@ -122,6 +124,15 @@ class EquationsOfMotion:
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
 
     @property
+    def q_names(self) -> tuple[str, ...]:
+        return tuple([x.record.name for x in self.q])
+
+    @property
+    def v_names(self) -> tuple[str, ...]:
+        """As `der(theta)`, `u1`, `o.rate.x`."""
+        return tuple([x.record.name for x in self.v])
+
+    @property
     def starts(self) -> tuple[StartValue, ...]:
         """Of q, of v, and of the stated rates."""
         return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
@@ -130,8 +141,8 @@ class EquationsOfMotion:
         """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
         nq, nv = len(self.q), len(self.v)
         sizes = [
-            ("q", nq, (self.q_names, self.q_units, self.qdot, self.starts_q)),
-            ("v", nv, (self.a, self.v_names, self.v_units, self.starts_v)),
+            ("q", nq, (self.q_units, self.qdot, self.starts_q)),
+            ("v", nv, (self.a, self.v_units, self.starts_v)),
             ("v", nv, (self.bias_forces, self.given_forces)),
             ("rows", len(self.rows), (self.lam,)),
         ]
@@ -178,5 +189,5 @@ class EquationsOfMotion:
         for name, nodes, allowed in tables:
             strange = symbols(nodes) - allowed
             if strange:
-                found = ", ".join(sorted(str(s.value) for s in strange))
+                found = ", ".join(sorted(s.record.name for s in strange))
                 raise ValueError(f"a {name} expression holds {found}")

@@ -124,7 +124,7 @@ def _kinematic(equations: EquationsOfMotion, collector: Collector, shown: dict[N
 
 
 def _is_rate(equations: EquationsOfMotion, speed: Node) -> bool:
-    return equations.v_names[equations.v.index(speed)].startswith("der(")
+    return speed.record.kind == "rate" and not speed.record.turns
 
 
 def _motion(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:

@@ -60,9 +60,12 @@ class LatexWriter(TextWriter):
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.named(node)
-        if name is None:
-            return self.raised(letter(str(node.value[1])), exponent)
-        return self.raised(letter(name.base, name.order), exponent)
+        record = node.record
+        base, order = (record.base, record.order) if name is None else (name.base, name.order)
+        if record.turns:
+            owner = re.sub(r"\W+", "_", record.owner).strip("_")
+            base = f"omega_{owner}_{record.component}"
+        return self.raised(letter(base, order), exponent)
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "abs":
@@ -88,8 +91,6 @@ class LatexWriter(TextWriter):
 def letter(name: str, dots: int = 0) -> str:
     """A name with its subscripts and dots: `th[2]` is th_2, `a.bob[3]` is bob_{a,3}."""
     path = name.split(".")
-    if len(path) == 3 and path[1] == "rate":  # body rates of an orientation
-        return letter(f"omega_{path[0]}_{path[2]}", dots)
     last, *indices = re.split(r"[\[\],]+", path[-1].rstrip("]"))
     base, subscripts = _base(last)
     subscripts += [_plain(p) for p in path[:-1]] + [_plain(i) for i in indices]

@@ -70,8 +70,8 @@ def _declarations(equations: EquationsOfMotion, variables: Mapping[str, str]) ->
         lines.append(_line(variables[p.name], f"sympy.Symbol({p.name!r}, {known})", p.unit, p.description))
     moving = [(i.name, i.unit, i.description) for i in model.inputs]
     moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
-    speeds = zip(equations.v_names, equations.v_units)
-    moving += [(name, unit, "") for name, unit in speeds if not name.startswith("der(")]
+    speeds = [(x.record, unit) for x, unit in zip(equations.v, equations.v_units)]
+    moving += [(record.name, unit, "") for record, unit in speeds if record.order == 0]
     moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
     for name, unit, description in moving:
         lines.append(_line(variables[name], f"sympy.Function({name!r}, real=True)(t)", unit, description))

@@ -104,7 +104,7 @@ class TextWriter:
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.named(node)
-        text = str(node.value[1]) if name is None else name.base + "'" * name.order
+        text = node.record.name if name is None else name.base + "'" * name.order
         return self.raised(text, exponent)
 
     def named(self, node: Node) -> Name | None:

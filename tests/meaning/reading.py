@@ -31,7 +31,7 @@ def value(model: Model, node: Node, **motion: float) -> float:
         if name == "time":
             table[model.time] = number
         elif name.startswith("der_"):
-            table[graph.symbol("rate", f"der({name[4:]})")] = number
+            table[graph.symbol("rate", name[4:], order=1)] = number
         else:
             table[graph.symbol("coordinate", name)] = number
     return evaluate([node], table)[0]

@@ -254,7 +254,7 @@ def test_what_an_input_does_is_work_from_outside() -> None:
     b.potential("field", u * x * y)
     b.potential("spring", x * x)
     b.force("push", (0.0, u * u, 0.0), (x, y, 0.0))
-    b.output("P", b.quantity("power(push)"))
+    b.output("P", b.quantity("power", "push"))
     e = derive(b.model())
     assert [c.conservative for c in e.contributions] == [False, True, False]
     state = random_state(e, 12)
@@ -270,7 +270,7 @@ def test_energy_of_a_driven_bead() -> None:
     b = Builder()
     r, g, w = b.coordinate("r"), b.graph, b.parameter("w", 2.0)
     b.particle("bead", b.parameter("m", 3.0), (r * g.cos(w * b.time), r * g.sin(w * b.time), 0.0))
-    b.output("E", b.quantity("energy()"))
+    b.output("E", b.quantity("energy"))
     e = derive(b.model())
     state = random_state(e, 13)
     reach, speed = state[e.q[0]], state[e.v[0]]
