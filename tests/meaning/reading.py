@@ -24,7 +24,7 @@ def read_body(lines: str, **choice: Any) -> Model:
 
 
 def value(model: Model, node: Node, **motion: float) -> float:
-    """`node` at the parameters' values and the given motion (`x`, `der_x`, `time`)."""
+    """`node` at the parameters' values and the given motion (`x`, `o.w`, `der_x`, `time`)."""
     table: dict[Node, float] = {p.symbol: p.value for p in model.parameters if p.value is not None}
     graph = model.graph
     for name, number in motion.items():
@@ -33,7 +33,8 @@ def value(model: Model, node: Node, **motion: float) -> float:
         elif name.startswith("der_"):
             table[graph.symbol("rate", name[4:], order=1)] = number
         else:
-            table[graph.symbol("coordinate", name)] = number
+            owner, _, component = name.partition(".")
+            table[graph.symbol("coordinate", owner, component)] = number
     return evaluate([node], table)[0]
 
 
