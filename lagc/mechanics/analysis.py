@@ -104,9 +104,9 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     rows = equations.rows
     met = walk(states, rows)
     moving = mobility(states, rows, met)
-    holonomic = [row for row in rows if row.kind == "holonomic"]
+    holonomic = [row for row in rows if row.holonomic]
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
-    asked = [row for k, row in enumerate(rows) if row.kind == "velocity" or k not in places.spare]
+    asked = [row for k, row in enumerate(rows) if not row.holonomic or k not in places.spare]
     integrable = integrable_rows(states, asked, met.all)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
@@ -152,7 +152,7 @@ def _not_examined(moving: Mobility, integrable: Integrable, totals: bool) -> lis
 def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind]:
     found: list[RowKind] = []
     for row in equations.rows:
-        holonomic = row.kind == "holonomic"
+        holonomic = row.holonomic
         closed = holonomic or not row.linear or row.label in integrable.open
         answer: bool | None = None if closed else row.label in integrable.rows
         if holonomic:
@@ -255,7 +255,7 @@ def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) ->
     """Consistent states with the default parameters, near the start and farther, and with others."""
     count = _STATES if small else 1
     drawn = list(samples(states.model, count))
-    if len(rows) <= _FEW and not any(row.kind == "holonomic" for row in rows):
+    if len(rows) <= _FEW and not any(row.holonomic for row in rows):
         drawn += far_away(states)  # beside closed loops these may be other ways to assemble them
     beside = (onto(states, rows, s) for s in drawn)
     start = [] if met.start is None else [met.start]

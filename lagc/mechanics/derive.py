@@ -35,8 +35,7 @@ def derive(model: Model) -> EquationsOfMotion:
     free = free_terms(states, with_rates(states))
     acting = act(states)
     classified, dropped = _constrained(states)
-    lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
-    totals = energies(states, parts, acting, free, classified, lam)
+    totals = energies(states, parts, acting, free, classified)
     matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
     bias = _sum(graph, [bias_forces(states, parts), free.bias])
     given = _sum(graph, [x.contribution.forces for x in acting])
@@ -50,7 +49,6 @@ def derive(model: Model) -> EquationsOfMotion:
         q=states.q,
         v=states.v,
         a=states.a,
-        lam=lam,
         q_units=states.q_units,
         v_units=states.v_units,
         qdot=states.qdot,

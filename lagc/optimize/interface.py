@@ -60,7 +60,7 @@ def interface(
         nv=len(equations.v),
         nz=1 if work else 0,
         nc=len(equations.rows),
-        nh=sum(1 for row in equations.rows if row.kind == "holonomic"),
+        nh=sum(1 for row in equations.rows if row.holonomic),
         q_names=equations.q_names,
         v_names=equations.v_names,
         q_units=equations.q_units,

@@ -29,8 +29,8 @@ def names(equations: EquationsOfMotion) -> dict[Node, Name]:
         record = symbol.record
         base = record.base if record.component else short(record.base)
         found[symbol] = Name(base, record.base, record.order)
-    for symbol, row in zip(equations.lam, equations.rows):
-        found[symbol] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
+    for row in equations.rows:
+        found[row.multiplier] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
     taken = {n.base for n in found.values()}
     found[equations.time] = Name("time" if "t" in taken else "t", "time")
     return found

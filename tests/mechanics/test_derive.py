@@ -99,8 +99,8 @@ def test_pendulum() -> None:
 def test_string_pendulum_tension() -> None:
     """m v^2/l - m g z/l along the string, from the row's multiplier."""
     e = derive(string_pendulum())
-    assert [(r.label, r.kind, r.linear, r.time_dependent) for r in e.rows] == [
-        ("string", "holonomic", True, False)
+    assert [(r.label, r.level.value, r.linear, r.time_dependent) for r in e.rows] == [
+        ("string", "position", True, False)
     ]
     state = consistent_state(e, 2)
     assert state is not None
@@ -212,8 +212,8 @@ def test_relativistic_mass() -> None:
 
 def test_driven_disc_keeps_account_of_its_drives() -> None:
     e = derive(rheonomic_disc())
-    assert [(r.label, r.kind, r.time_dependent) for r in e.rows] == [
-        ("hub", "holonomic", True),
+    assert [(r.label, r.level.value, r.time_dependent) for r in e.rows] == [
+        ("hub", "position", True),
         ("rolling", "velocity", True),
     ]
     assert not e.power.is_zero
