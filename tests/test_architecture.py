@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
+from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -25,6 +28,48 @@ def test_rooms_import_only_what_comes_before_them() -> None:
     pytest.importorskip("importlinter")
     done = python("-c", IMPORT_LINTER)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def imports(tree: ast.AST, known: set[str]) -> Iterator[str]:
+    """The files that a file imports, within functions too; not those of which it knows types alone."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            yield from (names & known) or ({node.module} & known)
+        yield from imports(node, known)
+
+
+def circle(files: dict[str, str]) -> list[str]:
+    """Files, by name and text, that import one another around; none where none do."""
+    needs = {name: set(imports(ast.parse(text), set(files))) for name, text in files.items()}
+    try:
+        TopologicalSorter(needs).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []
+
+
+def test_no_file_imports_one_that_imports_it() -> None:
+    paths = [path for path in (ROOT / "lagc").rglob("*.py") if "support" not in path.parts]
+    names = {path: ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in paths}
+    files = {name.removesuffix(".__init__"): path.read_text() for path, name in names.items()}
+    files["lagc.cache"] = files["lagc.cache"].replace(
+        "from lagc.cache.upkeep import shrink", ""
+    )  # of its own
+    assert not circle(files)
+
+
+def test_circles_of_imports_are_seen() -> None:
+    late = "def f():\n    from lagc.b import g\n"
+    assert circle({"lagc.a": late, "lagc.b": "import lagc.a"})
+    assert circle(
+        {"lagc.a": late, "lagc.b": "from lagc import c", "lagc.c": "if True:\n    from lagc.a import f"}
+    )
+    assert not circle({"lagc.a": late, "lagc.b": "if TYPE_CHECKING:\n    import lagc.a"})
 
 
 @pytest.mark.parametrize("forbidden", ["numpy", "lark", "sympy", "scipy", "matplotlib"])

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import reachable
 
 
@@ -22,30 +23,7 @@ def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
         return (graph.const(node.value),)
     if op == "mul":
         return tuple([partial(graph, node, k) for k in range(len(args))])
-    if len(args) == 1:
-        return (_unary(graph, node, args[0]),)
-    if op == "pow":
-        x, y = args
-        dx = graph.mul(y, graph.pow(x, y - 1.0))
-        return (dx, graph.zero if y.is_const else graph.mul(node, graph.unary("log", x)))
-    if op == "atan2":
-        y, x = args
-        square = x * x + y * y
-        return (x / square, -y / square)
-    if op in ("min", "max"):
-        first = graph.binary("le" if op == "min" else "lt", *(args if op == "min" else args[::-1]))
-        return (
-            graph.select(first, graph.one, graph.zero),
-            graph.select(first, graph.zero, graph.one),
-        )
-    if op == "select":
-        c = args[0]
-        return (
-            graph.zero,
-            graph.select(c, graph.one, graph.zero),
-            graph.select(c, graph.zero, graph.one),
-        )
-    return (graph.zero,) * len(args)  # comparisons and connectives are steps
+    return OPERATORS[op].slopes(graph, node, *args)
 
 
 def partial(graph: Graph, node: Node, k: int) -> Node:
@@ -54,37 +32,6 @@ def partial(graph: Graph, node: Node, k: int) -> Node:
         exponent = node.value[k]
         return graph.scale(float(exponent), graph.reduced(node, k))
     return partials(graph, node)[k]
-
-
-def _unary(graph: Graph, node: Node, x: Node) -> Node:
-    op = node.op
-    if op == "sin":
-        return graph.cos(x)
-    if op == "cos":
-        return -graph.sin(x)
-    if op == "tan":
-        return node * node + 1.0
-    if op == "asin":
-        return 1.0 / graph.sqrt(1.0 - x * x)
-    if op == "acos":
-        return -1.0 / graph.sqrt(1.0 - x * x)
-    if op == "atan":
-        return 1.0 / (x * x + 1.0)
-    if op == "sinh":
-        return graph.unary("cosh", x)
-    if op == "cosh":
-        return graph.unary("sinh", x)
-    if op == "tanh":
-        return 1.0 - node * node
-    if op == "exp":
-        return node
-    if op == "log":
-        return 1.0 / x
-    if op == "sqrt":
-        return 0.5 / node
-    if op == "abs":
-        return graph.unary("sign", x)
-    return graph.zero  # floor, sign, not
 
 
 def tangent(

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from operator import attrgetter
 
-from lagc.expr.graph import BINARY, UNARY, Node
+from lagc.expr.graph import Node
+from lagc.expr.operators import VALUES
 from lagc.expr.walk import depends, missing, reachable
 
 
@@ -63,12 +64,6 @@ def _value(node: Node, known: Mapping[Node, float]) -> float:
             for base, exponent in zip(x, node.value):
                 product *= base**exponent
             return product
-        if op == "select":
-            return x[1] if x[0] else x[2]
-        if op in BINARY:
-            return float(BINARY[op](x[0], x[1]))
-        if op == "not":
-            return float(not x[0])
-        return float(UNARY[op](x[0]))
+        return float(VALUES[op](*x))
     except (ValueError, ZeroDivisionError, OverflowError):
         return math.nan

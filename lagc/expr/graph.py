@@ -22,34 +22,9 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
-UNARY: dict[str, Callable[[float], float]] = {
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "asin": math.asin,
-    "acos": math.acos,
-    "atan": math.atan,
-    "sinh": math.sinh,
-    "cosh": math.cosh,
-    "tanh": math.tanh,
-    "exp": math.exp,
-    "log": math.log,
-    "sqrt": math.sqrt,
-    "abs": math.fabs,
-    "floor": math.floor,
-    "sign": lambda x: (x > 0) - (x < 0),
-}
-BINARY: dict[str, Callable[[float, float], float]] = {
-    "atan2": math.atan2,
-    "pow": math.pow,
-    "min": min,
-    "max": max,
-    "lt": lambda x, y: x < y,
-    "le": lambda x, y: x <= y,
-    "eq": lambda x, y: x == y,
-    "and": lambda x, y: bool(x and y),
-    "or": lambda x, y: bool(x or y),
-}
+from lagc.expr.operators import PARITY, TWINS, VALUES
+from lagc.expr.squares import exchanged
+from lagc.expr.symbol import Symbol
 
 Number: TypeAlias = "float | int"
 
@@ -69,14 +44,11 @@ class Node:
 
     op        args            value
     const     ()              float
-    symbol    ()              (kind, name)
+    symbol    ()              Symbol
     add       (a, b)          None
     scale     (x,)            float coefficient
     mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
-    sin ...   (x,)            None          every name of UNARY
-    atan2 ... (x, y)          None          every name of BINARY
-    not       (x,)            None
-    select    (c, x, y)       None          x where c holds, else y
+    sin ...   (x, ...)        None          every name of OPERATORS
     """
 
     __slots__ = ("args", "graph", "index", "op", "value")
@@ -123,6 +95,12 @@ class Node:
         return text(self)
 
     @property
+    def record(self) -> Symbol:
+        """What a symbol stands for."""
+        found: Symbol = self.value
+        return found
+
+    @property
     def is_zero(self) -> bool:
         return self.op == "const" and self.value == 0.0
 
@@ -160,9 +138,12 @@ class Graph:
         """The constant `value`; -0.0 is taken as 0.0 (no expression here tells them apart)."""
         return self._intern("const", (), float(value) + 0.0)
 
-    def symbol(self, kind: str, name: str) -> Node:
-        """The leaf called `name`; `kind` keeps name spaces apart (parameter, coordinate, ...)."""
-        return self._intern("symbol", (), (kind, name))
+    def symbol(self, kind: str, owner: str = "", component: str = "", order: int = 0) -> Node:
+        """The leaf of this `Symbol`."""
+        return self.leaf(Symbol(kind, owner, component, order))
+
+    def leaf(self, symbol: Symbol) -> Node:
+        return self._intern("symbol", (), symbol)
 
     def lift(self, value: Node | Number) -> Node:
         return value if isinstance(value, Node) else self.const(value)
@@ -222,15 +203,13 @@ class Graph:
             return self.scale(_total(ca, cb), xa)
         if xa.op == "const" and xb.op == "const":
             return self.const(_total(ca * xa.value, cb * xb.value))
-        if ca != cb or xa.op != "mul" or xb.op != "mul":
+        if ca != cb or xa.op != "mul" or xb.op != "mul" or 2 not in xa.value:
             return None
-        swap = {"sin": "cos", "cos": "sin"}
-        for base, exponent in zip(xa.args, xa.value):
-            if exponent == 2 and base.op in swap:
-                twin = self._intern(swap[base.op], base.args, None)
-                rest = self.div(xa, self.mul(base, base))
-                if self.mul(rest, self.mul(twin, twin)) is xb:
-                    return self.scale(ca, rest)
+        squares = exchanged(zip(xa.args, xa.value), lambda base, e: self.twin(base) if e == 2 else None)
+        for powers, other in squares:
+            rest = self.product(powers.items())
+            if self.mul(rest, self.power(other, 2)) is xb:
+                return self.scale(ca, rest)
         return None
 
     def sub(self, a: Node, b: Node) -> Node:
@@ -366,7 +345,7 @@ class Graph:
             if n == 0.5:
                 return self.unary("sqrt", x)
             if x.op == "const":
-                folded = _fold(BINARY["pow"], x.value, n)
+                folded = _fold(VALUES["pow"], x.value, n)
                 if folded is not None:
                     return self.const(folded)
         return self._intern("pow", (x, y), None)
@@ -375,14 +354,13 @@ class Graph:
 
     def unary(self, op: str, x: Node) -> Node:
         if x.op == "const":
-            folded = _fold(UNARY[op], x.value)
+            folded = _fold(VALUES[op], x.value)
             if folded is not None:
                 return self.const(folded)
         elif x.op == "scale" and x.value < 0:
-            if op in ("cos", "cosh", "abs"):
-                return self.unary(op, -x)
-            if op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign"):
-                return -self.unary(op, -x)
+            parity = PARITY[op]
+            if parity:
+                return self.scale(float(parity), self.unary(op, -x))
         return self._intern(op, (x,), None)
 
     def sin(self, x: Node) -> Node:
@@ -394,12 +372,16 @@ class Graph:
     def sqrt(self, x: Node) -> Node:
         return self.unary("sqrt", x)
 
+    def twin(self, x: Node) -> Node | None:
+        """cos(u) for x = sin(u), sin(u) for cos(u)."""
+        return self.unary(TWINS[x.op], x.args[0]) if x.op in TWINS else None
+
     def binary(self, op: str, x: Node, y: Node) -> Node:
         """atan2, min, max, pow, the comparisons lt le eq, and the connectives and, or."""
         if op == "pow":
             return self.pow(x, y)
         if x.op == "const" and y.op == "const":
-            folded = _fold(BINARY[op], x.value, y.value)
+            folded = _fold(VALUES[op], x.value, y.value)
             if folded is not None:
                 return self.const(folded)
         return self._intern(op, (x, y), None)

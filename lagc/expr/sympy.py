@@ -9,9 +9,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import OPERATORS, spelling
 from lagc.expr.walk import reachable
 
-_NAMES = {"asin": "asin", "acos": "acos", "atan": "atan", "abs": "Abs", "min": "Min", "max": "Max"}
+_NAMES = spelling("sympy")
 
 
 def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) -> list[Any]:
@@ -23,7 +24,7 @@ def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) 
     import sympy
 
     def plain(symbol: Node) -> Any:
-        return sympy.Symbol(symbol.value[1], real=True)
+        return sympy.Symbol(symbol.record.name, real=True)
 
     leaf = names or plain
     known: dict[Node, Any] = {}
@@ -48,12 +49,7 @@ def _to(sympy: Any, node: Node, args: list[Any]) -> Any:
         return args[0] ** args[1]
     if op == "select":
         return sympy.Piecewise((args[1], args[0]), (args[2], True))
-    if op in _RELATIONS:
-        return getattr(sympy, _RELATIONS[op])(*args)
-    return getattr(sympy, _NAMES.get(op, op))(*args)
-
-
-_RELATIONS = {"lt": "Lt", "le": "Le", "eq": "Eq", "and": "And", "or": "Or", "not": "Not"}
+    return getattr(sympy, _NAMES[op])(*args)
 
 
 def _number(sympy: Any, value: float) -> Any:
@@ -114,13 +110,13 @@ def _from(sympy: Any, graph: Graph, expr: Any, known: Mapping[Any, Node]) -> Nod
     name = type(expr).__name__
     if name in ("GreaterThan", "StrictGreaterThan"):
         return graph.binary("le" if name == "GreaterThan" else "lt", args[1], args[0])
-    unary, binary = _FROM_UNARY.get(name), _FROM_BINARY.get(name)
-    if unary is not None and len(args) == 1:
-        return graph.logical_not(args[0]) if unary == "not" else graph.unary(unary, args[0])
-    if binary is not None and len(args) >= 2:
+    op = next((op for op, spelt in _NAMES.items() if type(expr) is getattr(sympy, spelt)), None)
+    if op is not None and len(args) == OPERATORS[op].arity == 1:
+        return graph.logical_not(args[0]) if op == "not" else graph.unary(op, args[0])
+    if op is not None and len(args) >= OPERATORS[op].arity == 2:
         total = args[0]
         for argument in args[1:]:
-            total = graph.binary(binary, total, argument)
+            total = graph.binary(op, total, argument)
         return total
     raise ValueError(f"no node for the sympy expression {expr!r}")
 
@@ -131,17 +127,3 @@ def _piecewise(graph: Graph, args: Sequence[Node]) -> Node:
     for k in range(len(args) - 4, -1, -2):
         total = graph.select(args[k + 1], args[k], total)
     return total
-
-
-_SAME = ["sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "sign"]
-_FROM_UNARY = {"Abs": "abs", "Not": "not", **{op: op for op in _SAME}}
-_FROM_BINARY = {
-    "atan2": "atan2",
-    "Min": "min",
-    "Max": "max",
-    "And": "and",
-    "Or": "or",
-    "StrictLessThan": "lt",
-    "LessThan": "le",
-    "Equality": "eq",
-}

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from lagc.expr.graph import Node
+from typing import TYPE_CHECKING
+
+from lagc.expr.operators import INFIX
 from lagc.expr.walk import reachable
 
+if TYPE_CHECKING:
+    from lagc.expr.graph import Node
+
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
-_INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
 
 
 def number(value: float) -> str:
@@ -32,7 +36,7 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         value: float = node.value
         return number(value), _ATOM if value >= 0 else _SUM
     if op == "symbol":
-        return node.value[1], _ATOM
+        return node.record.name, _ATOM
     if op == "add":
         left, right = (_wrap(part, _SUM) for part in parts)
         if right.startswith("-"):
@@ -48,8 +52,8 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         return _monomial(parts, node.value)
     if op == "select":
         return f"if {parts[0][0]} then {parts[1][0]} else {parts[2][0]}", 0
-    if op in _INFIX:
-        return f"({parts[0][0]} {_INFIX[op]} {parts[1][0]})", _ATOM
+    if op in INFIX:
+        return f"({parts[0][0]} {INFIX[op]} {parts[1][0]})", _ATOM
     if op == "pow":
         return f"{_wrap(parts[0], _ATOM)}^{_wrap(parts[1], _ATOM)}", _POWER
     return f"{op}({', '.join(p[0] for p in parts)})", _ATOM

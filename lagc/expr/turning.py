@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from math import comb
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import TWINS
 
 MOST = 2000  # nodes, terms and products that are looked at
 NESTED = 10  # of them that a sum inside a product counts for
@@ -68,7 +69,7 @@ def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
             new = [a for a in node.args if a not in seen]
             seen.update(new)
             stack += new
-        elif node.op in ("sin", "cos"):
+        elif node.op in TWINS:
             (sines if node.op == "sin" else cosines)[node.args[0]] = node
     shared = sorted(sines.keys() & cosines.keys(), key=lambda u: u.index)
     return [(sines[u], cosines[u]) for u in shared]

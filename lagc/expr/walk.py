@@ -7,8 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
 from operator import attrgetter
+from typing import TYPE_CHECKING
 
-from lagc.expr.graph import Graph, Node
+if TYPE_CHECKING:
+    from lagc.expr.graph import Graph, Node
 
 _index = attrgetter("index")
 

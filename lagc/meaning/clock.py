@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from lagc.expr.derivative import partials
 from lagc.expr.graph import Graph, Node
+from lagc.expr.symbol import QUANTITIES
 
 T = TypeVar("T")
 
@@ -22,11 +23,12 @@ KINDS = (
     "speed",
     "acceleration",
     "multiplier",
-    "quantity",
+    *QUANTITIES,
 )
 BIT = {kind: 1 << k for k, kind in enumerate(KINDS)}
 MOVING = BIT["input"] | BIT["time"] | BIT["coordinate"] | BIT["rate"] | BIT["speed"]
-LATE = BIT["acceleration"] | BIT["multiplier"] | BIT["quantity"]  # known once the equations are solved
+# Known once the equations are solved.
+LATE = BIT["acceleration"] | BIT["multiplier"] | sum(BIT[kind] for kind in QUANTITIES)
 VELOCITY = BIT["rate"] | BIT["speed"]
 
 
@@ -59,7 +61,7 @@ class Clock:
         """The kinds of symbols below `node`, a bit each."""
 
         def kinds(top: Node, known: dict[Node, int]) -> int:
-            found = BIT[top.value[0]] if top.op == "symbol" else 0
+            found = BIT[top.record.kind] if top.op == "symbol" else 0
             for argument in top.args:
                 found |= known[argument]
             return found

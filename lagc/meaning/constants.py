@@ -5,8 +5,8 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Span
 from lagc.frontend import tree
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import evaluate_as, outside
-from lagc.meaning.namespace import Namespace
+from lagc.meaning.evaluate import evaluate_as
+from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.typenames import type_of
 from lagc.meaning.values import Value, Wrong, expect, flat
@@ -55,6 +55,19 @@ def packaged(context: Context, e: tree.Member, environment: Environment) -> Valu
         return None
     found, space = environment.space.find(path, e.span, "constant")
     return outside(context, found, space, path[-1], e.span)
+
+
+def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
+    """The value of a constant of a file or a package.  Raises Wrong for anything else."""
+    if isinstance(declared, tree.Quantities):
+        return constant_of(context, declared, space, name, span)
+    words = {
+        tree.ModelDeclaration: "a model",
+        tree.Package: "a package",
+        tree.TypeDeclaration: "a type",
+        tree.FunctionDeclaration: "a function",
+    }
+    raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
 
 
 def _is_here(name: str, environment: Environment) -> bool:

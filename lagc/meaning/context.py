@@ -26,9 +26,10 @@ DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A value that comes from a scene (`expression`) or from the command (`number`, in `unit`,
-    SI where None)."""
+    """A value for `owner` or a rate of it, that comes from a scene (`expression`) or from the command
+    (`number`, in `unit`, SI where None)."""
 
+    owner: str
     expression: tree.Expression | None = None
     environment: Environment | None = None
     number: float = 0.0
@@ -38,9 +39,16 @@ class Given:
 
 class Context:
     """`parameters` and `starts` are the values given from outside a model, by full name; each that
-    is used is noted in `taken`."""
+    is used is noted in `taken`.  `declare` finds the value of a declaration, `how` that of each kind of
+    expression."""
 
-    def __init__(self, importer: Importer, uses: frozenset[str], declare: Callable[[Context, Entry], Value]):
+    def __init__(
+        self,
+        importer: Importer,
+        uses: frozenset[str],
+        declare: Callable[[Context, Entry], Value],
+        how: Mapping[type, Callable[..., Value]],
+    ):
         self.graph = Graph()
         self.clock = Clock(self.graph)
         self.time: Node = self.graph.symbol("time", "time")
@@ -69,6 +77,7 @@ class Context:
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
+        self.how = how
 
     def report(self, wrong: Wrong) -> None:
         fault = wrong.fault

@@ -1,24 +1,17 @@
-"""Expressions of the model language to values: nodes with dimensions, arrays, things."""
+"""Expressions of the model language to values; how, `expressions` says of each kind."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from lagc.diagnostics.faults import Span
-from lagc.diagnostics.suggest import did_you_mean, foreign
-from lagc.expr.graph import Node
 from lagc.frontend import tree
-from lagc.meaning.arithmetic import binary, negative, select
-from lagc.meaning.bare import is_bare, unit_remedy
+from lagc.meaning.bare import is_bare
 from lagc.meaning.context import Context
-from lagc.meaning.members import element, member, part
-from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment
-from lagc.meaning.types import CONSTANTS, describe
-from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
-from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
+from lagc.meaning.units import NONE, Dimension
+from lagc.meaning.values import Array, Poisoned, Scalar, Value, Wrong, kind
 
 T = TypeVar("T")
 Item = TypeVar("Item")
@@ -28,7 +21,7 @@ LONGEST_RANGE = 100_000
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
     """The value of an expression.  Raises Wrong, or Poisoned where a fault has been reported."""
-    return _HOW[type(expression)](context, expression, environment)
+    return context.how[type(expression)](context, expression, environment)
 
 
 def evaluate_as(
@@ -110,247 +103,3 @@ def all_values(
 ) -> list[Value]:
     """The values of all expressions, with the faults of all."""
     return each(context, lambda e: evaluate(context, e, environment), expressions)
-
-
-# -- one function a kind of expression -------------------------------------------------
-
-
-def _number(context: Context, e: tree.Number, environment: Environment) -> Value:
-    if not math.isfinite(e.value):
-        raise Wrong("LAG0309", f"the number {e.text} is too large", e.span)
-    return Scalar(context.graph.const(e.value), None if e.value == 0 else NONE)
-
-
-def _boolean(context: Context, e: tree.Boolean, environment: Environment) -> Value:
-    return Truth(context.graph.const(1.0 if e.value else 0.0))
-
-
-def _string(context: Context, e: tree.String, environment: Environment) -> Value:
-    return Text(e.value)
-
-
-def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> Value:
-    try:
-        meant = unit(e.unit.text)
-    except UnknownUnit as unknown:
-        raise Wrong(
-            "LAG0304",
-            unknown.reason,
-            e.unit.span,
-            remedy=unknown.remedy,
-        ) from None
-    value = evaluate(context, e.value, environment)
-
-    def converted(value: Value) -> Value:
-        if isinstance(value, Array):
-            return Array(tuple([converted(x) for x in value.elements]))
-        if isinstance(value, Scalar) and value.node.is_const and value.dimension in (None, NONE):
-            number = meant.to_si(value.node.value)
-            if not math.isfinite(number):
-                raise Wrong("LAG0309", "the number is too large", e.span)
-            return Scalar(context.graph.const(number), meant.dimension)
-        raise Wrong("LAG0304", "a unit stands after a number or a vector of numbers", e.unit.span)
-
-    return converted(value)
-
-
-def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
-    found = find(context, e.name, environment, e.span)
-    if found is not None:
-        return found
-    instance = environment.instance
-    if e.name in instance.unused:
-        raise Wrong(
-            "LAG0214",
-            f"`{e.name}` {instance.unused[e.name]}",
-            e.span,
-            remedy="use it within the same effect, or let the scene use that effect",
-        )
-    from lagc.meaning.calls import written
-
-    function = written(e.name)
-    if function is not None:
-        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
-    known = [
-        *environment.bindings,
-        *instance.entries,
-        *environment.space.known(),
-        *CONSTANTS,
-        "time",
-        "world",
-    ]
-    raise Wrong(
-        "LAG0201",
-        f"`{e.name}` is not known here",
-        e.span,
-        remedy=foreign(e.name) or did_you_mean(e.name, known),
-    )
-
-
-def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
-    """What a name stands for; None where it is not known.  The user's names come first."""
-    if name in environment.bindings:
-        return environment.bindings[name]
-    entry = environment.instance.entries.get(name)
-    if entry is not None:
-        return context.value(entry, span)
-    if name in environment.instance.unused:
-        return None
-    declared = environment.space.lookup(name)
-    if declared is not None:
-        return outside(context, declared[0], declared[1], name, span)
-    if name == "time":
-        return Scalar(context.time, S)
-    if name == "world":
-        return context.world
-    if name in CONSTANTS:
-        return Scalar(context.graph.const(CONSTANTS[name]), NONE)
-    return None
-
-
-def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
-    """The value of a constant of a file or a package.  Raises Wrong for anything else."""
-    from lagc.meaning.constants import constant_of
-
-    if isinstance(declared, tree.Quantities):
-        return constant_of(context, declared, space, name, span)
-    words = {
-        tree.ModelDeclaration: "a model",
-        tree.Package: "a package",
-        tree.TypeDeclaration: "a type",
-        tree.FunctionDeclaration: "a function",
-    }
-    raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
-
-
-def _member(context: Context, e: tree.Member, environment: Environment) -> Value:
-    from lagc.meaning.constants import packaged
-
-    constant = packaged(context, e, environment)
-    if constant is not None:
-        return constant
-    return member(context, evaluate(context, e.base, environment), e)
-
-
-def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
-    base = evaluate(context, e.base, environment)
-    if any(isinstance(i, tree.Range) for i in e.indices):
-        wanted = [
-            integers(context, i, environment)
-            if isinstance(i, tree.Range)
-            else integer(context, i, environment, "a subscript")
-            for i in e.indices
-        ]
-        return part(context, base, wanted, e)
-    numbers = [integer(context, i, environment, "a subscript") for i in e.indices]
-    return element(context, base, numbers, e)
-
-
-def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
-    raise Wrong("LAG0208", "a range stands in a loop, `for i in 1:n`, or takes elements, `x[1:n]`", e.span)
-
-
-def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
-    value = evaluate(context, e.operand, environment)
-    if e.op == "not":
-        if not isinstance(value, Truth):
-            raise Wrong("LAG0307", f"`not` takes a condition, this is {kind(value)}", e.operand.span)
-        return Truth(context.graph.logical_not(value.node))
-    if e.op == "+":
-        flat(value, e.operand.span, "what `+` stands before")
-        return value
-    return negative(value, e.operand.span)
-
-
-def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value:
-    """Along the left spine in a loop: sums of thousands of terms are trees as deep."""
-    spine = [e]
-    while isinstance(spine[-1].left, tree.Binary):
-        spine.append(spine[-1].left)
-    value: Value | None = None
-    failed = False
-    for node in reversed(spine):
-        jobs = [node.left, node.right] if node is spine[-1] else [node.right]
-        try:
-            sides = all_values(context, jobs, environment)
-        except Poisoned:
-            failed = True
-            continue
-        if not failed:
-            left = sides[0] if value is None else value
-            value = binary(context, node, left, sides[-1])
-    if failed or value is None:
-        raise Poisoned
-    return value
-
-
-def _conditional(context: Context, e: tree.Conditional, environment: Environment) -> Value:
-    def truth_of(condition: tree.Expression) -> Node:
-        truth = evaluate(context, condition, environment)
-        if not isinstance(truth, Truth):
-            raise Wrong("LAG0307", f"`if` takes a condition, this is {kind(truth)}", condition.span)
-        return truth.node
-
-    try:
-        truths = each(context, truth_of, [condition for condition, _ in e.branches])
-    except Poisoned:
-        all_values(context, [*(branch for _, branch in e.branches), e.otherwise], environment)
-        raise
-    chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not looked at
-    for truth, (_, branch) in zip(truths, e.branches):
-        if not truth.is_const or truth.value:
-            chosen.append((truth, branch))
-        if truth.is_const and truth.value:
-            break
-    else:
-        chosen.append((context.graph.one, e.otherwise))
-    values = all_values(context, [branch for _, branch in chosen], environment)
-    value, span = values[-1], chosen[-1][1].span
-    for (truth, branch), branch_value in zip(reversed(chosen[:-1]), reversed(values[:-1])):
-        value = select(context, truth, (branch_value, branch.span), (value, span))
-    return value
-
-
-def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value:
-    elements = all_values(context, e.elements, environment)
-    for value, written in zip(elements, e.elements):
-        flat(value, written.span, "an element of a vector")
-        if shape(value) != shape(elements[0]):
-            raise Wrong("LAG0306", "the elements of an array are all of one shape", written.span)
-    _one_dimension(elements, e.elements)
-    return Array(tuple(elements))
-
-
-def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
-    """Raises Wrong where the numbers of a vector differ in dimension, at the first that does."""
-    first: tuple[Dimension, tree.Expression] | None = None
-    for value, expression in zip(elements, written):
-        if not isinstance(value, Scalar) or value.dimension is None:
-            continue
-        if first is None or (is_bare(first[1]) and not is_bare(expression)):
-            first = (value.dimension, expression)
-    for value, expression in zip(elements, written):
-        if first is None or not isinstance(value, Scalar) or value.dimension in (None, first[0]):
-            continue
-        assert value.dimension is not None
-        here, there = describe(value.dimension), describe(first[0])
-        raise Wrong(
-            "LAG0301",
-            f"the elements differ in dimension: {there} and {here}",
-            expression.span,
-            unit_remedy(expression, first[0]),
-            related=((first[1].span, there),),
-        )
-
-
-def _call(context: Context, e: tree.Call, environment: Environment) -> Value:
-    from lagc.meaning.calls import call
-
-    return call(context, e, environment)
-
-
-_HOW: dict[type, Callable[..., Value]] = {
-    tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
-    tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: _call, tree.Unary: _unary,
-    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
-}  # fmt: skip

@@ -9,6 +9,7 @@ from typing import TypeAlias
 from lagc.diagnostics.faults import Span
 from lagc.expr import vectors
 from lagc.expr.graph import Node
+from lagc.expr.operators import END, ENTIRE, OPERATORS, POLE
 from lagc.meaning.context import Context
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, raised, times
@@ -76,8 +77,9 @@ def _plain(op: str) -> Callable[[Context, Span, Argument], Value]:
     return apply
 
 
-for _op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log"):
-    TABLE[_op] = Builtin(("x",), 1, _plain(_op))
+for _op, _row in OPERATORS.items():
+    if _row.arity == 1 and _row.smoothness in (ENTIRE, POLE, END) and _op != "sqrt":  # it takes dimensions
+        TABLE[_op] = Builtin(("x",), 1, _plain(_op))
 
 
 def number(x: Argument, what: str) -> Node:

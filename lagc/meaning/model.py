@@ -1,21 +1,24 @@
 """The Model: one scene of a file with every name resolved and every number in SI.
 
-All expressions are nodes of `Model.graph`.  Its leaves are symbols `(kind, name)`:
+All expressions are nodes of `Model.graph`.  Its leaves are `Symbol`s:
 
 kind            name                 stands for
-parameter       "l", "a.b[2].m"      a parameter, kept symbolic to the end
-input           "u"                  a quantity given from outside, a function of time
-time            "time"               the time t
-coordinate      "theta", "o.w"       q_i; an orientation o brings o.w o.x o.y o.z (unit quaternion)
-rate            "der(theta)"         q'_i of a scalar coordinate
-rate            "o.rate.x"           body-axes angular velocity of an orientation (rad/s)
-speed           "u1"                 a declared generalized speed
-acceleration    "der(der(theta))"    the time derivative of the rate above; "der(o.rate.x)"; outputs only
-multiplier      "string", "roll[2]"  multiplier of a constraint's row; outputs only
-quantity        "energy()", ...      a whole-system quantity, filled in by `mechanics`; outputs only:
-                                     energy() kinetic() potential() power(F) momentum(theta)
-                                     momentum().x|y|z (total linear)
-                                     angular_momentum().x|y|z (about the origin)
+parameter       l, a.b[2].m          a parameter, kept symbolic to the end
+input           u                    a quantity given from outside, a function of time
+time            time                 the time t
+coordinate      theta, o.w           q_i; an orientation o brings the components w x y z of a unit quaternion
+rate            der(theta)           q'_i of a scalar coordinate, order 1
+rate            o.rate.x             body-axes angular velocity of an orientation (rad/s), order 0
+speed           u1                   a declared generalized speed
+acceleration    der(der(theta))      the time derivative of a rate or speed, der(o.rate.x); outputs only
+multiplier      string, roll[2]      multiplier of a constraint's row; outputs only
+
+and whole-system quantities, filled in by `mechanics`; outputs only:
+
+energy          energy()             also kinetic() and potential()
+power           power(F)             of an action
+momentum        momentum(theta)      of a coordinate; momentum().x in total
+angular_momentum  angular_momentum().x   in total, about the origin
 
 A time derivative taken here (`der(e)`, `velocity(P)`) is already in terms of the rates:
 `meaning` differentiates, `mechanics` substitutes rates by speeds where speeds are declared.
@@ -67,6 +70,8 @@ class Input:
     symbol: Node
     unit: str
     default: float
+    minimum: float
+    maximum: float
     span: Span
     description: str = ""
 
@@ -352,8 +357,8 @@ class Model:
             assert not any(residual.is_zero for residual in constraint.residuals)
         for node in self.nodes():
             assert node.graph is self.graph
-        known = {"time"} | {"parameter", "input", "coordinate", "rate", "speed"}
-        for kind in {node.value[0] for node in reachable(self.nodes()) if node.op == "symbol"}:
+        known = {"time", "parameter", "input", "coordinate", "rate", "speed"}
+        for kind in {node.record.kind for node in reachable(self.nodes()) if node.op == "symbol"}:
             assert kind in known, f"{kind} stands outside of the outputs"
 
     def nodes(self) -> list[Node]:

@@ -129,23 +129,23 @@ def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
 # -- quantities that only a run knows ------------------------------------------------------------
 
 
-def _quantity(context: Context, name: str, meant: Dimension) -> Scalar:
-    return Scalar(context.graph.symbol("quantity", name), meant)
+def _quantity(context: Context, kind: str, meant: Dimension, owner: str = "", component: str = "") -> Scalar:
+    return Scalar(context.graph.symbol(kind, owner, component), meant)
 
 
-def _quantities(context: Context, name: str, meant: Dimension) -> Value:
-    return Array(tuple([_quantity(context, f"{name}.{axis}", meant) for axis in "xyz"]))
+def _quantities(context: Context, kind: str, meant: Dimension) -> Value:
+    return Array(tuple([_quantity(context, kind, meant, component=axis) for axis in "xyz"]))
 
 
 @TABLE.enter("energy")
 def _energy(context: Context, span: Span) -> Value:
-    return _quantity(context, "energy()", ENERGY)
+    return _quantity(context, "energy", ENERGY)
 
 
 @TABLE.enter("kinetic", "of", required=0)
 def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
     if of is None:
-        return _quantity(context, "kinetic()", ENERGY)
+        return _quantity(context, "kinetic", ENERGY)
     body = of.value
     if not isinstance(body, Body):
         raise Wrong("LAG0221", f"a body has a kinetic energy, this is {kind(body)}", of.span)
@@ -155,7 +155,7 @@ def _kinetic(context: Context, span: Span, of: Argument | None) -> Value:
 @TABLE.enter("potential", "of", required=0)
 def _potential(context: Context, span: Span, of: Argument | None) -> Value:
     if of is None:
-        return _quantity(context, "potential()", ENERGY)
+        return _quantity(context, "potential", ENERGY)
     nouns = of.value.entry.nouns if isinstance(of.value, Thing) else []
     energies = [noun.energy for noun in nouns if isinstance(noun, Potential)]
     if not energies:
@@ -166,25 +166,20 @@ def _potential(context: Context, span: Span, of: Argument | None) -> Value:
 @TABLE.enter("momentum", "of", required=0)
 def _momentum(context: Context, span: Span, of: Argument | None) -> Value:
     if of is None:
-        return _quantities(context, "momentum()", MOMENTUM)
+        return _quantities(context, "momentum", MOMENTUM)
     if isinstance(of.value, Body):
         return vector_value(vectors.scale(of.value.mass, of.value.velocity), MOMENTUM)
     scalar = scalar_of(of.value, of.span, "what has a momentum")
-    symbol = scalar.node.value
-    if (
-        scalar.node.op != "symbol"
-        or not isinstance(symbol, tuple)
-        or symbol[0] != "coordinate"
-        or scalar.dimension is None
-    ):
+    symbol = scalar.node.record if scalar.node.op == "symbol" else None
+    if symbol is None or symbol.kind != "coordinate" or symbol.component or scalar.dimension is None:
         raise Wrong("LAG0221", "a coordinate or a body has a momentum, this is neither", of.span)
-    return _quantity(context, f"momentum({symbol[1]})", over(times(ENERGY, S), scalar.dimension))
+    return _quantity(context, "momentum", over(times(ENERGY, S), scalar.dimension), symbol.owner)
 
 
 @TABLE.enter("angular_momentum", "of", required=0)
 def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Value:
     if of is None:
-        return _quantities(context, "angular_momentum()", ANGULAR_MOMENTUM)
+        return _quantities(context, "angular_momentum", ANGULAR_MOMENTUM)
     body = of.value
     if not isinstance(body, Body):
         raise Wrong("LAG0221", f"a body has an angular momentum, this is {kind(body)}", of.span)
@@ -199,7 +194,7 @@ def _angular_momentum(context: Context, span: Span, of: Argument | None) -> Valu
 def _power(context: Context, span: Span, of: Argument) -> Value:
     if not isinstance(of.value, Thing) or of.value.entry.kind not in _ACTIONS:
         raise Wrong("LAG0221", f"a given action has a power, this is {kind(of.value)}", of.span)
-    return _quantity(context, f"power({of.value.entry.path})", POWER)
+    return _quantity(context, "power", POWER, of.value.entry.path)
 
 
 _ACTIONS = ("force", "torque", "dissipation", "potential", "gravity", "lagrangian")

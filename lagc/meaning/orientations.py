@@ -25,14 +25,14 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
     no_value(entry)
     attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
-    w, x, y, z = (graph.symbol("coordinate", f"{name}.{part}") for part in PARTS)
-    rates = [graph.symbol("rate", f"{name}.rate.{axis}") for axis in "xyz"]
+    w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
+    rates = [graph.symbol("rate", name, axis) for axis in "xyz"]
     a, b, c = rates
     runs = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
     for symbol, rate in zip((w, x, y, z), runs):
         context.clock.runs(symbol, 0.5 * rate)
     for rate in rates:
-        context.clock.runs(rate, graph.symbol("acceleration", f"der({rate.value[1]})"))
+        context.clock.runs(rate, graph.leaf(rate.record.derivative))
     one, zero = graph.one, graph.zero
     start, start_stated = _numbers(
         context,
@@ -41,7 +41,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         (one, zero, zero, zero),
         NONE,
         "start",
-        [f"{name}.{part}" for part in PARTS],
+        [symbol.record.name for symbol in (w, x, y, z)],
     )
     turning, rate_stated = _numbers(
         context,
@@ -50,7 +50,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         (zero, zero, zero),
         over(NONE, S),
         "rate",
-        [f"{name}.rate.{axis}" for axis in "xyz"],
+        [rate.record.name for rate in rates],
     )
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
     whole, rate_stated = held(context, attributes, whole, rate_stated)

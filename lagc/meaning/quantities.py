@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from lagc.expr.graph import Node
+from lagc.expr.symbol import derived
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
@@ -167,6 +168,7 @@ def _parameter(context: Context, quantity: Quantity) -> Value:
 
 def _input(context: Context, quantity: Quantity) -> Value:
     entry = quantity.entry
+    bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
         default = 0.0
@@ -178,10 +180,11 @@ def _input(context: Context, quantity: Quantity) -> Value:
                     value_span(context, quantity),
                 )
             default = scalar.node.value
-        name = quantity.name(subscript)
+        name, unit = quantity.name(subscript), quantity.type.unit
+        check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
         entry.nouns.append(
-            nouns.Input(name, symbol, quantity.type.unit, default, entry.span, quantity.description)
+            nouns.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
         )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
@@ -224,15 +227,16 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     dimension = quantity.type.dimension
     at_start, start_stated = starts(context, quantity, "start", dimension, quantity.name)
     rates, rate_stated = starts(
-        context, quantity, "rate", over(dimension, S), lambda s: f"der({quantity.name(s)})"
+        context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
     )
     start_stated, rate_stated = held(context, quantity.attributes, start_stated, rate_stated)
     found: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
-        symbol, speed = graph.symbol("coordinate", name), graph.symbol("rate", f"der({name})")
+        symbol = graph.symbol("coordinate", name)
+        speed = graph.leaf(symbol.record.derivative)
         context.clock.runs(symbol, speed)
-        context.clock.runs(speed, graph.symbol("acceleration", f"der(der({name}))"))
+        context.clock.runs(speed, graph.leaf(speed.record.derivative))
         entry.nouns.append(
             nouns.Coordinate(
                 name,
@@ -276,7 +280,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             )
         name = quantity.name(subscript)
         symbol = graph.symbol("speed", name)
-        context.clock.runs(symbol, graph.symbol("acceleration", f"der({name})"))
+        context.clock.runs(symbol, graph.leaf(symbol.record.derivative))
         speed = nouns.Speed(
             name,
             symbol,

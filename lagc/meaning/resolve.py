@@ -13,6 +13,7 @@ from lagc.meaning.calls import look_at_uncalled
 from lagc.meaning.context import Context
 from lagc.meaning.declare import declare
 from lagc.meaning.dynamics import condition
+from lagc.meaning.expressions import HOW
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scene import (
@@ -53,7 +54,7 @@ def resolve(
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
-    context = Context(importer, frozenset(), declare)
+    context = Context(importer, frozenset(), declare, HOW)
     try:
         declaration, where = choose_model(file, space, model)
         setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
@@ -113,22 +114,21 @@ def _check_given(context: Context, instance: Instance) -> None:
         for name, given in table.items():
             if name in context.taken:
                 continue
-            reason = instance.unused.get(name.removeprefix("der(").removesuffix(")"))
+            reason = instance.unused.get(given.owner)
             if reason is not None:
                 context.report(Wrong(code, f"`{name}` {reason}", given.span))
                 continue
             entries = [e for e in instance.in_order() if e.kind in kinds]
-            if any(e.state == "poisoned" and e.path == _base(name) for e in entries):
+            if any(e.state == "poisoned" and e.path == _base(given.owner) for e in entries):
                 continue
             known = [n for e in entries for n in (_names(e.nouns) or [e.path])]
-            remedy = did_you_mean(name, known) or _other_kind(instance, _base(name))
+            remedy = did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
             context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
 
 
 def _base(name: str) -> str:
-    """`a.th` of `a.th[2]` and of `der(a.th[2])`."""
-    inner = name.removeprefix("der(").removesuffix(")")
-    return inner.rpartition("[")[0] if inner.endswith("]") else inner
+    """`a.th` of `a.th[2]`."""
+    return name.rpartition("[")[0] if name.endswith("]") else name
 
 
 def _other_kind(instance: Instance, path: str) -> str | None:
@@ -143,7 +143,7 @@ def _other_kind(instance: Instance, path: str) -> str | None:
 
 def _names(found: Sequence[nouns.Noun]) -> list[str]:
     names = [noun.name for noun in found]
-    return [*names, *(f"der({n.name})" for n in found if isinstance(n, nouns.Coordinate))]
+    return [*names, *(n.rate_symbol.record.name for n in found if isinstance(n, nouns.Coordinate))]
 
 
 def _of(found: Sequence[nouns.Noun], kind: type[T]) -> tuple[T, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
+from lagc.expr.symbol import derived, underived
 from lagc.frontend import tree
 from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate_as, integer
@@ -202,12 +203,22 @@ def _parameter(context: Context, declarator: tree.Declarator, environment: Envir
     name = target_text(context, declarator.within or plain, environment)
     if declarator.dimensions:
         name += subscript_text(context, declarator.dimensions, environment)
-    _give(context, context.parameters, name, Given(declarator.value, environment, span=declarator.name_span))
+    given = Given(name, declarator.value, environment, span=declarator.name_span)
+    _give(context, context.parameters, name, given)
 
 
 def _start(context: Context, d: tree.Start, environment: Environment) -> None:
-    name = target_text(context, d.target, environment)
-    _give(context, context.starts, name, Given(d.value, environment, span=d.target.span))
+    inner = _of_rate(d.target)
+    owner = target_text(context, inner or d.target, environment)
+    name = owner if inner is None else derived(owner)
+    _give(context, context.starts, name, Given(owner, d.value, environment, span=d.target.span))
+
+
+def _of_rate(e: tree.Expression) -> tree.Expression | None:
+    """`x` of `der(x)`."""
+    if not isinstance(e, tree.Call) or not isinstance(e.function, tree.Name):
+        return None
+    return e.arguments[0].value if e.function.name == "der" and len(e.arguments) == 1 else None
 
 
 def _give(context: Context, table: dict[str, Given], name: str, given: Given) -> None:
@@ -232,15 +243,9 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
         return f"{target_text(context, e.base, environment)}.{e.name}"
     if isinstance(e, tree.Index):
         return target_text(context, e.base, environment) + subscript_text(context, e.indices, environment)
-    if (
-        isinstance(e, tree.Call)
-        and isinstance(e.function, tree.Name)
-        and e.function.name == "der"
-        and len(e.arguments) == 1
-    ):
-        inner = e.arguments[0].value
-        if inner is not None:
-            return f"der({target_text(context, inner, environment)})"
+    inner = _of_rate(e)
+    if inner is not None:
+        return derived(target_text(context, inner, environment))
     raise Wrong(
         "LAG0224",
         "a start is given to a coordinate or to its rate",
@@ -294,7 +299,8 @@ def read_command(context: Context, parameters: Numbers | None, starts: Numbers |
     for table, given in ((context.parameters, parameters), (context.starts, starts)):
         for name, value in (given or {}).items():
             number, unit = value if isinstance(value, tuple) else (value, None)
-            table["".join(name.split())] = Given(number=float(number), unit=unit)
+            plain = "".join(name.split())
+            table[plain] = Given(underived(plain), number=float(number), unit=unit)
 
 
 def check_effects(context: Context, setting: Setting) -> None:

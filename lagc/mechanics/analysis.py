@@ -12,6 +12,7 @@ from itertools import chain
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
+from lagc.expr.symbol import Symbol
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -103,9 +104,9 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     rows = equations.rows
     met = walk(states, rows)
     moving = mobility(states, rows, met)
-    holonomic = [row for row in rows if row.kind == "holonomic"]
+    holonomic = [row for row in rows if row.holonomic]
     places = mobility(states, holonomic, met) if len(holonomic) < len(rows) else moving
-    asked = [row for k, row in enumerate(rows) if row.kind == "velocity" or k not in places.spare]
+    asked = [row for k, row in enumerate(rows) if not row.holonomic or k not in places.spare]
     integrable = integrable_rows(states, asked, met.all)
     relations = places.rank + integrable.relations
     cyclic = _cyclic(states)
@@ -151,7 +152,7 @@ def _not_examined(moving: Mobility, integrable: Integrable, totals: bool) -> lis
 def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind]:
     found: list[RowKind] = []
     for row in equations.rows:
-        holonomic = row.kind == "holonomic"
+        holonomic = row.holonomic
         closed = holonomic or not row.linear or row.label in integrable.open
         answer: bool | None = None if closed else row.label in integrable.rows
         if holonomic:
@@ -232,7 +233,7 @@ def _conserved(
                 momentum = momenta(states, parts, free, [c.rate_symbol])[c.rate_symbol]
                 reason = f"`{c.name}` is cyclic and no force acts along it"
                 proved = unpushed and cyclic[c.name]
-                found.append(Conserved(f"momentum({c.name})", momentum, reason, proved))
+                found.append(Conserved(Symbol("momentum", c.name).name, momentum, reason, proved))
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))
@@ -254,7 +255,7 @@ def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) ->
     """Consistent states with the default parameters, near the start and farther, and with others."""
     count = _STATES if small else 1
     drawn = list(samples(states.model, count))
-    if len(rows) <= _FEW and not any(row.kind == "holonomic" for row in rows):
+    if len(rows) <= _FEW and not any(row.holonomic for row in rows):
         drawn += far_away(states)  # beside closed loops these may be other ways to assemble them
     beside = (onto(states, rows, s) for s in drawn)
     start = [] if met.start is None else [met.start]
@@ -276,16 +277,16 @@ def _totals(
 ) -> list[Conserved]:
     """Components of the total momenta that are constant along the motion, where they are not zero."""
     found: list[Conserved] = []
-    for head, reason in (
+    for kind, reason in (
         ("momentum", "no net force acts along it"),
         ("angular_momentum", "no net torque acts about it"),
     ):
         for axis in "xyz":
-            name = f"{head}().{axis}"
-            node = quantities.value(name)
+            asked = Symbol(kind, component=axis)
+            node = quantities.value(asked)
             if at_rows.vanish([node]) is not None:
                 continue
             proved = motion.vanish([tangent(states.graph, [node], states.flow)[0]])
             if proved is not None:
-                found.append(Conserved(name, node, reason, proved and sure))
+                found.append(Conserved(asked.name, node, reason, proved and sure))
     return found

@@ -17,12 +17,12 @@ from itertools import combinations, product
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.modular import P, Point
+from lagc.expr.operators import COMPARISONS, OPERATORS
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.records import dataclass
 
 Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
-_KINKS = ("abs", "sign", "min", "max")
-_COMPARISONS = ("lt", "le", "eq")
+_SIDES = {op: row.sides for op, row in OPERATORS.items() if row.sides is not None}
 _SEED = 91
 _MOST = 8  # differences of which all combinations of signs are tried
 _MOST_PAIRED = 12  # of which pairs are
@@ -30,26 +30,21 @@ _MOST_PAIRED = 12  # of which pairs are
 
 def spelt_out(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     """`nodes` with comparisons in the place of abs, sign, min, max and roots of squares."""
-    kinks = [node for node in reachable(nodes) if node.op in _KINKS or _is_root_of_square(node)]
+    kinks = [node for node in reachable(nodes) if node.op in _SIDES or _is_root_of_square(node)]
     if not kinks:
         return list(nodes)
     spelt: dict[Node, Node] = {}
     for node in kinks:  # arguments before users
-        x, *rest = substitute(graph, node.args, spelt)
+        args = substitute(graph, node.args, spelt)
         if node.op == "sqrt":
+            (x,) = args
             factor, square = (x.value, x.args[0]) if x.op == "scale" else (1.0, x)
             root = graph.scale(
                 math.sqrt(factor), graph.product((b, e // 2) for b, e in zip(square.args, square.value))
             )
             spelt[node] = graph.select(graph.binary("lt", graph.zero, root), root, -root)
-            continue
-        if node.op in ("min", "max"):
-            first = graph.binary("lt", x, rest[0])
-            sides = (x, rest[0]) if node.op == "min" else (rest[0], x)
         else:
-            first = graph.binary("lt", graph.zero, x)
-            sides = (x, -x) if node.op == "abs" else (graph.one, -graph.one)
-        spelt[node] = graph.select(first, *sides)
+            spelt[node] = _SIDES[node.op](graph, *args)
     return substitute(graph, nodes, spelt)
 
 
@@ -83,7 +78,7 @@ class Branches:
 
     def __init__(self, graph: Graph, nodes: Sequence[Node], values: Mapping[Node, float]):
         self._graph, self._values = graph, values
-        self.comparisons = [self._comparison(x) for x in reachable(nodes) if x.op in _COMPARISONS]
+        self.comparisons = [self._comparison(x) for x in reachable(nodes) if x.op in COMPARISONS]
         free = [c for c in self.comparisons if not symbols([c.node]) <= values.keys()]
         self.differences = list(dict.fromkeys(c.difference for c in free))
 

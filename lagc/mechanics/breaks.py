@@ -21,9 +21,10 @@ from typing import TypeAlias
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import along, evaluate
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import CORNER, END, ENTIRE, LOGIC, OPERATORS, POLE, STEP, Interval, smooth_as
 from lagc.expr.text import text
 from lagc.expr.walk import depends, reachable
-from lagc.mechanics.intervals import Interval, intervals
+from lagc.mechanics.intervals import intervals
 from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
@@ -32,15 +33,14 @@ from lagc.records import dataclass
 
 State: TypeAlias = dict[Node, float]
 
-STEPS = frozenset(("sign", "floor", "lt", "le", "eq"))
-CORNERS = frozenset(("abs", "min", "max"))
-POLES = frozenset(("mul", "pow", "tan", "atan2"))  # beside which values may differ
-ENDS = frozenset(("sqrt", "log", "asin", "acos"))  # slopes alone may
+STEPS, CORNERS = smooth_as(STEP), smooth_as(CORNER)
+POLES = smooth_as(POLE) | {"mul"}
+ENDS = smooth_as(END)
 _PIECES = STEPS | CORNERS
-_ELSEWHERE = frozenset(("asin", "acos", "tan"))  # change where the argument is not zero
+_BORDERS = {op: row.border for op, row in OPERATORS.items() if row.border is not None}
 _RATIONAL = frozenset(("add", "scale", "mul"))
-_ENTIRE = frozenset(("sin", "cos", "sinh", "cosh", "tanh", "exp", "atan"))  # on the real line
-_LOGIC = frozenset(("and", "or", "not"))
+_ENTIRE = smooth_as(ENTIRE)
+_LOGIC = smooth_as(LOGIC)
 _ALIKE = 1e-11  # of their terms: two sides agree
 _BESIDE = 1e-6  # of the way to a change: one side of it
 _NEARER = tuple([10.0 ** (-0.5 * k) for k in range(4, 9)])  # of the way: both sides of an end
@@ -70,20 +70,16 @@ class Switch:
         return self.node.op in _PIECES
 
     def of(self, value: float) -> float:
-        op = self.node.op
-        if op in ("asin", "acos"):
-            return 1.0 - value * value
-        return math.cos(value) if op == "tan" and math.isfinite(value) else value
+        border = _BORDERS.get(self.node.op)
+        return value if border is None else border.zero(value)
 
     def allowed(self, interval: Interval) -> bool:
         """Whether it never changes where `side` keeps to `interval`."""
         low, high = interval
-        op = self.node.op
-        if op in ("asin", "acos"):
-            return low > -1.0 and high < 1.0
-        if op == "tan":
-            return -0.5 * math.pi < low and high < 0.5 * math.pi
-        if op == "floor":
+        border = _BORDERS.get(self.node.op)
+        if border is not None:
+            return border.inside[0] < low and high < border.inside[1]
+        if self.node.op == "floor":
             return math.isfinite(low) and math.isfinite(high) and math.floor(low) == math.floor(high)
         return (low >= 0.0 or high <= 0.0) if self.pieces else (low > 0.0 or high < 0.0)
 
@@ -224,7 +220,7 @@ def _together(node: Node) -> list[Node]:
 def _ways(switch: Switch, leaves: Sequence[Node]) -> list[Node]:
     """The leaves along which it may change: what stands still beside squares of others is not zero."""
     parts = [switch.side]
-    if not switch.pieces and switch.node.op not in _ELSEWHERE:
+    if not switch.pieces and switch.node.op not in _BORDERS:
         parts = _together(switch.side)
     below = [set(reachable([part])) for part in parts]
     return [leaf for leaf in leaves if all(leaf in x for x in below)]
@@ -375,10 +371,8 @@ def _where(switch: Switch) -> str:
     node, side = switch.node, text(switch.side)
     if node.op == "floor":
         return f"`{side}` passes a whole number"
-    if node.op == "tan":
-        return f"`{side}` passes a right angle"
-    if node.op in ("asin", "acos"):
-        return f"`{side}` reaches 1 or -1"
+    if node.op in _BORDERS:
+        return f"`{side}` {_BORDERS[node.op].words}"
     if node.op == "atan2":
         return f"`{text(node)}` passes its cut"
     if not switch.pieces:

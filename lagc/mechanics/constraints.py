@@ -16,7 +16,7 @@ from lagc.expr.graph import Node
 from lagc.expr.text import text
 from lagc.expr.walk import depends
 from lagc.meaning.model import Constraint
-from lagc.mechanics.equations import Row
+from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -49,14 +49,17 @@ def classify(states: States) -> list[Classified]:
     in_time = depends(residuals, [model.time])
     found: list[Classified] = []
     for n, (c, k) in enumerate(labels):
-        is_velocity = residuals[n] in with_speeds
         slopes = gradient(states.graph, {rates[n]: states.graph.one}, states.v)
         jacobian = {j: slopes[v] for j, v in enumerate(states.v) if v in slopes}
         linear = not depends(jacobian.values(), states.v)
         row = Row(
             label=c.labels[k],
             constraint=c.name,
-            kind="velocity" if is_velocity else "holonomic",
+            relation=Relation.EQUAL,
+            level=Level.VELOCITY if residuals[n] in with_speeds else Level.POSITION,
+            mode=Mode.ALWAYS,
+            law=Law.PERFECT,
+            multiplier=states.graph.symbol("multiplier", c.labels[k]),
             residual=residuals[n],
             rate=rates[n],
             jacobian=jacobian,
@@ -71,11 +74,7 @@ def classify(states: States) -> list[Classified]:
     empty = [_motionless(x) for x in found if not x.row.jacobian]
     if empty:
         raise Refused(empty)
-    return sorted(found, key=_is_velocity)
-
-
-def _is_velocity(x: Classified) -> bool:
-    return x.row.kind == "velocity"
+    return sorted(found, key=lambda x: not x.row.holonomic)
 
 
 def _drive(states: States, row: Row, raw: Node) -> Node:
@@ -84,7 +83,7 @@ def _drive(states: States, row: Row, raw: Node) -> Node:
     For an affine row that is minus what is left at rest: the speed that the drive imposes.
     """
     graph = states.graph
-    if row.kind == "holonomic":
+    if row.holonomic:
         return -tangent(graph, [row.residual], {states.model.time: graph.one})[0]
     if row.linear:
         return -states.at_rest([raw])[0]

@@ -7,6 +7,7 @@ from typing import TypeVar
 
 from lagc.diagnostics.faults import Fault
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import ENTIRE, smooth_as
 from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import act
 from lagc.mechanics.constraints import Classified, classify
@@ -17,9 +18,7 @@ from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 
-_ANALYTIC = frozenset((
-    "const", "symbol", "add", "scale", "sin", "cos", "exp", "sinh", "cosh", "tanh", "atan"
-))  # fmt: skip
+_ANALYTIC = smooth_as(ENTIRE) | {"const", "symbol", "add", "scale"}
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -36,8 +35,7 @@ def derive(model: Model) -> EquationsOfMotion:
     free = free_terms(states, with_rates(states))
     acting = act(states)
     classified, dropped = _constrained(states)
-    lam = tuple([graph.symbol("multiplier", x.row.label) for x in classified])
-    totals = energies(states, parts, acting, free, classified, lam)
+    totals = energies(states, parts, acting, free, classified)
     matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
     bias = _sum(graph, [bias_forces(states, parts), free.bias])
     given = _sum(graph, [x.contribution.forces for x in acting])
@@ -51,9 +49,6 @@ def derive(model: Model) -> EquationsOfMotion:
         q=states.q,
         v=states.v,
         a=states.a,
-        lam=lam,
-        q_names=states.q_names,
-        v_names=states.v_names,
         q_units=states.q_units,
         v_units=states.v_units,
         qdot=states.qdot,

@@ -40,9 +40,8 @@ def energies(
     acting: Sequence[Acting],
     free: FreeTerms,
     rows: Sequence[Classified],
-    lam: Sequence[Node],
 ) -> Energies:
-    """K, V, E and dE/dt of the whole system, in t, q, v (and lam in the power)."""
+    """K, V, E and dE/dt of the whole system, in t, q, v (and the multipliers in the power)."""
     graph = states.graph
     momenta = [part.momentum(part.velocity) for part in parts]
     kinetic = graph.sum(0.5 * dot(part.velocity, p) for part, p in zip(parts, momenta))
@@ -53,7 +52,7 @@ def energies(
     explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
     if not _is_steady(states, explicit):
         power = power - explicit
-    power = power + graph.sum(multiplier * x.drive for multiplier, x in zip(lam, rows))
+    power = power + graph.sum(x.row.multiplier * x.drive for x in rows)
     return Energies(
         kinetic=kinetic + free.kinetic,
         potential=given + free.potential,

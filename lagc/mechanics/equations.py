@@ -10,6 +10,8 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 
 from __future__ import annotations
 
+from enum import Enum
+
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
@@ -17,18 +19,47 @@ from lagc.meaning.model import FIXED, Model, Statement
 from lagc.records import dataclass
 
 
+class Relation(Enum):
+    """Of a row's residual to zero."""
+
+    EQUAL = "="
+
+
+class Level(Enum):
+    """What a row restricts."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+
+
+class Mode(Enum):
+    """When a row holds."""
+
+    ALWAYS = "always"
+
+
+class Law(Enum):
+    """How the force of a row depends on the motion; that of a perfect one does no work on it."""
+
+    PERFECT = "perfect"
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One scalar equality constraint.
+    """One scalar constraint, and the multiplier of its force.
 
-    kind "holonomic": residual = phi(t,q), rate = d(phi)/dt (in v).
-    kind "velocity":  residual = rate = psi(t,q,v).
+    At the level of positions: residual = phi(t,q), rate = d(phi)/dt (in v).
+    At the level of velocities: residual = rate = psi(t,q,v).
     jacobian = {column of v: d(rate)/d(v)}; gamma as in G a = gamma.
     """
 
     label: str  # the constraint's row label, unique
     constraint: str
-    kind: str
+    relation: Relation
+    level: Level
+    mode: Mode
+    law: Law
+    multiplier: Node  # a symbol
     residual: Node
     rate: Node
     jacobian: dict[int, Node]
@@ -38,6 +69,10 @@ class Row:
     linear: bool  # affine in v (holonomic rows are)
     span: Span
     effect: str | None = None
+
+    @property
+    def holonomic(self) -> bool:
+        return self.level is Level.POSITION
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +116,14 @@ class StatedRate:
     """A rate that a start value is stated for and that is no speed, since a declared one replaces it:
     its expression in t, q, v."""
 
-    name: str
+    symbol: Node
     unit: str
     rate: Node
     start: StartValue
+
+    @property
+    def name(self) -> str:
+        return self.symbol.record.name
 
 
 @dataclass(frozen=True)
@@ -95,9 +134,6 @@ class EquationsOfMotion:
     q: tuple[Node, ...]  # symbols
     v: tuple[Node, ...]  # symbols: rates, or declared speeds
     a: tuple[Node, ...]  # symbols: d(v)/dt
-    lam: tuple[Node, ...]  # symbols, one a row
-    q_names: tuple[str, ...]
-    v_names: tuple[str, ...]  # "der(theta)", "u1", "o.rate.x"
     q_units: tuple[str, ...]
     v_units: tuple[str, ...]
     qdot: tuple[Node, ...]
@@ -122,6 +158,20 @@ class EquationsOfMotion:
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
 
     @property
+    def lam(self) -> tuple[Node, ...]:
+        """The multipliers of the rows."""
+        return tuple([row.multiplier for row in self.rows])
+
+    @property
+    def q_names(self) -> tuple[str, ...]:
+        return tuple([x.record.name for x in self.q])
+
+    @property
+    def v_names(self) -> tuple[str, ...]:
+        """As `der(theta)`, `u1`, `o.rate.x`."""
+        return tuple([x.record.name for x in self.v])
+
+    @property
     def starts(self) -> tuple[StartValue, ...]:
         """Of q, of v, and of the stated rates."""
         return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
@@ -130,10 +180,9 @@ class EquationsOfMotion:
         """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
         nq, nv = len(self.q), len(self.v)
         sizes = [
-            ("q", nq, (self.q_names, self.q_units, self.qdot, self.starts_q)),
-            ("v", nv, (self.a, self.v_names, self.v_units, self.starts_v)),
+            ("q", nq, (self.q_units, self.qdot, self.starts_q)),
+            ("v", nv, (self.a, self.v_units, self.starts_v)),
             ("v", nv, (self.bias_forces, self.given_forces)),
-            ("rows", len(self.rows), (self.lam,)),
         ]
         for name, size, arrays in sizes:
             if any(len(array) != size for array in arrays):
@@ -146,15 +195,15 @@ class EquationsOfMotion:
         self._verify_leaves()
 
     def _verify_rows(self) -> None:
-        kinds = [row.kind for row in self.rows]
-        if kinds != sorted(kinds) or not {"holonomic", "velocity"}.issuperset(kinds):
+        holonomic = [row.holonomic for row in self.rows]
+        if holonomic != sorted(holonomic, reverse=True):
             raise ValueError("rows are not holonomic first")
         if len({row.label for row in self.rows}) != len(self.rows):
             raise ValueError("two rows have the same label")
         for row in self.rows:
             if not row.jacobian or any(not 0 <= j < len(self.v) for j in row.jacobian):
                 raise ValueError(f"the Jacobian of {row.label} is empty or too wide")
-            if row.kind == "velocity" and row.residual is not row.rate:
+            if not row.holonomic and row.residual is not row.rate:
                 raise ValueError(f"the velocity row {row.label} has a rate of its own")
 
     def _verify_leaves(self) -> None:
@@ -163,7 +212,7 @@ class EquationsOfMotion:
         position = given | set(self.q)
         state = position | set(self.v)
         late = state | set(self.a) | set(self.lam)
-        phi = [row.residual for row in self.rows if row.kind == "holonomic"]
+        phi = [row.residual for row in self.rows if row.holonomic]
         rows = [x for row in self.rows for x in (row.rate, row.gamma, *row.jacobian.values())]
         works = [x for c in self.contributions for x in (c.power, *c.forces.values())]
         balance = [self.kinetic, self.energy, *self.rates.values()]
@@ -178,5 +227,5 @@ class EquationsOfMotion:
         for name, nodes, allowed in tables:
             strange = symbols(nodes) - allowed
             if strange:
-                found = ", ".join(sorted(str(s.value) for s in strange))
+                found = ", ".join(sorted(s.record.name for s in strange))
                 raise ValueError(f"a {name} expression holds {found}")

@@ -25,7 +25,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     spelt = spelt_out(states.graph, flat)
     met = (onto(states, others, s) for s in samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
-    ground = on_rows(states, [r for r in others if r.kind == "holonomic"], tries)
+    ground = on_rows(states, [r for r in others if r.holonomic], tries)
     asked = False
     for placed, truths in Judge(ground).points(spelt):
         for x in placed:

@@ -13,7 +13,7 @@ from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Coordinate
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
-from lagc.mechanics.states import States, key, quaternion_rate, rate_symbols, seeds
+from lagc.mechanics.states import States, quaternion_rate, rate_symbols, seeds
 from lagc.records import dataclass
 
 
@@ -83,7 +83,7 @@ def places(forms: Sequence[Form]) -> list[Node]:
 def _with_slopes(coefficients: dict[Node, Node]) -> Form:
     slopes: dict[tuple[Node, Node], Node] = {}
     for x, node in coefficients.items():
-        leaves = [s for s in symbols([node]) if key(s)[0] in ("coordinate", "time")]
+        leaves = [s for s in symbols([node]) if s.record.kind in ("coordinate", "time")]
         for y in sorted(leaves, key=lambda s: s.index):
             slope = tangent(node.graph, [node], {y: node.graph.one})[0]
             if not slope.is_zero:

@@ -114,7 +114,7 @@ class _Placing:
     ):
         self.states, self._values = states, values or {}
         graph = states.graph
-        residuals = [row.residual for row in rows if row.kind == "holonomic"]
+        residuals = [row.residual for row in rows if row.holonomic]
         scalars = [x for x in _scalars(states) if x not in self._values]
         unknowns = _solvable(scalars, residuals)
         holonomic = _solved(residuals, unknowns, tries[0]) if tries and unknowns else []
@@ -275,7 +275,7 @@ class _Motion(_Placing):
         self.support = [*self.support, *self._flat]
         self._places = list(equations.mass_matrix)
         self._columns = [list(row.jacobian) for row in kept]
-        self._unknown = [*equations.a, *(equations.lam[k] for k, _ in rows)]
+        self._unknown = [*equations.a, *(row.multiplier for _, row in rows)]
         self._others = [x for k, x in enumerate(equations.lam) if k not in {k for k, _ in rows}]
 
     def place(self, point: Point, truths: Truths) -> bool:

@@ -58,12 +58,12 @@ def integrable_rows(states: States, rows: Sequence[Row], tries: Sequence[Mapping
 
     The holonomic rows are to be independent; `tries` meet all.
     """
-    asked = [row for row in rows if row.kind == "velocity" and row.linear]
+    asked = [row for row in rows if not row.holonomic and row.linear]
     if not asked:
         return Integrable()
     graph = states.graph
     forms = {row.label: spelt(graph, velocity_form(states, row)) for row in asked}
-    holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.kind == "holonomic"]
+    holonomic = [spelt(graph, exact_form(states, row.residual)) for row in rows if row.holonomic]
     given = [*unit_forms(states), *holonomic]
     judge = Judge(on_rows(states, [row for row in rows if row.linear], tries))
     found: list[Integrable] = []

@@ -7,29 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
 
-from lagc.expr.graph import BINARY, UNARY, Node
+from lagc.expr.graph import Node
+from lagc.expr.operators import EVERYWHERE, OPERATORS, Interval
 from lagc.expr.walk import reachable
-
-Interval: TypeAlias = tuple[float, float]
-
-EVERYWHERE: Interval = (-math.inf, math.inf)
-_RISING = frozenset(("exp", "log", "sqrt", "atan", "sinh", "tanh", "asin", "floor", "sign"))
-_WITHIN: dict[str, Interval] = {
-    "sin": (-1.0, 1.0),
-    "cos": (-1.0, 1.0),
-    "asin": (-0.5 * math.pi, 0.5 * math.pi),
-    "acos": (0.0, math.pi),
-    "atan": (-0.5 * math.pi, 0.5 * math.pi),
-    "atan2": (-math.pi, math.pi),
-    "tanh": (-1.0, 1.0),
-    "sign": (-1.0, 1.0),
-    "exp": (0.0, math.inf),
-    "cosh": (1.0, math.inf),
-    "sqrt": (0.0, math.inf),
-    **dict.fromkeys(("lt", "le", "eq", "and", "or", "not"), (0.0, 1.0)),
-}
 
 
 def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Node, Interval]:
@@ -57,23 +38,23 @@ def _interval(node: Node, x: Sequence[Interval]) -> Interval:
     if op == "abs":
         low, high = x[0]
         return (max(low, -high, 0.0), max(-low, high))
-    if op in ("min", "max"):
-        pick = BINARY[op]
-        return (pick(x[0][0], x[1][0]), pick(x[0][1], x[1][1]))
     if op == "select":
         return _hull([*x[1], *x[2]])
     if op == "pow" and x[0][0] >= 0.0:
         return (0.0, math.inf)
-    low, high = _WITHIN.get(op, EVERYWHERE)
-    if op in _RISING:
-        first, last = (_at(UNARY[op], end) for end in x[0])
+    if op == "symbol":
+        return EVERYWHERE
+    row = OPERATORS[op]
+    low, high = row.within
+    if row.rising:
+        first, last = (_at(row.value, [interval[k] for interval in x]) for k in (0, 1))
         return (low if math.isnan(first) else first, high if math.isnan(last) else last)
     return (low, high)
 
 
-def _at(function: Callable[[float], float], x: float) -> float:
+def _at(function: Callable[..., float], x: Sequence[float]) -> float:
     try:
-        return float(function(x))
+        return float(function(*x))
     except (ValueError, OverflowError):
         return math.nan
 

@@ -71,7 +71,7 @@ def walk(states: States, rows: Sequence[Row]) -> Consistent:
         turning = any(manifold.turns(state) for state in (start, *beside))
         freedom = None
         if manifold.touching or turning:
-            freedom = _Manifold(states, [row for row in rows if row.kind == "holonomic"]).freedom(start)
+            freedom = _Manifold(states, [row for row in rows if row.holonomic]).freedom(start)
         return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
     found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
     return Consistent(None, [], [s for s in found if s is not None])
@@ -111,7 +111,7 @@ class _Manifold:
         self.scales = scales(states)
         self.chance = Chance(4096)
         norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
-        self.positions = [*(row.residual for row in rows if row.kind == "holonomic"), *norms]
+        self.positions = [*(row.residual for row in rows if row.holonomic), *norms]
         self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
         self.touching = False  # positions were met so slowly as those of surfaces that touch
 

@@ -57,10 +57,10 @@ def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
     spare = frozenset(range(len(rows))) - set(best.independent())
     at_start = None if met.start is None else spans[-1].rank
     if met.freedom is not None:
-        holonomic = [row for row in rows if row.kind == "holonomic"]
+        holonomic = [row for row in rows if row.holonomic]
         places = max(_span(states, holonomic, state).rank for state in tried)
         return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
-    moved = [row for row in rows if row.kind == "holonomic"] if _depend_on_places(states, rows) else []
+    moved = [row for row in rows if row.holonomic] if _depend_on_places(states, rows) else []
     if tried and (
         best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
     ):

@@ -28,7 +28,7 @@ from lagc.mechanics.motions import (
     turned,
     values,
 )
-from lagc.mechanics.states import States, key
+from lagc.mechanics.states import States
 
 _EACH = 2  # motions from a place
 _MOST = 8  # bodies that a point is compared with
@@ -84,7 +84,7 @@ def _axes(body: Body) -> Iterator[Node]:
 
 
 def _coordinates(nodes: Sequence[Node]) -> set[Node]:
-    return {x for x in symbols(nodes) if key(x)[0] == "coordinate"}
+    return {x for x in symbols(nodes) if x.record.kind == "coordinate"}
 
 
 def _carries(body: Body, force: Force, at: Vector, motions: Sequence[Motion]) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
+from lagc.expr.symbol import QUANTITIES, Symbol
 from lagc.expr.vectors import Matrix, Vector, add, cross, matvec
 from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Body, Output
@@ -14,9 +15,9 @@ from lagc.mechanics.energy import Energies
 from lagc.mechanics.equations import OutputEquation
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.inertia import Moving
-from lagc.mechanics.states import States, key, rate_symbols, seeds
+from lagc.mechanics.states import States, rate_symbols, seeds
 
-_AXES = ("x", "y", "z")
+_AXES = "xyz"
 
 
 def output_equations(
@@ -36,10 +37,10 @@ def output_equations(
     filled: dict[Node, Node] = {}
     quantities = Quantities(states, parts, acting, free, totals.kinetic, totals.potential)
     for symbol in asked:
-        kind, name = key(symbol)
-        if kind == "quantity":
-            filled[symbol] = quantities.value(name)
-        elif kind == "multiplier" and name in dropped:
+        record = symbol.record
+        if record.kind in QUANTITIES:
+            filled[symbol] = quantities.value(record)
+        elif record.kind == "multiplier" and record.owner in dropped:
             filled[symbol] = graph.zero
     filled.update(_accelerations(states, asked))
     filled.update(() if states.plain else states.rates.items())
@@ -53,14 +54,14 @@ def _equation(output: Output, node: Node) -> OutputEquation:
 
 def _accelerations(states: States, asked: Sequence[Node]) -> dict[Node, Node]:
     """d(rate)/dt -> its expression in a (and v), for rates that are no speeds themselves."""
-    names = {f"der({key(rate)[1]})": rate for rate in states.rates}
-    wanted = [s for s in asked if key(s)[0] == "acceleration" and s not in states.a]
-    rates = [states.rates[names[key(s)[1]]] for s in wanted]
+    known = {rate.record.derivative: expression for rate, expression in states.rates.items()}
+    wanted = [s for s in asked if s.record.kind == "acceleration" and s not in states.a]
+    rates = [known[s.record] for s in wanted]
     return dict(zip(wanted, tangent(states.graph, rates, states.flow)))
 
 
 class Quantities:
-    """Whole-system quantities by name, each computed where asked for."""
+    """Whole-system quantities, each computed where asked for."""
 
     def __init__(
         self,
@@ -72,32 +73,25 @@ class Quantities:
         potential: Node,
     ):
         self.states, self.parts, self.acting, self.free = states, parts, acting, free
-        self.known = {
-            "energy()": kinetic + potential,
-            "kinetic()": kinetic,
-            "potential()": potential,
-        }
+        self.known = {"energy": kinetic + potential, "kinetic": kinetic, "potential": potential}
 
-    def value(self, name: str) -> Node:
-        """The node of a quantity named as `Model` says; KeyError for any other name."""
-        if name in self.known:
-            return self.known[name]
-        head, _, rest = name.partition("(")
-        argument, _, axis = rest.rpartition(")")
-        if axis:
-            total = self._linear() if head == "momentum" else self._angular()
-            return total[_AXES.index(axis[1:])]
-        if head == "power":
-            return next(x.contribution.power for x in self.acting if x.contribution.name == argument)
-        return self._generalized(argument)
+    def value(self, asked: Symbol) -> Node:
+        """The node of a quantity of `Model`."""
+        if asked.kind in self.known:
+            return self.known[asked.kind]
+        if asked.kind == "power":
+            return next(x.contribution.power for x in self.acting if x.contribution.name == asked.owner)
+        if asked.owner:
+            return self._generalized(asked)
+        total = self._linear() if asked.kind == "momentum" else self._angular()
+        return total[_AXES.index(asked.component)]
 
-    def _generalized(self, coordinate: str) -> Node:
-        """dL/d(rate) of a scalar coordinate, or of one body rate, `o.rate.x`."""
-        for c in self.states.model.coordinates:
-            for rate in rate_symbols(c):
-                if key(rate)[1] in (f"der({coordinate})", coordinate):
-                    return momenta(self.states, self.parts, self.free, [rate])[rate]
-        raise KeyError(coordinate)
+    def _generalized(self, asked: Symbol) -> Node:
+        """dL/d(rate) of a scalar coordinate, or along one axis of an orientation."""
+        where = (asked.owner, asked.component)
+        rates = [rate for c in self.states.model.coordinates for rate in rate_symbols(c)]
+        rate = next(x for x in rates if (x.record.owner, x.record.component) == where)
+        return momenta(self.states, self.parts, self.free, [rate])[rate]
 
     def _linear(self) -> Vector:
         """sum of m v over the bodies, world axes."""

@@ -94,7 +94,7 @@ def drop_redundant(
         others = [classified[k] for k in redundant.others]
         if contradiction:
             faults.append(_contradiction(x, others))
-        elif x.row.kind == "velocity" and _steady(states, classified, redundant):
+        elif not x.row.holonomic and _steady(states, classified, redundant):
             from lagc.mechanics.following import follows  # what proves is loaded where there is a question
 
             if not follows(states, x.row, independent):

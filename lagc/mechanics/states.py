@@ -26,8 +26,6 @@ class States:
     q: tuple[Node, ...]
     v: tuple[Node, ...]
     a: tuple[Node, ...]
-    q_names: tuple[str, ...]
-    v_names: tuple[str, ...]
     q_units: tuple[str, ...]
     v_units: tuple[str, ...]
     qdot: tuple[Node, ...]
@@ -110,13 +108,11 @@ def build_states(model: Model) -> States:
     rates_in_order = [r for c in model.coordinates for r in rate_symbols(c)]
     chosen = choose_speeds(model, rates_in_order)
     v: list[Node] = []
-    v_names: list[str] = []
     v_units: list[str] = []
     units = [u for c in model.coordinates for u in _rate_units(c)]
     for i, rate in enumerate(rates_in_order):
         speed = chosen.replaces.get(i)
         v.append(rate if speed is None else speed.symbol)
-        v_names.append(key(rate)[1] if speed is None else speed.name)
         v_units.append(units[i] if speed is None else speed.unit)
     rates = {r: chosen.solved.get(r, r) for r in rates_in_order}
     q: list[Node] = []
@@ -137,9 +133,7 @@ def build_states(model: Model) -> States:
         model=model,
         q=tuple(q),
         v=tuple(v),
-        a=tuple([graph.symbol("acceleration", f"der({name})") for name in v_names]),
-        q_names=tuple([key(x)[1] for x in q]),
-        v_names=tuple(v_names),
+        a=tuple([graph.leaf(x.record.derivative) for x in v]),
         q_units=tuple(q_units),
         v_units=tuple(v_units),
         qdot=tuple(qdot),
@@ -160,12 +154,6 @@ def quaternion_rate(e: Sequence[Node], w: Sequence[Node]) -> list[Node]:
         0.5 * (ew * w[1] + ez * w[0] - ex * w[2]),
         0.5 * (ew * w[2] + ex * w[1] - ey * w[0]),
     ]
-
-
-def key(symbol: Node) -> tuple[str, str]:
-    """Kind and name of a symbol."""
-    kind, name = symbol.value
-    return kind, name
 
 
 def position_symbols(c: Coordinate | Orientation) -> tuple[Node, ...]:
@@ -223,7 +211,7 @@ def _stated_rates(
     """Those of the rates (`order`, with their `units`) that are stated and no speeds."""
     starts, speeds = _rate_starts(model), set(v)
     return [
-        StatedRate(key(rate)[1], unit, rates[rate], starts[rate])
+        StatedRate(rate, unit, rates[rate], starts[rate])
         for rate, unit in zip(order, units)
         if rate not in speeds and starts[rate].stated.level != UNSTATED
     ]

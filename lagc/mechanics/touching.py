@@ -64,7 +64,7 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     model = states.model
     tries = [*samples(model, _STATES, vary=False), *samples(model, _STATES)]
     start = list(samples(model, 1, vary=False, spread=0.0))
-    asked = [x for x in classified if x.row.kind == "holonomic" or not x.row.linear]
+    asked = [x for x in classified if x.row.holonomic or not x.row.linear]
     suspects = [s for s in (_suspect(states, x, start, tries) for x in asked) if s is not None]
     if not suspects:
         return
@@ -89,7 +89,7 @@ def _suspect(
 ) -> _Suspect | None:
     given = {p.symbol for p in states.model.parameters}
     moving, repeated = _factors(x.row.residual, given)
-    search = _Search(states, x.row.kind == "velocity", scales(states))
+    search = _Search(states, not x.row.holonomic, scales(states))
     vanishing = [f for f in repeated if _touches(f, given) or search.finds(f, tries)]
     if vanishing:
         regular = any(search.finds(f, tries) for f in moving if f not in repeated)

@@ -14,15 +14,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 
+from lagc.expr.operators import OPERATORS
 from lagc.optimize.block import Block, Row
 from lagc.optimize.program import Function, Operation
 
-# About how many cycles until a result can be used; all others take `_FUNCTION`.
+# About how many cycles until a result can be used.
 _CYCLES = {
-    "const": 0, "load": 5, "neg": 1, "abs": 1, "add": 4, "sub": 4, "mul": 4, "div": 14, "sqrt": 18,
-    "min": 4, "max": 4, "lt": 4, "le": 4, "eq": 4, "and": 1, "or": 1, "not": 1, "select": 2,
+    "const": 0, "load": 5, "neg": 1, "add": 4, "sub": 4, "mul": 4, "div": 14,
+    **{op: row.cycles for op, row in OPERATORS.items()},
 }  # fmt: skip
-_FUNCTION = 60
 _LARGEST = 1500  # operations that are put in order; more are divided into functions, each on its own
 _KIND = {"add": "sum", "sub": "sum", "neg": "sum", "mul": "product"}
 
@@ -73,7 +73,7 @@ class _Balance:
             found = block.abs(*operands)
         else:
             found = block.apply(o.op, *operands)
-        return self._timed(found, operands, _CYCLES.get(o.op, _FUNCTION))
+        return self._timed(found, operands, _CYCLES[o.op])
 
     def _timed(self, found: int, operands: Sequence[int], cycles: int) -> int:
         start = max([self._when(a) for a in operands], default=0)
@@ -140,7 +140,7 @@ def by_height(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
     height = [0] * len(rows)  # cycles from the start of an operation to the end of the function
     users: dict[int, list[int]] = {v: [] for v in needed}
     for v in reversed(needed):
-        height[v] += _CYCLES.get(rows[v][0], _FUNCTION)
+        height[v] += _CYCLES[rows[v][0]]
         for operand in rows[v][1]:
             height[operand] = max(height[operand], height[v])
             users[operand].append(v)

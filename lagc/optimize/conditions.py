@@ -9,7 +9,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 
 def condition_rows(equations: EquationsOfMotion) -> list[Node]:
     """The residuals that vanish at a consistent start, and the rates that were stated."""
-    phi = [row.residual for row in equations.rows if row.kind == "holonomic"]
+    phi = [row.residual for row in equations.rows if row.holonomic]
     psi = [row.rate for row in equations.rows]
     own = [residual for residual, _ in equations.initial_conditions]
     return [*phi, *psi, *own, *(s.rate for s in equations.stated_rates)]

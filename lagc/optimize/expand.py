@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 from math import inf
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import TWINS
+from lagc.expr.squares import exchanged
 from lagc.expr.walk import reachable
 
 Monomial = tuple[tuple[Node, int], ...]  # bases by index, exponents not zero
@@ -72,7 +74,7 @@ def _product(node: Node, forms: Mapping[Node, Polynomial]) -> Polynomial:
 
 
 def _turned(monomial: Monomial) -> bool:
-    return any(base.op in ("sin", "cos") and exponent > 0 for base, exponent in monomial)
+    return any(base.op in TWINS and exponent > 0 for base, exponent in monomial)
 
 
 def _times(a: Polynomial, b: Polynomial) -> Polynomial:
@@ -82,8 +84,12 @@ def _times(a: Polynomial, b: Polynomial) -> Polynomial:
             powers = dict(left)
             for base, exponent in right:
                 powers[base] = powers.get(base, 0) + exponent
-            _count(total, tuple(sorted([x for x in powers.items() if x[1]], key=_by_index)), c * d)
+            _count(total, _monomial(powers), c * d)
     return total
+
+
+def _monomial(powers: Mapping[Node, int]) -> Monomial:
+    return tuple(sorted([x for x in powers.items() if x[1]], key=_by_index))
 
 
 def _count(total: Polynomial, monomial: Monomial, c: float) -> None:
@@ -103,19 +109,18 @@ def _squares_met(form: Polynomial) -> Polynomial:
         c = left.get(monomial)
         if c is None:
             continue
-        for base, exponent in monomial:
-            if base.op not in ("sin", "cos") or exponent < 2:
-                continue
-            other = base.graph.unary("cos" if base.op == "sin" else "sin", base.args[0])
-            rest = _times({monomial: 1.0}, {((base, -2),): 1.0})
-            (short,) = rest
-            (twin,) = _times(rest, {((other, 2),): 1.0})
+        for rest, other in exchanged(monomial, _twin):
+            short, twin = _monomial(rest), _monomial({**rest, other: rest.get(other, 0) + 2})
             if left.get(twin) == c:
                 del left[monomial], left[twin]
                 _count(left, short, c)
                 pending.append(short)
                 break
     return left
+
+
+def _twin(base: Node, exponent: int) -> Node | None:
+    return base.graph.twin(base) if exponent >= 2 else None
 
 
 def _rebuilt(graph: Graph, form: Polynomial) -> Node:

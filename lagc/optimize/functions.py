@@ -67,7 +67,7 @@ def displace(places: Places) -> Function | None:
 
 
 def position(places: Places) -> Function:
-    rows = [row for row in places.equations.rows if row.kind == "holonomic"]
+    rows = [row for row in places.equations.rows if row.holonomic]
     residuals = [row.residual for row in rows]
     comments = row_comments(rows)
     return _function(places, "position", STATE, (("phi", residuals),), "holonomic residuals", comments)
@@ -172,7 +172,7 @@ def reaches(places: Places) -> Function:
         own = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
         pace = graph.binary("max", pace, own)
     found = _beside_others(places, equations.rows, [reach(_slopes(places, row)) for row in equations.rows])
-    holonomic = [row for row in equations.rows if row.kind == "holonomic"]
+    holonomic = [row for row in equations.rows if row.holonomic]
     of_rates: list[Node] = []
     for row in holonomic:
         parts = terms(graph, row.rate) if row.time_dependent else []
@@ -186,7 +186,7 @@ def reaches(places: Places) -> Function:
 def _slopes(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
     """The states that the residual of `row` depends on, coordinates or for a velocity row speeds: each
     with its index in x, and the derivative by it."""
-    if row.kind == "velocity":
+    if not row.holonomic:
         return _of_speeds(places, row)
     q = places.equations.q
     slopes = gradient(places.graph, {row.residual: places.graph.one}, q)

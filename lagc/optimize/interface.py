@@ -8,6 +8,7 @@ from itertools import accumulate
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
+from lagc.expr.operators import CHOICE, CORNER, STEP, TRUTHS, smooth_as
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
@@ -22,7 +23,7 @@ _UNHASHED = (
     "initial_places", "bends", "timed", "driven", "doubtful",
 )  # fmt: skip
 
-_BENDING = ("abs", "floor", "sign", "min", "max", "select")
+_BENDING = smooth_as(CORNER, STEP, CHOICE) - TRUTHS
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -59,7 +60,7 @@ def interface(
         nv=len(equations.v),
         nz=1 if work else 0,
         nc=len(equations.rows),
-        nh=sum(1 for row in equations.rows if row.kind == "holonomic"),
+        nh=sum(1 for row in equations.rows if row.holonomic),
         q_names=equations.q_names,
         v_names=equations.v_names,
         q_units=equations.q_units,
@@ -154,8 +155,7 @@ def _limit(x: Limit) -> Field:
 
 
 def _input(u: Input) -> Field:
-    inf = float("inf")
-    return Field(u.name, u.default, -inf, inf, u.unit, u.unit, place(u.span), u.description)
+    return Field(u.name, u.default, u.minimum, u.maximum, u.unit, u.unit, place(u.span), u.description)
 
 
 def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:

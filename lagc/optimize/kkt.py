@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
+from lagc.expr.symbol import derived
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.optimize.balance import balanced
 from lagc.optimize.block import Block
@@ -81,7 +82,7 @@ def _rhs(
     lowering.known.update(zip(equations.a, a))
     lowering.known.update(zip(equations.lam, lam))
     xdot = [*qdot, *a, *lowering(power)]
-    _store_all(block, "xdot", xdot, [f"der({name})" for name in (*equations.q_names, *equations.v_names)])
+    _store_all(block, "xdot", xdot, [derived(name) for name in (*equations.q_names, *equations.v_names)])
     _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, left])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import PARITY
 from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
 
@@ -54,11 +55,11 @@ class Lowering:
         return self._function(op, [known[a] for a in node.args])
 
     def _function(self, op: str, operands: list[int]) -> int:
-        if op in ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign") and operands[0] < 0:
-            return ~self.block.apply(op, ~operands[0])
-        if op in ("cos", "cosh", "abs") and operands[0] < 0:
-            return self.block.apply(op, ~operands[0])
-        return self.block.apply(op, *operands)
+        parity = PARITY[op]
+        if not parity or operands[0] >= 0:
+            return self.block.apply(op, *operands)
+        found = self.block.apply(op, ~operands[0])
+        return found if parity > 0 else ~found
 
     def _product(self, product: Product) -> int:
         found = self._products.get(product)

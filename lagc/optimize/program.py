@@ -9,17 +9,14 @@ from __future__ import annotations
 
 from lagc.records import dataclass, field
 
-# op -> number of operands.  `load` and `const` have none.  Integer powers are products by now,
-# x*x, never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only.
-OPERANDS: dict[str, int] = {
-    "const": 0, "load": 0,
-    "neg": 1, "add": 2, "sub": 2, "mul": 2, "div": 2,
-    "sin": 1, "cos": 1, "tan": 1, "asin": 1, "acos": 1, "atan": 1,
-    "sinh": 1, "cosh": 1, "tanh": 1, "exp": 1, "log": 1, "sqrt": 1,
-    "abs": 1, "floor": 1, "sign": 1,
-    "atan2": 2, "min": 2, "max": 2, "pow": 2,
-    "lt": 2, "le": 2, "eq": 2, "and": 2, "or": 2, "not": 1, "select": 3,
-}  # fmt: skip
+
+def operands() -> dict[str, int]:
+    """op -> number of operands.  `load` and `const` have none.  Integer powers are products by now, x*x,
+    never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only."""
+    from lagc.expr.operators import OPERATORS  # a run from the cache has no use for it
+
+    arithmetic = {"const": 0, "load": 0, "neg": 1, "add": 2, "sub": 2, "mul": 2, "div": 2}
+    return arithmetic | {op: row.arity for op, row in OPERATORS.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,9 +62,9 @@ class Function:
 
     def verify(self) -> None:
         """Every operand comes before its use; every load and store is of an array of the signature."""
-        outputs = dict(self.outputs)
+        outputs, count = dict(self.outputs), operands()
         for position, operation in enumerate(self.operations):
-            assert len(operation.operands) == OPERANDS[operation.op]
+            assert len(operation.operands) == count[operation.op]
             assert all(0 <= operand < position for operand in operation.operands)
             if operation.op == "load":
                 assert isinstance(operation.payload, tuple) and operation.payload[0] in self.inputs

@@ -88,14 +88,12 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     return replace(
         equations,
         q=tuple([equations.q[i] for i in q]),
-        q_names=tuple([equations.q_names[i] for i in q]),
         q_units=tuple([equations.q_units[i] for i in q]),
         qdot=tuple([equations.qdot[i] for i in q]),
         starts_q=tuple([equations.starts_q[i] for i in q]),
         quaternions=tuple([new_q[k] for k in equations.quaternions if k in new_q]),
         v=tuple([equations.v[j] for j in v]),
         a=tuple([equations.a[j] for j in v]),
-        v_names=tuple([equations.v_names[j] for j in v]),
         v_units=tuple([equations.v_units[j] for j in v]),
         starts_v=tuple([equations.starts_v[j] for j in v]),
         stated_rates=tuple([s for s in equations.stated_rates if not gone & symbols([s.rate])]),
@@ -139,8 +137,9 @@ def independent(equations: EquationsOfMotion) -> tuple[str, ...]:
     groups = parts.groups()
     if len(groups) < 2 or len(groups) > _MOST_NAMED:
         return ()
-    names = ["(" + ", ".join(equations.v_names[j] for j in group) + ")" for group in groups]
-    return ("the motion falls into independent parts: " + " ".join(names),)
+    names = equations.v_names
+    named = ["(" + ", ".join(names[j] for j in group) + ")" for group in groups]
+    return ("the motion falls into independent parts: " + " ".join(named),)
 
 
 def _tie_to(parts: _Parts, j: int, nodes: list[Node], number: dict[Node, int]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import reachable
 from lagc.meaning.model import Parameter
 from lagc.mechanics.equations import EquationsOfMotion
@@ -15,14 +16,14 @@ from lagc.optimize.lower import Lowering
 from lagc.optimize.program import Function
 from lagc.records import dataclass
 
-FUNCTIONS = (
-    "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "atan2", "pow",
-)  # fmt: skip
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
 _LARGEST_SELDOM = 100  # nodes, of a function that no step calls
 _LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
-_WEIGHTS = {"load": 0, "const": 0, "neg": 0, "div": 4, "sqrt": 4, **dict.fromkeys(FUNCTIONS, 20)}
+_WEIGHTS = {
+    "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
+    **{op: row.weight for op, row in OPERATORS.items()},
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -78,4 +79,4 @@ def cheapest(
 
 def weight(function: Function) -> int:
     """About the time a function takes, in additions."""
-    return sum([_WEIGHTS.get(o.op, 1) for o in function.operations])
+    return sum([_WEIGHTS[o.op] for o in function.operations])

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from lagc.expr.operators import COMPARISONS, INFIX, TRUTHS
 from lagc.optimize.program import Function
 from lagc.records import dataclass
 
@@ -20,11 +21,8 @@ _INFIX = {
     "sub": (" - ", SUM),
     "mul": (" * ", PRODUCT),
     "div": (" / ", PRODUCT),
-    "lt": (" < ", COMPARISON),
-    "le": (" <= ", COMPARISON),
-    "eq": (" == ", COMPARISON),
+    **{op: (f" {word} ", COMPARISON) for op, word in INFIX.items() if op in COMPARISONS},
 }
-TRUTH = frozenset({"lt", "le", "eq", "and", "or", "not"})
 
 
 def literal(value: float) -> str:
@@ -192,7 +190,7 @@ class _Body:
     def _name(self, k: int) -> None:
         if self.text[k].isidentifier():
             return
-        truth = self.function.operations[k].op in TRUTH
+        truth = self.function.operations[k].op in TRUTHS
         name = f"{'c' if truth else 't'}{self.temporaries}"
         self.temporaries += 1
         form = self.dialect.truth if truth else self.dialect.number

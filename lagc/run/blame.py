@@ -8,9 +8,10 @@ from math import inf, isfinite
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.symbol import Symbol
 from lagc.expr.text import text
 from lagc.expr.walk import reachable
-from lagc.meaning.model import Coordinate, Potential
+from lagc.meaning.model import Potential
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
@@ -62,26 +63,21 @@ def _spans(equations: EquationsOfMotion, anchor: Anchor) -> Iterator[tuple[Span,
     elif kind == "initial":
         yield equations.initial_conditions[int(name)][1], "a condition of the start"
     else:
-        names = [*equations.q_names, *equations.v_names, *(s.name for s in equations.stated_rates)]
-        for own, start in zip(names, equations.starts):
-            if own == name:
+        for own, start in zip(_begun(equations), equations.starts):
+            if own.name == name:
                 yield (start.stated.span if kind == "start" else _declared(equations, own)), f"`{name}`"
 
 
-def _declared(equations: EquationsOfMotion, name: str) -> Span:
+def _begun(equations: EquationsOfMotion) -> list[Symbol]:
+    """What `equations.starts` are of."""
+    rates = [s.symbol for s in equations.stated_rates]
+    return [x.record for x in (*equations.q, *equations.v, *rates)]
+
+
+def _declared(equations: EquationsOfMotion, state: Symbol) -> Span:
     """Where the coordinate or speed is declared that a state belongs to."""
-    for coordinate in equations.model.coordinates:
-        names = {coordinate.name}
-        if isinstance(coordinate, Coordinate):
-            names.add(f"der({coordinate.name})")
-        elif name.startswith(f"{coordinate.name}."):
-            names.add(name)
-        if name in names:
-            return coordinate.span
-    for speed in equations.model.speeds:
-        if speed.name == name:
-            return speed.span
-    return equations.starts[0].stated.span
+    things = (*equations.model.coordinates, *equations.model.speeds)
+    return next(thing.span for thing in things if thing.name == state.owner)
 
 
 def _light(equations: EquationsOfMotion, values: dict[Node, float]) -> list[tuple[Span, str]]:
@@ -110,11 +106,10 @@ def _suspects(
     equations: EquationsOfMotion, code: str, found: NoStart
 ) -> Iterator[tuple[Span | None, Sequence[Node]]]:
     """What may lack a value, what a person wrote before what was derived from it."""
-    names = [*equations.q_names, *equations.v_names, *(s.name for s in equations.stated_rates)]
     labels = {name for kind, name in found.anchors if kind == "row"}
     if code in ("LAG0610", "LAG0611"):
-        for name, start in zip(names, equations.starts):
-            if ("start", name) in found.anchors:
+        for state, start in zip(_begun(equations), equations.starts):
+            if ("start", state.name) in found.anchors:
                 yield start.stated.span, [start.value]
         for row in equations.rows:
             if row.label in labels:

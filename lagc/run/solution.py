@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
+from lagc.expr.symbol import derived
 from lagc.records import dataclass, field, replace
 from lagc.run.problem import System
 from lagc.run.request import unknown
@@ -106,7 +107,7 @@ class Solution:
         interface = self.system.interface
         found = dict(zip(self.state_names, (*interface.q_units, *interface.v_units)))
         for name, unit in zip(interface.q_names, interface.q_units):
-            found.setdefault(f"der({name})", f"{unit}/s" if unit else "1/s")
+            found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
         found.update({o.name: o.unit for o in interface.outputs})
         return found
 
@@ -120,7 +121,7 @@ class Solution:
         """The names that are saved and shown: states, rates of coordinates, outputs, without
         the rates of quaternions (the body rates are there)."""
         interface = self.system.interface
-        parts = {f"der({interface.q_names[k + i]})" for k in interface.quaternions for i in range(4)}
+        parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
         return tuple([n for n in self.units if n not in parts])
 
     @property
@@ -160,10 +161,10 @@ class Solution:
         if name not in self.units:
             fault = unknown(name, self.units, "quantity", "LAG0601")
             raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else ""))
-        if name.startswith("der(") and name not in {o.name for o in self.system.interface.outputs}:
-            self._fill_rates()
-        else:
+        if name in {o.name for o in self.system.interface.outputs}:
             self._fill_outputs()
+        else:
+            self._fill_rates()
         return self._columns[name]
 
     def final(self) -> dict[str, float]:
@@ -245,7 +246,7 @@ class Solution:
             system.rhs(t, x, xdot, lam)
             rows.append(xdot[:nq])
         for i, name in enumerate(system.interface.q_names):
-            self._columns.setdefault(f"der({name})", [row[i] for row in rows])
+            self._columns.setdefault(derived(name), [row[i] for row in rows])
 
     def _fill_outputs(self) -> None:
         system = self.system

@@ -86,6 +86,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", f"at {t} {why or f'the constraints contradict each other: {row_name(system, k)}'}"
     if status != MAX_STEPS and trajectory.steps == 0 and 0.0 < stop < SHORTEST:
         return "failed", f"numbers are too coarse for a run of {stop:g} s: ask for a longer one"
+    if status == NOT_FINITE and trajectory.steps == 0 and _sound(system, trajectory):
+        return "failed", f"the first steps towards {stop:g} s lead beyond all numbers: ask for a shorter run"
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
         return "failed", f"{when} {state_name(system, k)} or its rate is not a finite number"
@@ -105,6 +107,11 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", (f"at {t}, after {tried} steps, the rest to {stop:g} s would take too many: they "
                           f"are {size:.1g} s long; {why}")  # fmt: skip
     return "failed", f"the integration ended at {t} with status {status}"
+
+
+def _sound(system: System, trajectory: Trajectory) -> bool:
+    """Whether the motion has a rate where the run ended."""
+    return system.rhs(trajectory.t, trajectory.x, [0.0] * system.nx, [0.0] * system.nc) in (OK, REDUNDANT)
 
 
 def _missed(system: System, found: Verified, asked: float) -> Verdict:

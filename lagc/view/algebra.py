@@ -15,6 +15,7 @@ from math import gcd, isqrt
 from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import reachable
 from lagc.records import dataclass
 
@@ -24,8 +25,6 @@ Polynomial: TypeAlias = dict[Monomial, Fraction]
 Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 
 HALF = Fraction(1, 2)
-EVEN = ("cos", "cosh", "abs")
-ODD = ("sin", "tan", "asin", "atan", "sinh", "tanh", "sign")
 HIGHEST = 8  # power of a sum that is multiplied out
 READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
 
@@ -231,14 +230,14 @@ class Algebra:
         return self.function("pow", x, y)
 
     def function(self, op: str, *args: Polynomial) -> Polynomial:
-        sign = Fraction(1)
-        if (op in EVEN or op in ODD) and args[0] and args[0][min(args[0])] < 0:
+        sign, row = Fraction(1), OPERATORS[op]
+        if row.parity and args[0] and args[0][min(args[0])] < 0:
             args = (scaled(args[0], Fraction(-1)),)
-            sign = Fraction(1 if op in EVEN else -1)
+            sign = Fraction(row.parity)
         if op == "abs" and len(args[0]) == 1:
             return self._absolute(args[0])
         self._spend(sum(len(a) for a in args))
-        atom = Atom(op, None, tuple(frozen(a) for a in args), op in ("abs", "exp", "cosh"))
+        atom = Atom(op, None, tuple(frozen(a) for a in args), row.within[0] >= 0.0)
         return scaled(self.single(self._atom(atom)), sign)
 
     def _absolute(self, p: Polynomial) -> Polynomial:

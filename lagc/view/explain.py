@@ -8,6 +8,7 @@ from typing import Any
 
 from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
+from lagc.expr.symbol import derived
 from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue
 from lagc.optimize.program import Interface, Program
@@ -212,7 +213,8 @@ def quantity(value: float, unit: str) -> str:
 def _speed_lines(facts: Facts) -> list[str]:
     """Only where they are more than the rates of the coordinates."""
     speeds = facts["speeds"]
-    if all(s["name"].startswith("der(") for s in speeds):
+    rates = {derived(c["name"]) for c in facts["coordinates"]}
+    if all(s["name"] in rates for s in speeds):
         return []
     return [s["name"] + (f" [{s['unit']}]" if s["unit"] else "") for s in speeds]
 

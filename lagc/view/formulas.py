@@ -124,7 +124,7 @@ def _kinematic(equations: EquationsOfMotion, collector: Collector, shown: dict[N
 
 
 def _is_rate(equations: EquationsOfMotion, speed: Node) -> bool:
-    return equations.v_names[equations.v.index(speed)].startswith("der(")
+    return speed.record.kind == "rate" and not speed.record.turns
 
 
 def _motion(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
@@ -149,9 +149,9 @@ def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[P
         for entry, a in terms:
             e, s = algebra.polynomials([entry, a])
             total = algebra.add(total, algebra.multiply(tidy(equations, algebra, e), s))
-        for row, lam in zip(equations.rows, equations.lam):
+        for row in equations.rows:
             if i in row.jacobian:
-                e, s = algebra.polynomials([row.jacobian[i], lam])
+                e, s = algebra.polynomials([row.jacobian[i], row.multiplier])
                 total = algebra.add(total, scaled(algebra.multiply(e, s), Fraction(-1)))
         found.append(tidy(equations, algebra, total))
     return found
@@ -170,11 +170,10 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     algebra = collector.algebra
     formulas = []
     for row, p in zip(equations.rows, algebra.polynomials([row.residual for row in equations.rows])):
-        kind = "position" if row.kind == "holonomic" else "velocity"
         p = tidy(equations, algebra, p)
-        by_rate = row.kind == "velocity" and row.linear
+        by_rate = row.linear and not row.holonomic
         left = collector.collect(p, sorted(collector.rates)) if by_rate else collector.collect(p)
-        formulas.append(Formula(kind, row.label, Sum(positive_first(left.terms)), ZERO))
+        formulas.append(Formula(row.level.value, row.label, Sum(positive_first(left.terms)), ZERO))
     return formulas
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import INFIX, spelling
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Exponent
 from lagc.view.formulas import Sheet, by_kind, sheet
@@ -15,14 +16,7 @@ _GREEK = """
     phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega
 """
 GREEK = frozenset(_GREEK.split())
-FUNCTIONS = {
-    "sin": r"\sin", "cos": r"\cos", "tan": r"\tan",
-    "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan",
-    "sinh": r"\sinh", "cosh": r"\cosh", "tanh": r"\tanh",
-    "exp": r"\exp", "log": r"\ln", "min": r"\min", "max": r"\max",
-    "sign": r"\operatorname{sgn}", "atan2": r"\operatorname{atan2}",
-}  # fmt: skip
-RELATIONS = {"lt": "<", "le": r"\le", "eq": "=", "and": r"\land", "or": r"\lor"}
+WORDS = spelling("latex")
 DOTS = ("", r"\dot", r"\ddot")
 
 
@@ -66,9 +60,12 @@ class LatexWriter(TextWriter):
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.named(node)
-        if name is None:
-            return self.raised(letter(str(node.value[1])), exponent)
-        return self.raised(letter(name.base, name.order), exponent)
+        record = node.record
+        base, order = (record.base, record.order) if name is None else (name.base, name.order)
+        if record.turns:
+            owner = re.sub(r"\W+", "_", record.owner).strip("_")
+            base = f"omega_{owner}_{record.component}"
+        return self.raised(letter(base, order), exponent)
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "abs":
@@ -77,15 +74,15 @@ class LatexWriter(TextWriter):
             return self.raised(rf"\left\lfloor {args[0]} \right\rfloor", exponent)
         if op == "pow":
             return self.raised(rf"\left(\left({args[0]}\right)^{{{args[1]}}}\right)", exponent)
-        if op in RELATIONS:
-            return rf"\left({args[0]} {RELATIONS[op]} {args[1]}\right)"
+        if op in INFIX:
+            return rf"\left({args[0]} {WORDS[op]} {args[1]}\right)"
         if op == "not":
-            return rf"\lnot {args[0]}"
+            return rf"{WORDS[op]} {args[0]}"
         if op == "select":
             cases = rf"{args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}}"
             return rf"\begin{{cases}} {cases} \end{{cases}}"
         whole = exponent.denominator == 1
-        head = self.raised(FUNCTIONS[op], exponent) if whole else FUNCTIONS[op]
+        head = self.raised(WORDS[op], exponent) if whole else WORDS[op]
         short = len(args) == 1 and _is_short(args[0])
         text = f"{head} {args[0]}" if short else rf"{head}\left({', '.join(args)}\right)"
         return text if whole else self.raised(rf"\left({text}\right)", exponent)
@@ -94,8 +91,6 @@ class LatexWriter(TextWriter):
 def letter(name: str, dots: int = 0) -> str:
     """A name with its subscripts and dots: `th[2]` is th_2, `a.bob[3]` is bob_{a,3}."""
     path = name.split(".")
-    if len(path) == 3 and path[1] == "rate":  # body rates of an orientation
-        return letter(f"omega_{path[0]}_{path[2]}", dots)
     last, *indices = re.split(r"[\[\],]+", path[-1].rstrip("]"))
     base, subscripts = _base(last)
     subscripts += [_plain(p) for p in path[:-1]] + [_plain(i) for i in indices]

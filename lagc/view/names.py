@@ -21,21 +21,16 @@ class Name:
 def names(equations: EquationsOfMotion) -> dict[Node, Name]:
     """How each symbol is shown: `field.g` as `g` where no other name ends so."""
     model = equations.model
-    own = [(p.symbol, p.name) for p in model.parameters] + [(i.symbol, i.name) for i in model.inputs]
-    inside = {i + k for i in equations.quaternions for k in range(4)}
-    moving = [(s, n) for i, (s, n) in enumerate(zip(equations.q, equations.q_names)) if i not in inside]
-    short = _shortener([n for _, n in own + moving] + [n for n in equations.v_names if "(" not in n])
-    found = {symbol: Name(short(name), name) for symbol, name in own + moving}
-    for i in inside:
-        found[equations.q[i]] = Name(equations.q_names[i], equations.q_names[i])
-    for speed, acceleration, name in zip(equations.v, equations.a, equations.v_names):
-        full = name[4:-1] if name.startswith("der(") else name
-        order = 1 if name.startswith("der(") else 0
-        base = full if ".rate." in full else short(full)
-        found[speed] = Name(base, full, order)
-        found[acceleration] = Name(base, full, order + 1)
-    for symbol, row in zip(equations.lam, equations.rows):
-        found[symbol] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
+    given = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
+    plain = [*given, *(x for x in equations.q if not x.record.component)]
+    short = _shortener([x.record.name for x in (*plain, *equations.v) if x.record.order == 0])
+    found: dict[Node, Name] = {}
+    for symbol in (*plain, *equations.q, *equations.v, *equations.a):
+        record = symbol.record
+        base = record.base if record.component else short(record.base)
+        found[symbol] = Name(base, record.base, record.order)
+    for row in equations.rows:
+        found[row.multiplier] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
     taken = {n.base for n in found.values()}
     found[equations.time] = Name("time" if "t" in taken else "t", "time")
     return found

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from math import inf
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import TRUTHS, spelling
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import Exponent
 from lagc.view.collect import Collector
@@ -15,8 +16,7 @@ from lagc.view.formulas import Sheet
 from lagc.view.names import Name
 from lagc.view.text import TextWriter
 
-SPELLED = {"abs": "Abs", "min": "Min", "max": "Max"}
-RELATIONS = {"lt": "Lt", "le": "Le", "eq": "Eq", "and": "And", "or": "Or", "not": "Not"}
+WORDS = spelling("sympy")
 
 
 def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
@@ -70,8 +70,8 @@ def _declarations(equations: EquationsOfMotion, variables: Mapping[str, str]) ->
         lines.append(_line(variables[p.name], f"sympy.Symbol({p.name!r}, {known})", p.unit, p.description))
     moving = [(i.name, i.unit, i.description) for i in model.inputs]
     moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
-    speeds = zip(equations.v_names, equations.v_units)
-    moving += [(name, unit, "") for name, unit in speeds if not name.startswith("der(")]
+    speeds = [(x.record, unit) for x, unit in zip(equations.v, equations.v_units)]
+    moving += [(record.name, unit, "") for record, unit in speeds if record.order == 0]
     moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
     for name, unit, description in moving:
         lines.append(_line(variables[name], f"sympy.Function({name!r}, real=True)(t)", unit, description))
@@ -123,6 +123,5 @@ class ScriptWriter(TextWriter):
             return self.raised(f"(({args[0]})**({args[1]}))", exponent)
         if op == "select":
             return self.raised(f"sympy.Piecewise(({args[1]}, {args[0]}), ({args[2]}, True))", exponent)
-        if op in RELATIONS:
-            return f"sympy.{RELATIONS[op]}({', '.join(args)})"
-        return self.raised(f"sympy.{SPELLED.get(op, op)}({', '.join(args)})", exponent)
+        text = f"sympy.{WORDS[op]}({', '.join(args)})"
+        return text if op in TRUTHS else self.raised(text, exponent)

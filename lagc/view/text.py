@@ -8,11 +8,11 @@ from decimal import Context
 from fractions import Fraction
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import INFIX
 from lagc.view.algebra import Exponent, Frozen
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
 
-INFIX = {"lt": "<", "le": "<=", "eq": "==", "and": "and", "or": "or"}
 _LONGEST = 10**17  # of an integer with all its digits
 _DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)
 
@@ -104,7 +104,7 @@ class TextWriter:
 
     def symbol(self, node: Node, exponent: Exponent) -> str:
         name = self.named(node)
-        text = str(node.value[1]) if name is None else name.base + "'" * name.order
+        text = node.record.name if name is None else name.base + "'" * name.order
         return self.raised(text, exponent)
 
     def named(self, node: Node) -> Name | None:

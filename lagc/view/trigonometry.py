@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from lagc.view.algebra import READABLE, Algebra, Monomial, Polynomial, accumulate, frozen, scaled
+from lagc.expr.operators import TWINS
+from lagc.expr.squares import exchanged
+from lagc.view.algebra import READABLE, Algebra, Exponent, Monomial, Polynomial, accumulate, frozen, scaled
 
 NOISE = Fraction(1, 2**50)
-Powers = dict[int, "int | Fraction"]
+Powers = dict[int, Exponent]
 
 
 def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
@@ -31,16 +33,18 @@ def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
 
 def _step(algebra: Algebra, p: Polynomial, monomial: Monomial) -> list[Monomial]:
     """Try the identities on one monomial of p; the monomials that changed."""
-    trig = [
-        (a, e) for a, e in monomial if algebra.atoms[a].op in ("sin", "cos") and e > 0 and e.denominator == 1
-    ]
-    for atom, e in trig:
-        if e >= 2:
-            changed = _pythagoras(algebra, p, monomial, atom)
-            if changed:
-                return changed
-    for i, (first, _) in enumerate(trig):
-        for second, _ in trig[i + 1 :]:
+
+    def twin(atom: int, exponent: Exponent) -> int | None:
+        return _twin(algebra, atom) if _whole(algebra, atom, exponent, 2) else None
+
+    for powers, other in exchanged(monomial, twin):
+        rest = _sorted(powers)
+        changed = _pythagoras(p, monomial, rest, _exchange(rest, [(other, 2)]))
+        if changed:
+            return changed
+    trig = [a for a, e in monomial if _whole(algebra, a, e, 1)]
+    for i, first in enumerate(trig):
+        for second in trig[i + 1 :]:
             if algebra.atoms[first].args != algebra.atoms[second].args:
                 changed = _difference(algebra, p, monomial, first, second)
                 if changed:
@@ -48,10 +52,15 @@ def _step(algebra: Algebra, p: Polynomial, monomial: Monomial) -> list[Monomial]
     return []
 
 
+def _whole(algebra: Algebra, atom: int, exponent: Exponent, least: int) -> bool:
+    """Whether the power of an atom is one of a sine or cosine, whole and no smaller than `least`."""
+    return algebra.atoms[atom].op in TWINS and exponent >= least and exponent.denominator == 1
+
+
 def _twin(algebra: Algebra, atom: int) -> int:
     """The number of sin u for cos u, of cos u for sin u."""
     known = algebra.atoms[atom]
-    ((monomial, _),) = algebra.function("cos" if known.op == "sin" else "sin", dict(known.args[0])).items()
+    ((monomial, _),) = algebra.function(TWINS[known.op], dict(known.args[0])).items()
     return monomial[0][0]
 
 
@@ -59,13 +68,14 @@ def _exchange(monomial: Monomial, changes: list[tuple[int, int]]) -> Monomial:
     powers: Powers = dict(monomial)
     for atom, by in changes:
         powers[atom] = powers.get(atom, 0) + by
+    return _sorted(powers)
+
+
+def _sorted(powers: Powers) -> Monomial:
     return tuple(sorted([(a, e) for a, e in powers.items() if e]))
 
 
-def _pythagoras(algebra: Algebra, p: Polynomial, monomial: Monomial, atom: int) -> list[Monomial]:
-    twin = _twin(algebra, atom)
-    rest = _exchange(monomial, [(atom, -2)])
-    other = _exchange(rest, [(twin, 2)])
+def _pythagoras(p: Polynomial, monomial: Monomial, rest: Monomial, other: Monomial) -> list[Monomial]:
     c, d = p[monomial], p.get(other)
     if d is not None and (c > 0) == (d > 0):
         least = min(c, d, key=abs)
@@ -136,7 +146,7 @@ def without_noise(algebra: Algebra, p: Polynomial) -> Polynomial:
     sines and cosines only, a coefficient of some 1e-16 of its is rounding."""
     if all(c.denominator <= READABLE for c in p.values()):
         return p
-    bounded = {a for a, atom in enumerate(algebra.atoms) if atom.op in ("sin", "cos")}
+    bounded = {a for a, atom in enumerate(algebra.atoms) if atom.op in TWINS}
     keys = {m: tuple([(a, e) for a, e in m if a not in bounded or e < 0]) for m in p}
     largest: dict[Monomial, Fraction] = {}
     for m, c in p.items():

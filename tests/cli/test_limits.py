@@ -251,6 +251,40 @@ def test_a_run_of_more_steps_than_any_says_so(
     assert "would take more than 1e+38 steps" in json.loads(capsys.readouterr().out)["message"]
 
 
+@pytest.mark.parametrize("name", ["string_pendulum", "double_pendulum", "four_bar", "heavy_top_quaternion"])
+def test_a_run_whose_first_steps_overflow_does_not_blame_the_start(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sim", name, "--backend", "numpy", "--stop", "1e300", "--json"]) == 3
+    told = json.loads(capsys.readouterr().out)["message"]
+    assert "ask for a shorter" in told and "not a finite number" not in told
+
+
+@pytest.mark.parametrize("low, high, default", [(1.0, 3.0, 2.0), (-4.0, -1.0, -2.5), (0.0, 1e6, 5.0)])
+def test_bounds_of_inputs_are_held(
+    low: float, high: float, default: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "a.lag"
+    text = """model A
+  input Force u(min = LOW, max = HIGH)DEFAULT;
+  coordinate Length x;
+  body b = Particle(mass = 1[kg], at = {x, 0, 0});
+  force F = {u, 0, 0} at b;
+end A;
+""".replace("LOW", str(low)).replace("HIGH", str(high))
+    file.write_text(text.replace("DEFAULT", f" = {default}[N]"))
+    for value, code in ((low, 0), (high, 0), (low - 0.5, 2), (high + 0.5, 2)):
+        words = ["sim", str(file), "-q", "--backend", "numpy", "--stop", "1", "-p", f"u={value}"]
+        assert main(words) == code
+        assert code == 0 or "LAG0602" in capsys.readouterr().err
+    file.write_text(text.replace("DEFAULT", f" = {high + 1.0}[N]"))
+    assert main(["check", str(file)]) == 1
+    assert "above its maximum" in capsys.readouterr().out
+    if not low <= 0.0 <= high:  # what it is where nothing is said
+        file.write_text(text.replace("DEFAULT", ""))
+        assert main(["check", str(file)]) == 1
+
+
 @pytest.mark.parametrize("name", ["simple_pendulum", "string_pendulum", "four_bar"])
 @pytest.mark.parametrize("method", [[], ["--method", "dop853"], ["--method", "dopri5"]])
 def test_a_run_too_short_for_numbers_says_so(

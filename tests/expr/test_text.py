@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 from hypothesis import assume, given, settings
 
 from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import UNARY, Graph, Node
+from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import VALUES
 from lagc.expr.text import text
 from tests.expr.expressions import NAMES, grow, points, programs
 
-FUNCTIONS = {**UNARY, "atan2": math.atan2, "min": min, "max": max}
-
 
 def read(written: str, values: dict[str, float]) -> float:
-    return float(eval(written.replace("^", "**"), {"__builtins__": {}}, {**FUNCTIONS, **values}))
+    return float(eval(written.replace("^", "**"), {"__builtins__": {}}, {**VALUES, **values}))
 
 
 @settings(max_examples=200, deadline=None)

@@ -7,6 +7,7 @@ from typing import Any
 from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.symbol import derived
 from lagc.frontend.parse import parse
 from lagc.meaning.model import Model
 from lagc.meaning.resolve import resolve
@@ -24,16 +25,17 @@ def read_body(lines: str, **choice: Any) -> Model:
 
 
 def value(model: Model, node: Node, **motion: float) -> float:
-    """`node` at the parameters' values and the given motion (`x`, `der_x`, `time`)."""
+    """`node` at the parameters' values and the given motion (`x`, `o.w`, `der_x`, `time`)."""
     table: dict[Node, float] = {p.symbol: p.value for p in model.parameters if p.value is not None}
-    graph = model.graph
+    leaves = (x for x in model.graph.nodes if x.op == "symbol" and x.record.kind in ("coordinate", "rate"))
+    named = {leaf.record.name: leaf for leaf in leaves}
     for name, number in motion.items():
         if name == "time":
             table[model.time] = number
         elif name.startswith("der_"):
-            table[graph.symbol("rate", f"der({name[4:]})")] = number
+            table[named[derived(name[4:])]] = number
         else:
-            table[graph.symbol("coordinate", name)] = number
+            table[named[name]] = number
     return evaluate([node], table)[0]
 
 

@@ -68,14 +68,15 @@ class Builder:
 
     def input(self, name: str, default: float = 0.0) -> Node:
         symbol = self.graph.symbol("input", name)
-        self.inputs.append(Input(name, symbol, "", default, SPAN))
+        inf = float("inf")
+        self.inputs.append(Input(name, symbol, "", default, -inf, inf, SPAN))
         return symbol
 
     def coordinate(
         self, name: str, start: float = 0.3, rate: float = 0.0, unit: str = "", fixed: bool = False
     ) -> Node:
         g = self.graph
-        symbol, speed = g.symbol("coordinate", name), g.symbol("rate", f"der({name})")
+        symbol, speed = g.symbol("coordinate", name), g.symbol("rate", name, order=1)
         said = Statement(FIXED if fixed else UNSTATED, SPAN)
         self.coordinates.append(
             Coordinate(name, symbol, speed, unit, unit, g.const(start), g.const(rate), said, said, SPAN)
@@ -85,8 +86,8 @@ class Builder:
     def orientation(self, name: str, rate: Sequence[float] = (0.0, 0.0, 0.0)) -> tuple[Frame, Orientation]:
         """A quaternion and the frame that it turns."""
         g = self.graph
-        ew, x, y, z = (g.symbol("coordinate", f"{name}.{k}") for k in "wxyz")
-        w = self.vector([g.symbol("rate", f"{name}.rate.{k}") for k in "xyz"])
+        ew, x, y, z = (g.symbol("coordinate", name, k) for k in "wxyz")
+        w = self.vector([g.symbol("rate", name, k) for k in "xyz"])
         start = (g.one, g.zero, g.zero, g.zero)
         said = Statement(UNSTATED, SPAN)
         o = Orientation(name, (ew, x, y, z), w, start, self.vector(rate), said, (said,) * 3, SPAN)
@@ -205,8 +206,8 @@ class Builder:
     def output(self, name: str, expression: Node) -> None:
         self.outputs.append(Output(name, expression, "", "", SPAN))
 
-    def quantity(self, name: str) -> Node:
-        return self.graph.symbol("quantity", name)
+    def quantity(self, kind: str, owner: str = "", component: str = "") -> Node:
+        return self.graph.symbol(kind, owner, component)
 
     def model(self) -> Model:
         return Model(

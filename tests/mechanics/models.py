@@ -19,12 +19,12 @@ def pendulum() -> Model:
     u = bob.velocity
     speed = norm(u)
     b.force("drag", [-k * speed * x for x in u], bob.position)
-    b.output("E", b.quantity("energy()"))
-    b.output("p", b.quantity("momentum(theta)"))
-    b.output("px", b.quantity("momentum().x"))
-    b.output("Ly", b.quantity("angular_momentum().y"))
-    b.output("P", b.quantity("power(drag)"))
-    b.output("alpha", b.graph.symbol("acceleration", "der(der(theta))"))
+    b.output("E", b.quantity("energy"))
+    b.output("p", b.quantity("momentum", "theta"))
+    b.output("px", b.quantity("momentum", component="x"))
+    b.output("Ly", b.quantity("angular_momentum", component="y"))
+    b.output("P", b.quantity("power", "drag"))
+    b.output("alpha", b.graph.symbol("acceleration", "theta", order=2))
     return b.model()
 
 
@@ -62,8 +62,8 @@ def free_solid() -> Model:
     frame, _ = b.orientation("o", (0.1, 2.0, 0.3))
     b.solid("body", m, [b.parameter(f"I{k}", 0.1 * k) for k in (1, 2, 3)], frame, xyz)
     b.torque("spin", [moment * frame.axes[i][2] for i in range(3)], frame)
-    b.output("Lx", b.quantity("angular_momentum().x"))
-    b.output("p", b.quantity("momentum(o.rate.x)"))
+    b.output("Lx", b.quantity("angular_momentum", component="x"))
+    b.output("p", b.quantity("momentum", "o", "x"))
     return b.model()
 
 
@@ -93,7 +93,7 @@ def charged_particle() -> Model:
     x, y, z = (b.coordinate(k) for k in "xyz")
     u = b.particle("p", m, (x, y, z)).velocity
     b.lagrangian("magnetic", 0.5 * charge * field * (x * u[1] - y * u[0]))
-    b.output("px", b.quantity("momentum(x)"))
+    b.output("px", b.quantity("momentum", "x"))
     return b.model()
 
 
@@ -139,8 +139,8 @@ def declared_speeds() -> Model:
     w = b.speed("w", -b.der(x) * g.sin(phi) + b.der(y) * g.cos(phi))
     b.constraint("knife", w)
     b.dissipation("mud", 0.5 * b.parameter("c", 0.2) * w * w)
-    b.output("ax", g.symbol("acceleration", "der(der(x))"))
-    b.output("p", b.quantity("momentum(x)"))
+    b.output("ax", g.symbol("acceleration", "x", order=2))
+    b.output("p", b.quantity("momentum", "x"))
     return b.model()
 
 

@@ -32,8 +32,8 @@ def test_holonomic_rows_come_first() -> None:
     b.constraint("path", z - b.graph.sin(b.time))
     b.constraint("fast", b.der(x) ** 2 - 1.0)
     rows = derive(b.model()).rows
-    assert [(r.label, r.kind, r.linear, r.time_dependent) for r in rows] == [
-        ("path", "holonomic", True, True),
+    assert [(r.label, r.level.value, r.linear, r.time_dependent) for r in rows] == [
+        ("path", "position", True, True),
         ("roll", "velocity", True, False),
         ("fast", "velocity", False, False),
     ]
@@ -43,7 +43,7 @@ def test_a_constraint_on_a_declared_speed_is_no_position() -> None:
     b, (x, y, _) = plane()
     u = b.speed("u", b.der(x) + b.der(y))
     b.constraint("slow", u - 1.0)
-    assert [r.kind for r in derive(b.model()).rows] == ["velocity"]
+    assert [r.level.value for r in derive(b.model()).rows] == ["velocity"]
 
 
 def test_velocity_row_that_repeats_another_is_left_out() -> None:

@@ -99,8 +99,8 @@ def test_pendulum() -> None:
 def test_string_pendulum_tension() -> None:
     """m v^2/l - m g z/l along the string, from the row's multiplier."""
     e = derive(string_pendulum())
-    assert [(r.label, r.kind, r.linear, r.time_dependent) for r in e.rows] == [
-        ("string", "holonomic", True, False)
+    assert [(r.label, r.level.value, r.linear, r.time_dependent) for r in e.rows] == [
+        ("string", "position", True, False)
     ]
     state = consistent_state(e, 2)
     assert state is not None
@@ -212,8 +212,8 @@ def test_relativistic_mass() -> None:
 
 def test_driven_disc_keeps_account_of_its_drives() -> None:
     e = derive(rheonomic_disc())
-    assert [(r.label, r.kind, r.time_dependent) for r in e.rows] == [
-        ("hub", "holonomic", True),
+    assert [(r.label, r.level.value, r.time_dependent) for r in e.rows] == [
+        ("hub", "position", True),
         ("rolling", "velocity", True),
     ]
     assert not e.power.is_zero
@@ -254,7 +254,7 @@ def test_what_an_input_does_is_work_from_outside() -> None:
     b.potential("field", u * x * y)
     b.potential("spring", x * x)
     b.force("push", (0.0, u * u, 0.0), (x, y, 0.0))
-    b.output("P", b.quantity("power(push)"))
+    b.output("P", b.quantity("power", "push"))
     e = derive(b.model())
     assert [c.conservative for c in e.contributions] == [False, True, False]
     state = random_state(e, 12)
@@ -270,7 +270,7 @@ def test_energy_of_a_driven_bead() -> None:
     b = Builder()
     r, g, w = b.coordinate("r"), b.graph, b.parameter("w", 2.0)
     b.particle("bead", b.parameter("m", 3.0), (r * g.cos(w * b.time), r * g.sin(w * b.time), 0.0))
-    b.output("E", b.quantity("energy()"))
+    b.output("E", b.quantity("energy"))
     e = derive(b.model())
     state = random_state(e, 13)
     reach, speed = state[e.q[0]], state[e.v[0]]

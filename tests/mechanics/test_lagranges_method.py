@@ -56,7 +56,7 @@ def lagranges_method(model: Model) -> tuple[Any, list[Any], list[Any]]:
     for c in model.constraints:
         for label, residual in zip(c.labels, c.residuals):
             if label in rows:
-                (holonomic if rows[label].kind == "holonomic" else velocity_rows).append(convert(residual)[0])
+                (holonomic if rows[label].holonomic else velocity_rows).append(convert(residual)[0])
     method = mechanics.LagrangesMethod(
         lagrangian, q, forcelist=forces, frame=frame, hol_coneqs=holonomic, nonhol_coneqs=velocity_rows
     )

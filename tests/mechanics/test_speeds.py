@@ -44,14 +44,14 @@ def test_same_accelerations_as_rates(n: int, count: int) -> None:
     names = {**dict(zip(plain.v_names, plain.v))}
     first = motion(plain, random_state(plain, 1))
     second = {x: first[y] for x, y in zip(spoken.q, plain.q)} | {spoken.time: first[plain.time]}
-    wanted = {rate: first[names[rate.value[1]]] for rate in spoken.rates}
+    wanted = {rate: first[names[rate.record.name]] for rate in spoken.rates}
     speeds = {s.symbol: s.expression for s in spoken.model.speeds}
     second |= {v: evaluate([speeds.get(v, v)], {**second, **wanted})[0] for v in spoken.v}
     rates = list(spoken.rates)
     assert evaluate([spoken.rates[x] for x in rates], second) == pytest.approx([wanted[x] for x in rates])
     second = motion(spoken, second)
     changes = tangent(spoken.graph, [spoken.rates[x] for x in rates], build_states(spoken.model).flow)
-    expected = [first[plain.a[plain.v_names.index(x.value[1])]] for x in rates]
+    expected = [first[plain.a[plain.v_names.index(x.record.name)]] for x in rates]
     # three solves, of condition below 1e4
     assert evaluate(changes, second) == pytest.approx(expected, rel=1e-9, abs=1e-9)
     energies = [evaluate([e.energy, e.power], s) for e, s in ((plain, first), (spoken, second))]

@@ -93,7 +93,7 @@ def test_what_an_output_or_a_free_motion_speaks_of_stays() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
     b.particle("p", b.parameter("m"), (x, y, 0.0))
-    b.output("px", b.graph.symbol("rate", "der(x)"))
+    b.output("px", b.graph.symbol("rate", "x", order=1))
     assert compiled(b.model()).interface.q_names == ("x", "y")
 
 
@@ -180,7 +180,7 @@ def test_scales_are_the_sizes_of_the_terms() -> None:
 def test_conditions_of_the_start_and_their_derivatives() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
-    rate = b.graph.symbol("rate", "der(y)")
+    rate = b.graph.symbol("rate", "y", order=1)
     b.particle("p", b.parameter("m"), (x, y, 0.0))
     b.initially(x * x + y * rate - 1.0)
     found = interpret(

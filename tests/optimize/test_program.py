@@ -137,7 +137,7 @@ def test_every_other_function_has_the_values_of_its_nodes(compiled: Compiled, se
             state(tau) - state(h) for tau, h in zip(equations.given_forces, equations.bias_forces)
         ],
         ("system", "qdot"): state.all(equations.qdot),
-        ("position", "phi"): [state(row.residual) for row in equations.rows if row.kind == "holonomic"],
+        ("position", "phi"): [state(row.residual) for row in equations.rows if row.holonomic],
         ("velocity", "psi"): [state(row.rate) for row in equations.rows],
         ("energies", "e"): state.all([equations.kinetic, equations.potential, equations.energy]),
         ("power", "e"): [state(equations.power)],

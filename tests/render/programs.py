@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from lagc.optimize.program import OPERANDS, Function, Operation, Program, Store
+from lagc.optimize.program import Function, Operation, Program, Store, operands
 from tests.interfaces import field, interface
 
 
@@ -105,7 +105,8 @@ def random_function(seed: int, size: int = 120, states: int = 4, name: str = "ou
     numbers += [build.const(v) for v in (0.0, -0.0, 1.0, -2.5, 1e-300, 0.1)]
     truths: list[int] = []
     fixed = set(numbers[-6:])
-    ops = [o for o in OPERANDS if o not in ("const", "load")]
+    count = operands()
+    ops = [o for o in count if o not in ("const", "load")]
     while len(build.operations) < size:
         op = rng.choice(ops)
         if op in ("and", "or", "not", "select") and not truths:
@@ -113,12 +114,12 @@ def random_function(seed: int, size: int = 120, states: int = 4, name: str = "ou
         if op == "select":
             numbers.append(build.op(op, rng.choice(truths), rng.choice(numbers), rng.choice(numbers)))
         elif op in ("and", "or", "not"):
-            truths.append(build.op(op, *(rng.choice(truths) for _ in range(OPERANDS[op]))))
+            truths.append(build.op(op, *(rng.choice(truths) for _ in range(count[op]))))
         else:
-            operands = [rng.choice(numbers[-12:]) for _ in range(OPERANDS[op])]
-            if fixed.issuperset(operands):
+            chosen = [rng.choice(numbers[-12:]) for _ in range(count[op])]
+            if fixed.issuperset(chosen):
                 continue
-            value = build.op(op, *operands)
+            value = build.op(op, *chosen)
             (truths if op in TRUTHS else numbers).append(value)
         if rng.random() < 0.1:
             build.note(f"block {len(build.operations)} of /* a \\ ??/ */ comment")

@@ -13,6 +13,7 @@ import pytest
 from lagc.expr.derivative import tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.symbol import Symbol
 from lagc.mechanics.analysis import analyse
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
@@ -27,7 +28,7 @@ from tests.mechanics.random_systems import model, random_system
 from tests.view.models import MODELS, derived
 
 FILES = sorted(MODELS.rglob("*.lag"))
-TOTALS = [f"{head}().{axis}" for head in ("momentum", "angular_momentum") for axis in "xyz"]
+TOTALS = [Symbol(kind, component=axis) for kind in ("momentum", "angular_momentum") for axis in "xyz"]
 State = dict[Node, float]
 
 
@@ -59,7 +60,7 @@ def total_momenta(e: EquationsOfMotion, states: States) -> dict[str, Node]:
     parts = moving_parts(states)
     free = free_terms(states, with_rates(states))
     quantities = Quantities(states, parts, (), free, e.kinetic, e.potential)
-    return {name: quantities.value(name) for name in TOTALS}
+    return {asked.name: quantities.value(asked) for asked in TOTALS}
 
 
 def assert_true(e: EquationsOfMotion) -> None:

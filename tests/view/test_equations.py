@@ -90,11 +90,17 @@ def test_latex() -> None:
         ("x[1,2]", 1, r"\dot{x}_{1,2}"),
         ("a.bob[3]", 0, r"\mathit{bob}_{\mathrm{a},3}".replace(r"\mathrm{a}", "a")),
         ("lambda_string", 0, r"\lambda_{\mathrm{string}}"),
-        ("o.rate.x", 1, r"\dot{\omega}_{o,x}"),
     ],
 )
 def test_names_in_latex(name: str, dots: int, expected: str) -> None:
     assert letter(name, dots) == expected
+
+
+def test_body_rates_in_latex() -> None:
+    """omega, wherever the orientation is declared; no other name that ends alike is taken for one."""
+    text = write(equations_of(TURNING), "latex")
+    assert all(rf"\dot{{\omega}}_{{{owner},x}}" in text for owner in ("o", r"\mathrm{arm},1,p"))
+    assert r"x_{k,\mathrm{rate}}" in text
 
 
 def test_latex_has_balanced_braces_for_every_kind_of_expression() -> None:
@@ -120,6 +126,28 @@ def test_names_that_python_reserves_are_legal_in_the_script() -> None:
     compile(script, "script", "exec")
     assert "lambda_ = " in script
 
+
+TURNING = """
+model Top
+  parameter Inertia I = 1 [kg.m2];
+  coordinate Orientation p;
+  body top = Solid(mass = 1 [kg], inertia = {I, 2*I, 3*I}, frame = rotate(world, p), com = {0, 0, 0});
+end Top;
+model Spring
+  parameter Real x = 2;
+end Spring;
+model Springs
+  Spring rate;
+end Springs;
+model Turning
+  Top arm[1];
+  Springs k;
+  coordinate Orientation o;
+  frame F = rotate(world, o);
+  body solid = Solid(mass = 1 [kg], inertia = {1, 2, 3} [kg.m2], frame = F, com = {0, 0, 0});
+  torque T = k.rate.x*F.x*(1 [N.m]) on solid;
+end Turning;
+"""
 
 RESERVED = """
 model Reserved

@@ -5,17 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 
+from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program
 from lagc.render.c.parts import LONGEST, SHARED, divided
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.names import comment
 from lagc.render.statements import AND, OR, Dialect, lines, uses
 
-CALLS = {
-    **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
-    **{op: op for op in ("exp", "log", "sqrt", "floor", "atan2", "pow")},
-    "abs": "fabs", "sign": "lagc_sign", "min": "lagc_min", "max": "lagc_max", "not": "!",
-}  # fmt: skip
+CALLS = spelling("c")
 
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
@@ -48,7 +45,7 @@ def function_text(
 
     dialect = Dialect(
         calls=CALLS if real == DOUBLE else {op: _of_type(text, real) for op, text in CALLS.items()},
-        infix={"and": (" && ", AND), "or": (" || ", OR)},
+        infix={op: (f" {CALLS[op]} ", binds) for op, binds in (("and", AND), ("or", OR))},
         select="({} ? {} : {})",
         number="const lagc_real {name} = {value};",
         truth="const int {name} = {value};",
@@ -74,7 +71,7 @@ def function_text(
 
 def _of_type(text: str, real: Arithmetic) -> str:
     """The function of C's library for this type of real."""
-    return text if text == "!" or text.startswith("lagc_") else real.call.format(text)
+    return text if not text.isalnum() or text.startswith("lagc_") else real.call.format(text)
 
 
 def _room(shared: int) -> list[str]:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
+from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
 
-CALLS = {
-    **{op: op for op in ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh")},
-    **{op: op for op in ("exp", "log", "sqrt", "floor", "sign", "atan2", "pow")},
-    "abs": "fabs", "min": "minimum", "max": "maximum", "and": "both", "or": "either", "not": "inverse",
-}  # fmt: skip
+CALLS = spelling("python")
 
 DIALECT = Dialect(
     calls=CALLS,
@@ -25,10 +23,18 @@ DIALECT = Dialect(
     load=lambda array, index: "t" if array == "t" else f"{array}[{index}]",
 )
 
+# Those of math itself; its floor is a whole number, and has no sign of zero.
+_MATH = sorted([CALLS[op] for op, row in OPERATORS.items() if row.value is getattr(math, CALLS[op], None)])
+_MATH.remove("floor")
+_FIRST, _REST = ", ".join(_MATH[:11]), ", ".join(_MATH[11:])
+
 # Python raises where C gives an infinity or NaN.  A function that raised is computed again, with
 # floats and functions that do as C does; nothing is lost where nothing raises.
-ARITHMETIC = '''\
-from math import acos, asin, atan, atan2, cos, cosh, exp, fabs, inf, log, nan, pow, sin, sinh, sqrt, tan, tanh
+ARITHMETIC = (
+    f"""\
+from math import {", ".join(sorted([*_MATH, "inf", "nan"]))}
+"""
+    '''\
 from math import copysign as _copysign, floor as _floor
 
 
@@ -128,8 +134,12 @@ def _ieee(function):
 
 
 _CAREFUL = {
-    **{f.__name__: _ieee(f) for f in (acos, asin, atan, atan2, cos, cosh, exp, fabs, log, pow, sin)},
-    **{f.__name__: _ieee(f) for f in (sinh, sqrt, tan, tanh, minimum, maximum, sign, floor)},
+'''
+    f"""\
+    **{{f.__name__: _ieee(f) for f in ({_FIRST})}},
+    **{{f.__name__: _ieee(f) for f in ({_REST}, minimum, maximum, sign, floor)}},
+"""
+    '''\
     "select": select,
     "both": both,
     "either": either,
@@ -148,6 +158,7 @@ def _again(function, inputs, outputs):
     for output, result in zip(outputs, results):
         output[:] = [float(b) for b in result]
 '''
+)
 
 
 def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) -> str:

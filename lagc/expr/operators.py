@@ -1,0 +1,214 @@
+"""What there is to know of each operator of the expression graph, one row each.
+
+Sums, products and numeric factors are the algebra itself, and no rows: `graph` makes them.  All other
+rooms ask the rows, so that a new function is a row here, and what no other function has: code of its
+own in C or Python, its identities (`modular`), or a notation.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from lagc.records import dataclass
+
+Interval: TypeAlias = tuple[float, float]
+# graph, node, its arguments -> d(node)/d(argument), one an argument; `graph` stands above this file.
+Slopes: TypeAlias = Callable[..., tuple[Any, ...]]
+# graph, arguments -> the same as a choice between two smooth sides.
+Sides: TypeAlias = Callable[..., Any]
+
+EVERYWHERE: Interval = (-math.inf, math.inf)
+_UP_TO_ONE: Interval = (-1.0, 1.0)
+_POSITIVE: Interval = (0.0, math.inf)
+_RIGHT: Interval = (-0.5 * math.pi, 0.5 * math.pi)
+
+# How smooth it is where it is defined, and where its argument reaches the end of that.
+ENTIRE = "entire"  # analytic for all numbers
+POLE = "pole"  # values beside it may differ
+END = "end"  # slopes alone may
+CORNER, STEP = "corner", "step"  # where the argument is zero, or two are equal
+LOGIC = "logic"  # of truth values
+CHOICE = "choice"  # between two arguments
+
+
+@dataclass(frozen=True, slots=True)
+class Border:
+    """Where a function of x changes that does not where x is zero: `zero(x)` is there.  It never does for
+    x `inside`."""
+
+    zero: Callable[[float], float]
+    inside: Interval
+    words: str
+
+
+def _flat(graph: Any, node: Any, *arguments: Any) -> tuple[Any, ...]:
+    return (graph.zero,) * len(arguments)
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """`value` is that of floats; it raises as `math` does.  `parity`: what becomes of the sign of the
+    argument, 1 (f(-x) = f(x)), -1 (-f(x)), or 0.  `within` holds all values; one that is `rising` has
+    the greatest for the greatest arguments.  `twin`: the function whose square and its own add up to 1.
+
+    `weight` is about the time it takes, in additions, `cycles` until its result can be used.  Spelt in
+    the model language by its name, or between two operands: `infix`; and in each target.
+    """
+
+    name: str
+    arity: int
+    value: Callable[..., float]
+    smoothness: str
+    slopes: Slopes = _flat
+    parity: int = 0
+    within: Interval = EVERYWHERE
+    rising: bool = False
+    border: Border | None = None
+    sides: Sides | None = None
+    twin: str = ""
+    truth: bool = False  # its value is a truth
+    weight: int = 20
+    cycles: int = 60
+    infix: str = ""
+    c: str = ""
+    python: str = ""
+    sympy: str = ""
+    latex: str = ""
+
+
+def _sign(x: float) -> float:
+    return (x > 0) - (x < 0)
+
+
+def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
+    dx = graph.mul(y, graph.pow(x, y - 1.0))
+    return (dx, graph.zero if y.is_const else graph.mul(node, graph.unary("log", x)))
+
+
+def _angle_slopes(graph: Any, node: Any, y: Any, x: Any) -> tuple[Any, ...]:
+    square = x * x + y * y
+    return (x / square, -y / square)
+
+
+def _choice_slopes(graph: Any, condition: Any) -> tuple[Any, ...]:
+    one, zero = graph.one, graph.zero
+    return (graph.select(condition, one, zero), graph.select(condition, zero, one))
+
+
+def _compared(graph: Any, x: Any, y: Any) -> Any:
+    return graph.binary("lt", x, y)
+
+
+_ONES = Border(lambda x: 1.0 - x * x, _UP_TO_ONE, "reaches 1 or -1")
+_RIGHT_ANGLES = Border(lambda x: math.cos(x) if math.isfinite(x) else x, _RIGHT, "passes a right angle")
+
+_ROWS = (
+    Operator(
+        "sin", 1, math.sin, ENTIRE, lambda g, f, x: (g.cos(x),), parity=-1, within=_UP_TO_ONE, twin="cos",
+    ),
+    Operator(
+        "cos", 1, math.cos, ENTIRE, lambda g, f, x: (-g.sin(x),), parity=1, within=_UP_TO_ONE, twin="sin",
+    ),
+    Operator("tan", 1, math.tan, POLE, lambda g, f, x: (f * f + 1.0,), parity=-1, border=_RIGHT_ANGLES),
+    Operator(
+        "asin", 1, math.asin, END, lambda g, f, x: (1.0 / g.sqrt(1.0 - x * x),),
+        parity=-1, within=_RIGHT, rising=True, border=_ONES, latex=r"\arcsin",
+    ),
+    Operator(
+        "acos", 1, math.acos, END, lambda g, f, x: (-1.0 / g.sqrt(1.0 - x * x),),
+        within=(0.0, math.pi), border=_ONES, latex=r"\arccos",
+    ),
+    Operator(
+        "atan", 1, math.atan, ENTIRE, lambda g, f, x: (1.0 / (x * x + 1.0),),
+        parity=-1, within=_RIGHT, rising=True, latex=r"\arctan",
+    ),
+    Operator("sinh", 1, math.sinh, ENTIRE, lambda g, f, x: (g.unary("cosh", x),), parity=-1, rising=True),
+    Operator(
+        "cosh", 1, math.cosh, ENTIRE, lambda g, f, x: (g.unary("sinh", x),), parity=1, within=(1.0, math.inf)
+    ),
+    Operator(
+        "tanh", 1, math.tanh, ENTIRE, lambda g, f, x: (1.0 - f * f,),
+        parity=-1, within=_UP_TO_ONE, rising=True,
+    ),
+    Operator("exp", 1, math.exp, ENTIRE, lambda g, f, x: (f,), within=_POSITIVE, rising=True),
+    Operator("log", 1, math.log, END, lambda g, f, x: (1.0 / x,), rising=True, latex=r"\ln"),
+    Operator(
+        "sqrt", 1, math.sqrt, END, lambda g, f, x: (0.5 / f,),
+        within=_POSITIVE, rising=True, weight=4, cycles=18,
+    ),
+    Operator(
+        "abs", 1, math.fabs, CORNER, lambda g, f, x: (g.unary("sign", x),), parity=1, within=_POSITIVE,
+        sides=lambda g, x: g.select(_compared(g, g.zero, x), x, -x),
+        weight=1, cycles=1, c="fabs", python="fabs", sympy="Abs",
+    ),
+    Operator("floor", 1, math.floor, STEP, rising=True, weight=1),
+    Operator(
+        "sign", 1, _sign, STEP, parity=-1, within=_UP_TO_ONE, rising=True,
+        sides=lambda g, x: g.select(_compared(g, g.zero, x), g.one, -g.one),
+        weight=1, c="lagc_sign", latex=r"\operatorname{sgn}",
+    ),
+    Operator(
+        "atan2", 2, math.atan2, POLE, _angle_slopes, within=(-math.pi, math.pi),
+        latex=r"\operatorname{atan2}",
+    ),
+    Operator("pow", 2, math.pow, POLE, _power_slopes, sympy="Pow"),
+    Operator(
+        "min", 2, min, CORNER, lambda g, f, x, y: _choice_slopes(g, g.binary("le", x, y)), rising=True,
+        sides=lambda g, x, y: g.select(_compared(g, x, y), x, y),
+        weight=1, cycles=4, c="lagc_min", python="minimum", sympy="Min",
+    ),
+    Operator(
+        "max", 2, max, CORNER, lambda g, f, x, y: _choice_slopes(g, g.binary("lt", y, x)), rising=True,
+        sides=lambda g, x, y: g.select(_compared(g, x, y), y, x),
+        weight=1, cycles=4, c="lagc_max", python="maximum", sympy="Max",
+    ),
+    Operator(
+        "lt", 2, lambda x, y: x < y, STEP, within=(0.0, 1.0), truth=True, weight=1, cycles=4,
+        infix="<", sympy="Lt", latex="<",
+    ),
+    Operator(
+        "le", 2, lambda x, y: x <= y, STEP, within=(0.0, 1.0), truth=True, weight=1, cycles=4,
+        infix="<=", sympy="Le", latex=r"\le",
+    ),
+    Operator(
+        "eq", 2, lambda x, y: x == y, STEP, within=(0.0, 1.0), truth=True, weight=1, cycles=4,
+        infix="==", sympy="Eq", latex="=",
+    ),
+    Operator(
+        "and", 2, lambda x, y: bool(x and y), LOGIC, within=(0.0, 1.0), truth=True, weight=1, cycles=1,
+        infix="and", c="&&", python="both", sympy="And", latex=r"\land",
+    ),
+    Operator(
+        "or", 2, lambda x, y: bool(x or y), LOGIC, within=(0.0, 1.0), truth=True, weight=1, cycles=1,
+        infix="or", c="||", python="either", sympy="Or", latex=r"\lor",
+    ),
+    Operator(
+        "not", 1, lambda x: not x, LOGIC, within=(0.0, 1.0), truth=True, weight=1, cycles=1,
+        c="!", python="inverse", sympy="Not", latex=r"\lnot",
+    ),
+    Operator(
+        "select", 3, lambda c, x, y: x if c else y, CHOICE,
+        lambda g, f, c, x, y: (g.zero, *_choice_slopes(g, c)), weight=1, cycles=2, sympy="Piecewise",
+    ),
+)  # fmt: skip
+
+OPERATORS: dict[str, Operator] = {row.name: row for row in _ROWS}
+VALUES = {row.name: row.value for row in _ROWS}
+PARITY = {row.name: row.parity for row in _ROWS}
+TWINS = {row.name: row.twin for row in _ROWS if row.twin}
+INFIX = {row.name: row.infix for row in _ROWS if row.infix}
+TRUTHS = frozenset([row.name for row in _ROWS if row.truth])
+COMPARISONS = frozenset([row.name for row in _ROWS if row.truth and row.smoothness == STEP])
+
+
+def spelling(target: str) -> dict[str, str]:
+    """How operators are called in "c", "python", "sympy" or "latex"."""
+    before = "\\" if target == "latex" else ""
+    return {row.name: getattr(row, target) or row.infix or before + row.name for row in _ROWS}
+
+
+def smooth_as(*kinds: str) -> frozenset[str]:
+    """The names of the operators whose smoothness is one of `kinds`."""
+    return frozenset([row.name for row in _ROWS if row.smoothness in kinds])
