@@ -66,7 +66,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         f"void lagc_fn_{f.name}(const lagc_params *p, double t, const double *x, double *y);\n"
         for f in functions
     )
-    struct_ = "typedef struct { double m, l, g; } lagc_params;\n"
+    struct_ = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + struct_ + helpers(made) + head + body)
     subprocess.run(
@@ -122,15 +122,15 @@ def test_long_functions_in_parts_are_the_same(
 
 
 def test_an_array_that_is_written_is_not_read_again_in_a_later_part() -> None:
-    body = ["const double t0 = w[0];", "const double q = x[1];", "w[0] = q * 2.0;", "w[1] = t0 * q;"]
+    body = ["const lagc_real t0 = w[0];", "const lagc_real q = x[1];", "w[0] = q * 2.0;", "w[1] = t0 * q;"]
     parts, shared = divided(body, ("w",))
     assert shared == 0 and parts == [body]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("lagc.render.c.parts.PART", 2)
         parts, shared = divided(body, ("w",))
     assert shared == 1
-    assert parts[0] == ["const double t0 = w[0];", "lagc_shared[0] = t0;"]
-    assert set(parts[1][:2]) == {"const double t0 = lagc_shared[0];", "const double q = x[1];"}
+    assert parts[0] == ["const lagc_real t0 = w[0];", "lagc_shared[0] = t0;"]
+    assert set(parts[1][:2]) == {"const lagc_real t0 = lagc_shared[0];", "const lagc_real q = x[1];"}
 
 
 @needs_gcc

@@ -1,0 +1,320 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    const lagc_real a_ = p->a;
+    const lagc_real m = p->m;
+    const lagc_real t0 = a_ * m;
+    const lagc_real t1 = p->I_ + a_ * t0;
+    const lagc_real t2 = 1.0 / t1;
+    const lagc_real t3 = t0 * t2;
+    const lagc_real t4 = m - t0 * t3;
+    const lagc_real t5 = 1.0 / t4;
+    const lagc_real u = x[3];
+    const lagc_real w_ = x[5];
+    /* der(theta) */
+    xdot[2] = w_;
+    const lagc_real t6 = u * w_;
+    const lagc_real t7 = t0 * t6;
+    const lagc_real t8 = 1.0 / t5;
+    const lagc_real t9 = m * t6;
+    const lagc_real theta = x[2];
+    const lagc_real t10 = cos(theta);
+    const lagc_real t11 = sin(theta);
+    const lagc_real t12 = t5 * (t3 * t7 - t9);
+    const lagc_real t13 = 1.0 / m;
+    const lagc_real t14 = t12 * t8;
+    const lagc_real s_ = x[4];
+    const lagc_real t15 = (s_ + w_ * a_) * (w_ * m);
+    const lagc_real t16 = t12 - t5 * t14;
+    /* der(s) */
+    xdot[4] = t16;
+    const lagc_real t17 = t15 * t13;
+    /* der(u) */
+    xdot[3] = t17;
+    const lagc_real t18 = t2 * t7 + t3 * t16;
+    const lagc_real t19 = m * t17;
+    const lagc_real t20 = t15 - t19;
+    const lagc_real t21 = t1 * t18;
+    const lagc_real t22 = m * t16;
+    const lagc_real t23 = t21 - (t7 + t0 * t16);
+    const lagc_real t24 = t0 * t18 - (t22 + (t9 + t14));
+    const lagc_real t25 = t5 * (t9 * t9 + t22 * t22) + (t13 * (t15 * t15 + t19 * t19) + 1e-300);
+    health[0] = t4 / m;
+    const lagc_real t26 = t24 * (t5 * t24) + (t23 * (t2 * t23) + (t20 * (t13 * t20) + t16 * (t8 * t16)));
+    health[1] = t26 / (t2 * (t7 * t7 + t21 * t21) + t25);
+    /* der(x) */
+    xdot[0] = u * t10 - s_ * t11;
+    /* der(y) */
+    xdot[1] = u * t11 + t10 * s_;
+    /* der(w) */
+    xdot[5] = -t18;
+    /* edge, chaplygin_sleigh_speeds.lag:23 */
+    lam[0] = -t14;
+    (void)(t);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    const lagc_real u = x[3];
+    const lagc_real theta = x[2];
+    const lagc_real t0 = cos(theta);
+    const lagc_real s_ = x[4];
+    const lagc_real t1 = sin(theta);
+    qdot[0] = u * t0 - s_ * t1;
+    qdot[1] = u * t1 + s_ * t0;
+    const lagc_real w_ = x[5];
+    qdot[2] = w_;
+    const lagc_real m = p->m;
+    M[0] = m;
+    M[2] = m;
+    M[1] = 0.0;
+    M[3] = 0.0;
+    G[0] = 0.0;
+    G[2] = 0.0;
+    gamma[0] = 0.0;
+    const lagc_real a_ = p->a;
+    const lagc_real t2 = m * a_;
+    M[4] = t2;
+    M[5] = p->I_ + a_ * t2;
+    r[0] = (s_ + a_ * w_) * (m * w_);
+    const lagc_real t3 = u * w_;
+    r[1] = -(m * t3);
+    r[2] = -(t2 * t3);
+    G[1] = 1.0;
+    (void)(t);
+}
+
+/* entries of [M G^T; G 0] into w */
+static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
+{
+    const lagc_real m = p->m;
+    w[0] = m;
+    w[1] = m;
+    const lagc_real a_ = p->a;
+    const lagc_real t0 = m * a_;
+    w[2] = t0;
+    w[3] = p->I_ + a_ * t0;
+    w[4] = 1.0;
+    (void)(t);
+    (void)(x);
+}
+
+/* L D L^T of the matrix that `assemble` left in w */
+static void lagc_fn_factor(lagc_real *w, lagc_real *health)
+{
+    const lagc_real w2 = w[2];
+    const lagc_real t0 = 1.0 / w[3];
+    w[9] = t0;
+    const lagc_real t1 = w2 * t0;
+    w[5] = t1;
+    const lagc_real w4 = w[4];
+    const lagc_real w1 = w[1];
+    const lagc_real t2 = w1 - w2 * t1;
+    const lagc_real t3 = 1.0 / t2;
+    w[8] = t3;
+    const lagc_real t4 = w4 * t3;
+    w[6] = t4;
+    w[7] = 1.0 / w[0];
+    w[10] = -(1.0 / (w4 * t4));
+    health[0] = t2 / w1;
+    health[1] = 0.0;
+}
+
+/* M s1 - G^T s2 = r1, G s1 = r2 */
+static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    s[0] = r[0] * w[7];
+    const lagc_real r2 = r[2];
+    const lagc_real w5 = w[5];
+    const lagc_real t0 = r[1] - r2 * w5;
+    const lagc_real w6 = w[6];
+    const lagc_real t1 = w[10] * (r[3] - w6 * t0);
+    const lagc_real t2 = w[8] * t0 - w6 * t1;
+    s[1] = t2;
+    s[2] = r2 * w[9] - w5 * t2;
+    s[3] = -t1;
+}
+
+/* one step of refinement of what solve gave */
+static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    const lagc_real t0 = s[0];
+    const lagc_real t1 = s[1];
+    const lagc_real w4 = w[4];
+    const lagc_real t2 = s[3];
+    const lagc_real w2 = w[2];
+    const lagc_real t3 = s[2];
+    const lagc_real w5 = w[5];
+    const lagc_real t4 = r[2] - w2 * t1 - w[3] * t3;
+    const lagc_real t5 = w4 * t2 + (r[1] - w[1] * t1 - w2 * t3) - w5 * t4;
+    const lagc_real w6 = w[6];
+    const lagc_real t6 = w[10] * (r[3] - w4 * t1 - w6 * t5);
+    const lagc_real t7 = w[8] * t5 - w6 * t6;
+    const lagc_real t8 = t0 + w[7] * (r[0] - w[0] * t0);
+    const lagc_real t9 = t1 + t7;
+    const lagc_real t10 = t3 + (w[9] * t4 - w5 * t7);
+    const lagc_real t11 = -(t6 - t2);
+    s[0] = t8;
+    s[1] = t9;
+    s[2] = t10;
+    s[3] = t11;
+}
+
+/* dq = N(t,q) d */
+static void lagc_fn_displace(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *d, lagc_real *dq)
+{
+    const lagc_real d0 = d[0];
+    const lagc_real theta = x[2];
+    const lagc_real t0 = cos(theta);
+    const lagc_real d1 = d[1];
+    const lagc_real t1 = sin(theta);
+    dq[0] = d0 * t0 - d1 * t1;
+    dq[1] = d0 * t1 + d1 * t0;
+    dq[2] = d[2];
+    (void)(p);
+    (void)(t);
+}
+
+/* holonomic residuals */
+static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
+{
+    (void)(p);
+    (void)(t);
+    (void)(x);
+    (void)(phi);
+}
+
+/* rates of the constraint rows */
+static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
+{
+    /* edge, chaplygin_sleigh_speeds.lag:23 */
+    psi[0] = x[4];
+    (void)(p);
+    (void)(t);
+}
+
+/* size of the terms of each constraint row */
+static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    s[0] = fabs(x[4]) * 2.0 + 1e-300;
+    (void)(p);
+    (void)(t);
+}
+
+/* size of the terms of each row's gamma */
+static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    s[0] = 0.0;
+    (void)(p);
+    (void)(t);
+    (void)(x);
+}
+
+/* size of the terms of each row's gradient */
+static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    s[0] = 1.0;
+    (void)(p);
+    (void)(t);
+    (void)(x);
+}
+
+/* reach of each constraint row */
+static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
+{
+    s[0] = c[2] + 1e-300;
+    (void)(p);
+    (void)(t);
+    (void)(x);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real w_ = x[5];
+    const lagc_real u = x[3];
+    const lagc_real s_ = x[4];
+    const lagc_real t0 = p->a * w_;
+    const lagc_real t1 = w_ * (p->I_ * w_) * 0.5 + p->m * (0.5 * (u * u + (s_ * s_ + t0 * t0)) + s_ * t0);
+    /* kinetic energy */
+    e[0] = t1;
+    /* energy of the balance */
+    e[2] = t1;
+    /* potential energy */
+    e[1] = 0.0;
+    (void)(t);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    /* side */
+    y[0] = lam[0];
+    const lagc_real w_ = x[5];
+    const lagc_real u = x[3];
+    const lagc_real s_ = x[4];
+    const lagc_real t0 = p->a * w_;
+    /* E */
+    y[1] = w_ * (p->I_ * w_) * 0.5 + p->m * (0.5 * (u * u + (s_ * s_ + t0 * t0)) + s_ * t0);
+    (void)(t);
+    (void)(a);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    /* x */
+    x[0] = 0.0;
+    /* y */
+    x[1] = 0.0;
+    /* theta */
+    x[2] = 0.0;
+    /* s */
+    x[4] = 0.0;
+    /* u */
+    x[3] = 0.3;
+    /* w */
+    x[5] = 3.0;
+    (void)(p);
+}
+
+/* conditions of a consistent start */
+static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
+{
+    const lagc_real s_ = x[4];
+    c[0] = s_;
+    const lagc_real u = x[3];
+    const lagc_real theta = x[2];
+    const lagc_real t0 = cos(theta);
+    J[2] = t0;
+    const lagc_real t1 = u * t0;
+    const lagc_real t2 = sin(theta);
+    const lagc_real t3 = s_ * t2;
+    c[1] = t1 - t3;
+    const lagc_real w_ = x[5];
+    c[2] = w_;
+    J[0] = 1.0;
+    J[5] = 1.0;
+    J[1] = -(u * t2 + s_ * t0);
+    J[3] = -t2;
+    const lagc_real t4 = -1.0;
+    J[4] = t4;
+    J[6] = t4;
+    sizes[0] = fabs(s_);
+    sizes[1] = fabs(t1) + fabs(t3);
+    sizes[2] = fabs(w_);
+    (void)(p);
+    (void)(t);
+}
+
+/* stated rates, sizes of parameters */
+static void lagc_fn_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)
+{
+    s[0] = 0.3;
+    s[1] = 3.0;
+    largest[1] = 0.0;
+    largest[2] = 0.0;
+    largest[3] = 0.0;
+    largest[0] = lagc_max(0.0, fabs(p->a));
+}

@@ -1,0 +1,75 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    const lagc_real der_x = x[1];
+    /* der(x) */
+    xdot[0] = der_x;
+    const lagc_real u = p->u;
+    const lagc_real t0 = p->F0 * cos(t * p->w);
+    const lagc_real c_ = p->c;
+    /* der(der(x)) */
+    xdot[1] = (u + (t0 - p->k * x[0] - c_ * der_x)) / p->m;
+    xdot[2] = der_x * (u + t0) - c_ * (der_x * der_x);
+    health[0] = 1.0;
+    health[1] = 0.0;
+    (void)(lam);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    const lagc_real der_x = x[1];
+    qdot[0] = der_x;
+    M[0] = p->m;
+    r[0] = p->u + (p->F0 * cos(t * p->w) - p->k * x[0] - p->c * der_x);
+    (void)(G);
+    (void)(gamma);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real der_x = x[1];
+    const lagc_real t0 = 0.5 * (der_x * (p->m * der_x));
+    /* kinetic energy */
+    e[0] = t0;
+    const lagc_real x_ = x[0];
+    const lagc_real t1 = x_ * (p->k * x_) * 0.5;
+    /* potential energy */
+    e[1] = t1;
+    /* energy of the balance */
+    e[2] = t1 + t0;
+    (void)(t);
+}
+
+/* rate of that energy */
+static void lagc_fn_power(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *e)
+{
+    const lagc_real der_x = x[1];
+    e[0] = der_x * (p->u + p->F0 * cos(t * p->w) - p->c * der_x);
+    (void)(a);
+    (void)(lam);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    const lagc_real x_ = x[0];
+    const lagc_real der_x = x[1];
+    /* E */
+    y[0] = (x_ * (p->k * x_) + der_x * (p->m * der_x)) * 0.5;
+    (void)(t);
+    (void)(a);
+    (void)(lam);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    /* x */
+    x[0] = 0.0;
+    /* der(x) */
+    x[1] = 0.0;
+    x[2] = 0.0;
+    (void)(p);
+}

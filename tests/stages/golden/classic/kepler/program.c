@@ -1,0 +1,102 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    /* der(x) */
+    xdot[0] = x[2];
+    /* der(y) */
+    xdot[1] = x[3];
+    const lagc_real x_ = x[0];
+    const lagc_real m = p->m;
+    const lagc_real t0 = m * p->mu;
+    const lagc_real y_ = x[1];
+    const lagc_real t1 = x_ * x_ + y_ * y_;
+    const lagc_real t2 = t1 * sqrt(t1);
+    health[0] = 1.0;
+    const lagc_real t3 = 1.0 / m;
+    /* der(der(x)) */
+    xdot[2] = -(x_ * t0 / t2 * t3);
+    /* der(der(y)) */
+    xdot[3] = -(y_ * t0 / t2 * t3);
+    health[1] = 0.0;
+    (void)(t);
+    (void)(lam);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    qdot[0] = x[2];
+    qdot[1] = x[3];
+    const lagc_real m = p->m;
+    M[0] = m;
+    M[2] = m;
+    M[1] = 0.0;
+    const lagc_real x_ = x[0];
+    const lagc_real t0 = m * p->mu;
+    const lagc_real y_ = x[1];
+    const lagc_real t1 = x_ * x_ + y_ * y_;
+    const lagc_real t2 = t1 * sqrt(t1);
+    r[0] = -(x_ * t0 / t2);
+    r[1] = -(y_ * t0 / t2);
+    (void)(t);
+    (void)(G);
+    (void)(gamma);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real m = p->m;
+    const lagc_real der_x = x[2];
+    const lagc_real der_y = x[3];
+    const lagc_real t0 = m * (der_x * der_x + der_y * der_y) * 0.5;
+    /* kinetic energy */
+    e[0] = t0;
+    const lagc_real x_ = x[0];
+    const lagc_real y_ = x[1];
+    const lagc_real t1 = m * p->mu / sqrt(x_ * x_ + y_ * y_);
+    /* potential energy */
+    e[1] = -t1;
+    /* energy of the balance */
+    e[2] = t0 - t1;
+    (void)(t);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    const lagc_real m = p->m;
+    const lagc_real der_x = x[2];
+    const lagc_real der_y = x[3];
+    const lagc_real mu = p->mu;
+    const lagc_real x_ = x[0];
+    const lagc_real y_ = x[1];
+    const lagc_real t0 = sqrt(x_ * x_ + y_ * y_);
+    /* E */
+    y[0] = m * (der_x * der_x + der_y * der_y) * 0.5 - m * mu / t0;
+    const lagc_real t1 = x_ * der_y - y_ * der_x;
+    /* L */
+    y[1] = m * t1;
+    /* ex */
+    y[2] = der_y * t1 / mu - x_ / t0;
+    /* ey */
+    y[3] = -(der_x * t1 / mu + y_ / t0);
+    (void)(t);
+    (void)(a);
+    (void)(lam);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    const lagc_real e_ = p->e;
+    const lagc_real t0 = p->a * (1.0 - e_);
+    /* x */
+    x[0] = t0;
+    /* y */
+    x[1] = 0.0;
+    /* der(x) */
+    x[2] = 0.0;
+    /* der(y) */
+    x[3] = sqrt(p->mu * (1.0 + e_) / t0);
+}

@@ -1,0 +1,918 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    const lagc_real lean = x[4];
+    const lagc_real t0 = sin(lean);
+    const lagc_real t1 = cos(lean);
+    const lagc_real yaw = x[3];
+    const lagc_real t2 = cos(yaw);
+    const lagc_real spin = x[5];
+    const lagc_real t3 = cos(spin);
+    const lagc_real t4 = sin(spin);
+    const lagc_real t5 = sin(yaw);
+    const lagc_real t6 = t1 * t1;
+    const lagc_real m = p->m;
+    const lagc_real r_ = p->r;
+    const lagc_real t7 = t0 * t2;
+    const lagc_real t8 = r_ * (m * r_);
+    const lagc_real t9 = t7 * t4;
+    const lagc_real t10 = t3 * t7;
+    const lagc_real t11 = t8 * (0.25 * t6 + t0 * (t0 * 0.5));
+    const lagc_real t12 = t8 * 0.25;
+    const lagc_real t13 = 1.0 / t11;
+    const lagc_real t14 = t9 - t3 * t5 - t9;
+    const lagc_real t15 = t10 + t4 * t5 - t10;
+    const lagc_real t16 = 1.0 / t12;
+    const lagc_real t17 = t8 * 0.5;
+    const lagc_real t18 = t0 * t17;
+    const lagc_real t19 = 1.0 / m;
+    const lagc_real t20 = r_ * t0;
+    const lagc_real t21 = t13 * t18;
+    const lagc_real t22 = t20 * t16;
+    const lagc_real t23 = t17 - t18 * t21;
+    const lagc_real t24 = r_ * (t7 + t6 * (t3 * t15 + t4 * t14));
+    const lagc_real t25 = 1.0 / t23;
+    const lagc_real t26 = (t3 * t14 - t4 * t15) * (r_ * t1);
+    const lagc_real t27 = t24 * t13;
+    const lagc_real t28 = 1.0 / (t19 + t20 * t22);
+    const lagc_real t29 = t26 * t16;
+    const lagc_real t30 = r_ * t2;
+    const lagc_real t31 = t27 * t18 - t30;
+    const lagc_real t32 = t0 * t5;
+    const lagc_real t33 = t1 * t30;
+    const lagc_real t34 = t20 * t29;
+    const lagc_real t35 = t31 * t25;
+    const lagc_real t36 = t16 * t33;
+    const lagc_real t37 = r_ * t32;
+    const lagc_real t38 = t34 * t28;
+    const lagc_real der_yaw = x[9];
+    /* der(yaw) */
+    xdot[3] = der_yaw;
+    const lagc_real t39 = der_yaw * t0;
+    const lagc_real t40 = t20 * t36;
+    const lagc_real t41 = t13 * t37;
+    const lagc_real t42 = t31 * t35 + (t24 * t27 + (t19 + t26 * t29));
+    const lagc_real der_lean = x[10];
+    /* der(lean) */
+    xdot[4] = der_lean;
+    const lagc_real t43 = der_lean * t1;
+    const lagc_real der_spin = x[11];
+    /* der(spin) */
+    xdot[5] = der_spin;
+    const lagc_real t44 = der_spin + t39;
+    const lagc_real t45 = t28 * t40;
+    const lagc_real t46 = r_ * t5;
+    const lagc_real t47 = t34 * t38 - t42;
+    const lagc_real t48 = der_yaw * t8;
+    const lagc_real t49 = t18 * t41 - t46;
+    const lagc_real t50 = 1.0 / t47;
+    const lagc_real t51 = der_lean * der_lean;
+    const lagc_real t52 = t25 * t49;
+    const lagc_real t53 = m * p->field_g;
+    const lagc_real t54 = (t39 + der_spin * 2.0) * (t1 * (0.25 * t48));
+    const lagc_real t55 = t19 * t53;
+    const lagc_real t56 = t43 * (der_lean * r_);
+    const lagc_real t57 = t34 * t45 - t26 * t36 - t24 * t41 - t31 * t52;
+    const lagc_real t58 = r_ * (der_yaw * (t43 * (t2 * 2.0) - t5 * t44) - t32 * t51);
+    const lagc_real t59 = (t44 + t44) * (t12 * t43);
+    const lagc_real t60 = t50 * t57;
+    const lagc_real t61 = t49 * t52 + (t37 * t41 + (t19 + t33 * t36));
+    const lagc_real t62 = t43 * (0.5 * t48);
+    const lagc_real t63 = t55 - t56 - t22 * t54;
+    const lagc_real t64 = r_ * (der_yaw * (t2 * t44 + t43 * (t5 * 2.0)) + t7 * t51);
+    const lagc_real t65 = t21 * t59 - t62;
+    const lagc_real t66 = t40 * t45 - t61 - t57 * t60;
+    const lagc_real t67 = 1.0 / t66;
+    const lagc_real t68 = t58 - t29 * t54 - t27 * t59 - t38 * t63 - t35 * t65;
+    const lagc_real t69 = t67 * (t64 - t54 * t36 - t59 * t41 - t63 * t45 - t65 * t52 - t68 * t60);
+    const lagc_real t70 = t50 * t68 - t60 * t69;
+    const lagc_real t71 = t25 * t65 - t52 * t69 - t35 * t70;
+    /* der(der(spin)) */
+    xdot[11] = t71;
+    const lagc_real t72 = t19 * t70;
+    const lagc_real t73 = t19 * t69;
+    const lagc_real t74 = t38 * t70 + (t28 * t63 + t45 * t69);
+    /* touch, rolling_disc.lag:29 */
+    lam[0] = t74;
+    const lagc_real t75 = t27 * t70 + (t41 * t69 - t13 * t59) - t21 * t71;
+    /* der(der(yaw)) */
+    xdot[9] = t75;
+    const lagc_real t76 = t19 * t74 - t55;
+    /* der(der(z)) */
+    xdot[8] = t76;
+    const lagc_real t77 = t22 * t74 + (t16 * t54 - t36 * t69 - t29 * t70);
+    /* der(der(lean)) */
+    xdot[10] = t77;
+    const lagc_real t78 = m * t72;
+    const lagc_real t79 = m * t73;
+    const lagc_real t80 = t17 * t71;
+    const lagc_real t81 = t78 - t70;
+    const lagc_real t82 = t79 - t69;
+    const lagc_real t83 = m * t76;
+    const lagc_real t84 = t11 * t75;
+    const lagc_real t85 = t12 * t77;
+    const lagc_real t86 = t74 - t53 - t83;
+    const lagc_real t87 = t24 * t70 + (t37 * t69 - t59) - t18 * t71 - t84;
+    const lagc_real t88 = t30 * t70 + (t46 * t69 - t62) - t80 - t18 * t75;
+    const lagc_real t89 = t20 * t74 + (t54 - t33 * t69 - t26 * t70) - t85;
+    const lagc_real t90 = t20 * t77 + (t56 + t76);
+    const lagc_real t91 = t24 * t75 + (t30 * t71 + (t58 + t72)) - t26 * t77;
+    const lagc_real t92 = t37 * t75 + (t46 * t71 + (t64 + t73)) - t33 * t77;
+    const lagc_real t93 = t79 * (t19 * t79) + (t28 * (t56 * t56) + 1e-300 - t50 * (t58 * t58) - t67 * (t64 * t64));
+    const lagc_real t94 = t86 * (t19 * t86) + (t81 * (t19 * t81) + t82 * (t19 * t82));
+    const lagc_real t95 = t25 * (t62 * t62 + t80 * t80) + (t78 * (t19 * t78) + t93);
+    const lagc_real t96 = t89 * (t16 * t89) + t90 * (t28 * t90) - (t91 * (t50 * t91) + t92 * (t67 * t92));
+    const lagc_real t97 = t13 * (t59 * t59 + t84 * t84) + t16 * (t54 * t54 + t85 * t85);
+    const lagc_real t98 = t94 + (t87 * (t13 * t87) + t88 * (t25 * t88)) + t96;
+    health[1] = t98 / (t19 * (t53 * t53 + t83 * t83) + t95 + t97);
+    health[0] = lagc_min(lagc_min(t23 / t17, -(t47 / t42)), -(t66 / t61));
+    /* der(der(x)) */
+    xdot[6] = -t72;
+    /* der(der(y)) */
+    xdot[7] = -t73;
+    /* roll[1], rolling_disc.lag:30 */
+    lam[1] = -t70;
+    /* roll[2], rolling_disc.lag:30 */
+    lam[2] = -t69;
+    /* der(x) */
+    xdot[0] = x[6];
+    /* der(y) */
+    xdot[1] = x[7];
+    /* der(z) */
+    xdot[2] = x[8];
+    (void)(t);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    qdot[0] = x[6];
+    qdot[1] = x[7];
+    qdot[2] = x[8];
+    const lagc_real der_yaw = x[9];
+    qdot[3] = der_yaw;
+    const lagc_real der_lean = x[10];
+    qdot[4] = der_lean;
+    const lagc_real der_spin = x[11];
+    qdot[5] = der_spin;
+    const lagc_real m = p->m;
+    M[0] = m;
+    M[2] = m;
+    M[5] = m;
+    M[1] = 0.0;
+    M[3] = 0.0;
+    M[4] = 0.0;
+    M[6] = 0.0;
+    M[7] = 0.0;
+    M[8] = 0.0;
+    M[10] = 0.0;
+    M[11] = 0.0;
+    M[12] = 0.0;
+    M[13] = 0.0;
+    M[15] = 0.0;
+    M[16] = 0.0;
+    M[17] = 0.0;
+    M[19] = 0.0;
+    r[0] = 0.0;
+    r[1] = 0.0;
+    G[0] = 0.0;
+    G[1] = 0.0;
+    G[3] = 0.0;
+    G[5] = 0.0;
+    G[7] = 0.0;
+    G[8] = 0.0;
+    G[12] = 0.0;
+    G[14] = 0.0;
+    const lagc_real r_ = p->r;
+    const lagc_real t0 = m * (r_ * r_);
+    const lagc_real lean = x[4];
+    const lagc_real t1 = cos(lean);
+    const lagc_real t2 = t1 * t1;
+    const lagc_real t3 = sin(lean);
+    M[9] = t0 * (0.25 * t2 + 0.5 * (t3 * t3));
+    M[14] = t0 * 0.25;
+    M[18] = 0.5 * (t3 * t0);
+    M[20] = t0 * 0.5;
+    r[2] = -(m * p->field_g);
+    const lagc_real spin = x[5];
+    const lagc_real t4 = cos(spin);
+    const lagc_real t5 = der_spin * t4;
+    const lagc_real t6 = der_lean * t3;
+    const lagc_real t7 = sin(spin);
+    const lagc_real t8 = der_spin * t7;
+    const lagc_real t9 = der_lean * t5 - der_yaw * (t4 * t6 + t1 * t8);
+    const lagc_real t10 = der_yaw * t1;
+    const lagc_real t11 = der_lean * t4 - t7 * t10;
+    const lagc_real t12 = der_yaw * t3;
+    const lagc_real t13 = der_spin + t12;
+    const lagc_real t14 = t9 + t11 * t13;
+    const lagc_real t15 = der_lean * t8 + der_yaw * (t1 * t5 - t7 * t6);
+    const lagc_real t16 = der_lean * t7 + t4 * t10;
+    const lagc_real t17 = t15 + t16 * t13;
+    r[3] = -(t0 * (t1 * (0.25 * (t4 * t14 + t7 * t17) + 0.5 * (der_yaw * t6))));
+    r[4] = -(0.25 * (t0 * (t7 * t14 - t4 * t17)));
+    const lagc_real t18 = der_lean * t1;
+    r[5] = -(0.5 * (t0 * (der_yaw * t18)));
+    G[2] = 1.0;
+    G[6] = 1.0;
+    G[13] = 1.0;
+    const lagc_real t19 = r_ * t3;
+    G[4] = t19;
+    const lagc_real yaw = x[3];
+    const lagc_real t20 = cos(yaw);
+    const lagc_real t21 = t20 * t3;
+    const lagc_real t22 = t21 * t4;
+    const lagc_real t23 = sin(yaw);
+    const lagc_real t24 = t23 * t7;
+    const lagc_real t25 = t24 - t22;
+    const lagc_real t26 = t22 + t25;
+    const lagc_real t27 = t20 * t7;
+    const lagc_real t28 = t3 * t27;
+    const lagc_real t29 = t23 * t4;
+    const lagc_real t30 = t29 + t28;
+    const lagc_real t31 = t28 - t30;
+    G[9] = -(r_ * (t21 + t2 * (t4 * t26 + t7 * t31)));
+    G[10] = (t4 * t31 - t7 * t26) * (r_ * t1);
+    const lagc_real t32 = r_ * t20;
+    G[11] = -t32;
+    G[15] = -(t23 * t19);
+    G[16] = t1 * t32;
+    G[17] = -(r_ * t23);
+    gamma[0] = -(t18 * (r_ * der_lean));
+    const lagc_real t33 = t4 * t18;
+    const lagc_real t34 = t7 * t18;
+    const lagc_real t35 = der_yaw + der_spin * t3;
+    const lagc_real t36 = t23 * t13;
+    const lagc_real t37 = t20 * t13;
+    const lagc_real t38 = t11 * (t20 * (t34 + t4 * t35) - t24 * t13) + (t10 * (t20 * t18 - t36) - t30 * t15);
+    const lagc_real t39 = t16 * (der_yaw * t27 + der_spin * t29 - (t20 * (t33 - t3 * t8) - t12 * t29));
+    const lagc_real t40 = t1 * (t39 + (t25 * t9 + (t38 - t37 * t6))) - (t11 * t30 + t1 * t37 + t16 * t25) * t6;
+    const lagc_real t41 = t4 * t16;
+    const lagc_real t42 = t7 * t11;
+    const lagc_real t43 = t3 * t13 + t1 * (t41 - t42);
+    const lagc_real t44 = t1 * (der_lean * (der_spin + t12 * 2.0) - t16 * t8 + t4 * t9) - t6 * t41;
+    const lagc_real t45 = t18 * t43 + t3 * (t44 - (t1 * (t11 * t5 - t7 * t15) - t6 * t42));
+    const lagc_real t46 = t12 * t43;
+    gamma[1] = r_ * t40 + r_ * (t20 * t45 - t23 * t46);
+    const lagc_real t47 = t27 + t3 * t29;
+    const lagc_real t48 = t20 * t4 - t3 * t24;
+    const lagc_real t49 = t48 * t15 + t11 * (der_yaw * t29 + der_spin * t27 + (t12 * t27 + t23 * (t34 + t3 * t5)));
+    const lagc_real t50 = t16 * (t23 * (t33 - t7 * t35) + t4 * t37) + (t47 * t9 - t49);
+    const lagc_real t51 = t1 * (t50 - (t10 * (t37 + t23 * t18) - t36 * t6));
+    gamma[2] = -(r_ * (t51 - (t11 * t48 - t1 * t36 + t16 * t47) * t6) - r_ * (t23 * t45 + t20 * t46));
+    (void)(t);
+}
+
+/* entries of [M G^T; G 0] into w */
+static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
+{
+    const lagc_real m = p->m;
+    w[0] = m;
+    w[1] = m;
+    w[2] = m;
+    const lagc_real r_ = p->r;
+    const lagc_real t0 = m * r_;
+    const lagc_real t1 = r_ * t0;
+    const lagc_real lean = x[4];
+    const lagc_real t2 = cos(lean);
+    const lagc_real t3 = t2 * t2;
+    const lagc_real t4 = sin(lean);
+    w[3] = t1 * (0.25 * t3 + 0.5 * (t4 * t4));
+    w[4] = t1 * 0.25;
+    const lagc_real t5 = r_ * t4;
+    w[8] = t5;
+    w[5] = 0.5 * (t5 * t0);
+    w[6] = t1 * 0.5;
+    w[7] = 1.0;
+    w[9] = 1.0;
+    w[13] = 1.0;
+    const lagc_real yaw = x[3];
+    const lagc_real t6 = cos(yaw);
+    const lagc_real t7 = t6 * t4;
+    const lagc_real spin = x[5];
+    const lagc_real t8 = cos(spin);
+    const lagc_real t9 = t7 * t8;
+    const lagc_real t10 = sin(yaw);
+    const lagc_real t11 = sin(spin);
+    const lagc_real t12 = t9 + (t10 * t11 - t9);
+    const lagc_real t13 = t7 * t11;
+    const lagc_real t14 = t13 - (t10 * t8 + t13);
+    w[10] = -(r_ * (t7 + t3 * (t8 * t12 + t11 * t14)));
+    w[11] = (t8 * t14 - t11 * t12) * (r_ * t2);
+    const lagc_real t15 = r_ * t6;
+    w[12] = -t15;
+    w[14] = -(t10 * t5);
+    w[15] = t2 * t15;
+    w[16] = -(r_ * t10);
+    (void)(t);
+}
+
+/* L D L^T of the matrix that `assemble` left in w */
+static void lagc_fn_factor(lagc_real *w, lagc_real *health)
+{
+    const lagc_real w9 = w[9];
+    const lagc_real t0 = 1.0 / w[0];
+    w[31] = t0;
+    const lagc_real t1 = w9 * t0;
+    w[17] = t1;
+    const lagc_real w13 = w[13];
+    const lagc_real t2 = 1.0 / w[1];
+    w[32] = t2;
+    const lagc_real t3 = w13 * t2;
+    w[18] = t3;
+    const lagc_real w7 = w[7];
+    const lagc_real t4 = 1.0 / w[2];
+    w[33] = t4;
+    const lagc_real t5 = w7 * t4;
+    w[19] = t5;
+    const lagc_real w5 = w[5];
+    const lagc_real t6 = 1.0 / w[3];
+    w[34] = t6;
+    const lagc_real t7 = w5 * t6;
+    w[20] = t7;
+    const lagc_real w10 = w[10];
+    const lagc_real t8 = w10 * t6;
+    w[21] = t8;
+    const lagc_real w14 = w[14];
+    const lagc_real t9 = w14 * t6;
+    w[22] = t9;
+    const lagc_real t10 = w[12] - w5 * t8;
+    const lagc_real w6 = w[6];
+    const lagc_real t11 = w6 - w5 * t7;
+    const lagc_real t12 = 1.0 / t11;
+    w[36] = t12;
+    const lagc_real t13 = t10 * t12;
+    w[23] = t13;
+    const lagc_real t14 = w[16] - w5 * t9;
+    const lagc_real t15 = t14 * t12;
+    w[24] = t15;
+    const lagc_real w8 = w[8];
+    const lagc_real t16 = 1.0 / w[4];
+    w[35] = t16;
+    const lagc_real t17 = w8 * t16;
+    w[25] = t17;
+    const lagc_real w11 = w[11];
+    const lagc_real t18 = w11 * t16;
+    w[26] = t18;
+    const lagc_real w15 = w[15];
+    const lagc_real t19 = w15 * t16;
+    w[27] = t19;
+    const lagc_real t20 = w8 * t18;
+    const lagc_real t21 = 1.0 / (w7 * t5 + w8 * t17);
+    const lagc_real t22 = t20 * t21;
+    w[28] = t22;
+    const lagc_real t23 = w8 * t19;
+    const lagc_real t24 = t23 * t21;
+    w[29] = t24;
+    const lagc_real t25 = t20 * t24 - (w10 * t9 + t10 * t15 + w11 * t19);
+    const lagc_real t26 = w9 * t1 + w10 * t8 + t10 * t13 + w11 * t18;
+    const lagc_real t27 = t20 * t22 - t26;
+    const lagc_real t28 = 1.0 / t27;
+    w[38] = t28;
+    const lagc_real t29 = t25 * t28;
+    w[30] = t29;
+    w[37] = -t21;
+    const lagc_real t30 = w13 * t3 + w14 * t9 + t14 * t15 + w15 * t19;
+    const lagc_real t31 = t23 * t24 - t30 - t25 * t29;
+    w[39] = 1.0 / t31;
+    health[0] = lagc_min(lagc_min(t11 / w6, -(t27 / t26)), -(t31 / t30));
+    health[1] = 0.0;
+}
+
+/* M s1 - G^T s2 = r1, G s1 = r2 */
+static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    const lagc_real r0 = r[0];
+    const lagc_real w17 = w[17];
+    const lagc_real r3 = r[3];
+    const lagc_real w21 = w[21];
+    const lagc_real w23 = w[23];
+    const lagc_real w20 = w[20];
+    const lagc_real t0 = r[5] - r3 * w20;
+    const lagc_real r4 = r[4];
+    const lagc_real w26 = w[26];
+    const lagc_real w28 = w[28];
+    const lagc_real r2 = r[2];
+    const lagc_real w19 = w[19];
+    const lagc_real w25 = w[25];
+    const lagc_real t1 = r[6] - r2 * w19 - r4 * w25;
+    const lagc_real t2 = r[7] - r0 * w17 - r3 * w21 - w23 * t0 - r4 * w26 - w28 * t1;
+    const lagc_real w30 = w[30];
+    const lagc_real r1 = r[1];
+    const lagc_real w18 = w[18];
+    const lagc_real w22 = w[22];
+    const lagc_real w24 = w[24];
+    const lagc_real w27 = w[27];
+    const lagc_real w29 = w[29];
+    const lagc_real t3 = w[39] * (r[8] - r1 * w18 - r3 * w22 - w24 * t0 - r4 * w27 - w29 * t1 - w30 * t2);
+    const lagc_real t4 = w[38] * t2 - w30 * t3;
+    s[0] = r0 * w[31] - w17 * t4;
+    s[1] = r1 * w[32] - w18 * t3;
+    const lagc_real t5 = w[37] * t1 - w29 * t3 - w28 * t4;
+    s[2] = r2 * w[33] - w19 * t5;
+    const lagc_real t6 = w[36] * t0 - w24 * t3 - w23 * t4;
+    s[5] = t6;
+    s[3] = r3 * w[34] - w22 * t3 - w21 * t4 - w20 * t6;
+    s[4] = r4 * w[35] - w27 * t3 - w26 * t4 - w25 * t5;
+    s[6] = -t5;
+    s[7] = -t4;
+    s[8] = -t3;
+}
+
+/* one step of refinement of what solve gave */
+static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    const lagc_real t0 = s[0];
+    const lagc_real w9 = w[9];
+    const lagc_real t1 = s[7];
+    const lagc_real t2 = w9 * t1 + (r[0] - w[0] * t0);
+    const lagc_real w17 = w[17];
+    const lagc_real w10 = w[10];
+    const lagc_real t3 = s[3];
+    const lagc_real w11 = w[11];
+    const lagc_real t4 = s[4];
+    const lagc_real w12 = w[12];
+    const lagc_real t5 = s[5];
+    const lagc_real w21 = w[21];
+    const lagc_real w14 = w[14];
+    const lagc_real t6 = s[8];
+    const lagc_real w5 = w[5];
+    const lagc_real t7 = w14 * t6 + (w10 * t1 + (r[3] - w[3] * t3 - w5 * t5));
+    const lagc_real w23 = w[23];
+    const lagc_real w16 = w[16];
+    const lagc_real w20 = w[20];
+    const lagc_real t8 = w16 * t6 + (w12 * t1 + (r[5] - w5 * t3 - w[6] * t5)) - w20 * t7;
+    const lagc_real w26 = w[26];
+    const lagc_real w15 = w[15];
+    const lagc_real w8 = w[8];
+    const lagc_real t9 = s[6];
+    const lagc_real t10 = w15 * t6 + (w11 * t1 + (w8 * t9 + (r[4] - w[4] * t4)));
+    const lagc_real t11 = r[7] - w9 * t0 - w10 * t3 - w11 * t4 - w12 * t5 - w17 * t2 - w21 * t7 - w23 * t8;
+    const lagc_real w28 = w[28];
+    const lagc_real w7 = w[7];
+    const lagc_real t12 = s[2];
+    const lagc_real w19 = w[19];
+    const lagc_real t13 = w7 * t9 + (r[2] - w[2] * t12);
+    const lagc_real w25 = w[25];
+    const lagc_real t14 = r[6] - w7 * t12 - w8 * t4 - w19 * t13 - w25 * t10;
+    const lagc_real t15 = t11 - w26 * t10 - w28 * t14;
+    const lagc_real w30 = w[30];
+    const lagc_real w13 = w[13];
+    const lagc_real t16 = s[1];
+    const lagc_real w18 = w[18];
+    const lagc_real t17 = w13 * t6 + (r[1] - w[1] * t16);
+    const lagc_real w22 = w[22];
+    const lagc_real w24 = w[24];
+    const lagc_real w27 = w[27];
+    const lagc_real t18 = r[8] - w13 * t16 - w14 * t3 - w15 * t4 - w16 * t5 - w18 * t17 - w22 * t7 - w24 * t8;
+    const lagc_real w29 = w[29];
+    const lagc_real t19 = w[39] * (t18 - w27 * t10 - w29 * t14 - w30 * t15);
+    const lagc_real t20 = w[38] * t15 - w30 * t19;
+    const lagc_real t21 = w[37] * t14 - w29 * t19 - w28 * t20;
+    const lagc_real t22 = w[36] * t8 - w24 * t19 - w23 * t20;
+    const lagc_real t23 = t0 + (w[31] * t2 - w17 * t20);
+    const lagc_real t24 = t16 + (w[32] * t17 - w18 * t19);
+    const lagc_real t25 = t12 + (w[33] * t13 - w19 * t21);
+    const lagc_real t26 = t3 + (w[34] * t7 - w22 * t19 - w21 * t20 - w20 * t22);
+    const lagc_real t27 = t4 + (w[35] * t10 - w27 * t19 - w26 * t20 - w25 * t21);
+    const lagc_real t28 = t5 + t22;
+    const lagc_real t29 = -(t21 - t9);
+    const lagc_real t30 = -(t20 - t1);
+    const lagc_real t31 = -(t19 - t6);
+    s[0] = t23;
+    s[1] = t24;
+    s[2] = t25;
+    s[3] = t26;
+    s[4] = t27;
+    s[5] = t28;
+    s[6] = t29;
+    s[7] = t30;
+    s[8] = t31;
+}
+
+/* holonomic residuals */
+static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
+{
+    /* touch, rolling_disc.lag:29 */
+    phi[0] = x[2] - p->r * cos(x[4]);
+    (void)(t);
+}
+
+/* rates of the constraint rows */
+static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
+{
+    const lagc_real lean = x[4];
+    const lagc_real t0 = sin(lean);
+    const lagc_real r_ = p->r;
+    const lagc_real der_lean = x[10];
+    /* touch, rolling_disc.lag:29 */
+    psi[0] = x[8] + t0 * (r_ * der_lean);
+    const lagc_real yaw = x[3];
+    const lagc_real t1 = cos(yaw);
+    const lagc_real t2 = x[11] + x[9] * t0;
+    const lagc_real t3 = sin(yaw);
+    const lagc_real t4 = der_lean * cos(lean);
+    /* roll[1], rolling_disc.lag:30 */
+    psi[1] = x[6] - r_ * (t1 * t2 + t3 * t4);
+    /* roll[2], rolling_disc.lag:30 */
+    psi[2] = x[7] + r_ * (t1 * t4 - t3 * t2);
+    (void)(t);
+}
+
+/* size of the terms of each constraint row */
+static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real r_ = p->r;
+    const lagc_real lean = x[4];
+    const lagc_real t0 = cos(lean);
+    const lagc_real t1 = r_ * t0;
+    s[0] = fabs(t1) + fabs(x[2]) * 2.0 + 1e-300;
+    const lagc_real yaw = x[3];
+    const lagc_real t2 = cos(yaw);
+    const lagc_real der_spin = x[11];
+    const lagc_real t3 = r_ * der_spin;
+    const lagc_real spin = x[5];
+    const lagc_real t4 = cos(spin);
+    const lagc_real t5 = sin(lean);
+    const lagc_real t6 = t2 * t5;
+    const lagc_real t7 = sin(spin);
+    const lagc_real t8 = t6 * t7;
+    const lagc_real t9 = sin(yaw);
+    const lagc_real t10 = t9 * t4 + t8;
+    const lagc_real t11 = t8 - t10;
+    const lagc_real t12 = t6 * t4;
+    const lagc_real t13 = t9 * t7 - t12;
+    const lagc_real t14 = t12 + t13;
+    const lagc_real der_lean = x[10];
+    const lagc_real t15 = der_lean * t1;
+    const lagc_real der_yaw = x[9];
+    const lagc_real t16 = r_ * der_yaw;
+    const lagc_real t17 = der_spin + der_yaw * t5;
+    const lagc_real t18 = der_yaw * t0;
+    const lagc_real t19 = der_lean * t7 + t4 * t18;
+    const lagc_real t20 = der_lean * t4 - t7 * t18;
+    const lagc_real t21 = r_ * (t5 * t17 + t0 * (t4 * t19 - t7 * t20));
+    const lagc_real t22 = t0 * t17;
+    const lagc_real t23 = fabs(t1 * (t20 * t10 + t2 * t22 + t19 * t13)) + (1e-300 + 2.0 * fabs(x[6]));
+    const lagc_real t24 = fabs((t6 + (t4 * t14 + t7 * t11) * (t0 * t0)) * t16) + (fabs(t6 * t21) + t23);
+    const lagc_real t25 = fabs(t2 * t3) + (fabs((t4 * t11 - t7 * t14) * t15) + t24);
+    const lagc_real t26 = t9 * t5;
+    const lagc_real t27 = fabs(t1 * (t20 * (t2 * t4 - t7 * t26) - t9 * t22 + t19 * (t2 * t7 + t4 * t26)));
+    const lagc_real t28 = fabs(t26 * t16) + (t27 + (fabs(t26 * t21) + (1e-300 + 2.0 * fabs(x[7]))));
+    const lagc_real t29 = fabs(t9 * t3) + (fabs(t2 * t15) + t28);
+    const lagc_real t30 = lagc_max(t25, t29) * 1e-06;
+    s[1] = lagc_max(t25, t30);
+    s[2] = lagc_max(t29, t30);
+    (void)(t);
+}
+
+/* size of the terms of each row's gamma */
+static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real t0 = fabs(p->r);
+    const lagc_real lean = x[4];
+    const lagc_real t1 = fabs(cos(lean));
+    const lagc_real t2 = t0 * t1;
+    const lagc_real t3 = fabs(x[10]);
+    s[0] = t2 * (t3 * t3) * 3.0;
+    const lagc_real t4 = fabs(x[9]);
+    const lagc_real yaw = x[3];
+    const lagc_real t5 = fabs(cos(yaw));
+    const lagc_real t6 = t3 * t5;
+    const lagc_real t7 = t2 * t6;
+    const lagc_real t8 = fabs(sin(lean));
+    const lagc_real spin = x[5];
+    const lagc_real t9 = fabs(cos(spin));
+    const lagc_real t10 = fabs(sin(yaw));
+    const lagc_real t11 = fabs(sin(spin));
+    const lagc_real t12 = t10 * t11;
+    const lagc_real t13 = t5 * t8;
+    const lagc_real t14 = t9 * t13;
+    const lagc_real t15 = t12 + t14 * 2.0;
+    const lagc_real t16 = t10 * t9;
+    const lagc_real t17 = t11 * t13;
+    const lagc_real t18 = t16 + t17 * 2.0;
+    const lagc_real t19 = t9 * t15 + t11 * t18;
+    const lagc_real t20 = t3 * t9;
+    const lagc_real t21 = t1 * t4;
+    const lagc_real t22 = t11 * t21;
+    const lagc_real t23 = t20 + t22;
+    const lagc_real t24 = t11 * t23;
+    const lagc_real t25 = t3 * t11;
+    const lagc_real t26 = t9 * t21;
+    const lagc_real t27 = t25 + t26;
+    const lagc_real t28 = t9 * t27;
+    const lagc_real t29 = t24 + t28;
+    const lagc_real t30 = fabs(x[11]);
+    const lagc_real t31 = t4 * t8;
+    const lagc_real t32 = t30 + t31;
+    const lagc_real t33 = t10 * t32;
+    const lagc_real t34 = t9 * t23 + t11 * t27;
+    const lagc_real t35 = t8 * (t3 * t19 + t10 * t29) + t1 * (t33 + t30 * (t11 * t15 + t9 * t18)) + t5 * t34;
+    const lagc_real t36 = t0 * t10;
+    const lagc_real t37 = t7 + t31 * t36;
+    const lagc_real t38 = t1 * t9;
+    const lagc_real t39 = t3 * t15;
+    const lagc_real t40 = t1 * t11;
+    const lagc_real t41 = t30 * t5;
+    const lagc_real t42 = t4 + t30 * t8;
+    const lagc_real t43 = t11 * t42 + t3 * t38;
+    const lagc_real t44 = t5 * t43 + t9 * t33;
+    const lagc_real t45 = t37 * t38 + t0 * (t8 * (t39 + t40 * t41) + t1 * t44);
+    const lagc_real t46 = t3 * t18;
+    const lagc_real t47 = t9 * t42 + t3 * t40;
+    const lagc_real t48 = t5 * t47 + t11 * t33;
+    const lagc_real t49 = t37 * t40 + t0 * (t8 * (t46 + t38 * t41) + t1 * t48);
+    const lagc_real t50 = t8 * t37 + t2 * (t10 * t21 + t8 * t6);
+    const lagc_real t51 = t8 * t32;
+    const lagc_real t52 = t51 + t1 * t29;
+    const lagc_real t53 = t5 * t32;
+    const lagc_real t54 = t2 * t8;
+    const lagc_real t55 = t52 + t1 * (t28 + (t21 + t24)) + t8 * t31;
+    const lagc_real t56 = t16 + t17;
+    const lagc_real t57 = t12 + t14;
+    const lagc_real t58 = t23 * t56 + t1 * t53 + t27 * t57;
+    const lagc_real t59 = t11 * t45 + t0 * (t1 * (t5 * t55 + t31 * t19 + t30 * t19) + t8 * (t58 + t13 * t29));
+    const lagc_real t60 = t50 + t2 * (t9 * (t39 + t10 * t27 + t21 * t18) + t11 * (t46 + (t10 * t23 + t21 * t15)));
+    const lagc_real t61 = t4 * t52;
+    const lagc_real t62 = t30 * t26 + t25 * t32;
+    const lagc_real t63 = t30 * t22 + t20 * t32;
+    const lagc_real t64 = t1 * (t3 * (t30 + t31 * 2.0) + t30 * t34 + t11 * t62 + t9 * t63) + t29 * (t3 * t8);
+    const lagc_real t65 = t51 + t1 * t21;
+    const lagc_real t66 = t27 * t44 + (t57 * t63 + (t21 * t33 + (t23 * t48 + (t56 * t62 + t6 * t65)))) + t6 * t52;
+    const lagc_real t67 = t30 * t60 + t0 * (t8 * (t3 * t58 + t10 * t61 + t5 * t64) + t1 * t66);
+    const lagc_real t68 = t4 * (t7 + (t1 * (t0 * t35 + t9 * t45 + t11 * t49) + t8 * (t50 + t36 * t52)));
+    s[1] = t68 + (t3 * (t53 * t54 * 2.0 + (t9 * t49 + t59)) + t67);
+    const lagc_real t69 = t3 * t10;
+    const lagc_real t70 = t2 * t69;
+    const lagc_real t71 = t5 * t11;
+    const lagc_real t72 = t10 * t8;
+    const lagc_real t73 = t9 * t72;
+    const lagc_real t74 = t71 + t73 * 2.0;
+    const lagc_real t75 = t5 * t9;
+    const lagc_real t76 = t11 * t72;
+    const lagc_real t77 = t75 + t76 * 2.0;
+    const lagc_real t78 = t9 * t74 + t11 * t77;
+    const lagc_real t79 = t8 * (t3 * t78 + t5 * t29) + t1 * (t53 + t30 * (t11 * t74 + t9 * t77)) + t10 * t34;
+    const lagc_real t80 = t0 * t5;
+    const lagc_real t81 = t70 + t31 * t80;
+    const lagc_real t82 = t3 * t74;
+    const lagc_real t83 = t30 * t10;
+    const lagc_real t84 = t10 * t43 + t9 * t53;
+    const lagc_real t85 = t38 * t81 + t0 * (t8 * (t82 + t40 * t83) + t1 * t84);
+    const lagc_real t86 = t3 * t77;
+    const lagc_real t87 = t10 * t47 + t11 * t53;
+    const lagc_real t88 = t40 * t81 + t0 * (t8 * (t86 + t38 * t83) + t1 * t87);
+    const lagc_real t89 = t8 * t81 + t2 * (t5 * t21 + t8 * t69);
+    const lagc_real t90 = t75 + t76;
+    const lagc_real t91 = t71 + t73;
+    const lagc_real t92 = t23 * t90 + t1 * t33 + t27 * t91;
+    const lagc_real t93 = t11 * t85 + t0 * (t1 * (t10 * t55 + t31 * t78 + t30 * t78) + t8 * (t92 + t72 * t29));
+    const lagc_real t94 = t89 + t2 * (t9 * (t82 + t5 * t27 + t21 * t77) + t11 * (t86 + (t5 * t23 + t21 * t74)));
+    const lagc_real t95 = t27 * t84 + (t91 * t63 + (t21 * t53 + (t23 * t87 + (t90 * t62 + t69 * t65))));
+    const lagc_real t96 = t30 * t94 + t0 * (t8 * (t5 * t61 + t10 * t64 + t3 * t92) + t1 * (t95 + t69 * t52));
+    const lagc_real t97 = t4 * (t70 + (t1 * (t0 * t79 + t9 * t85 + t11 * t88) + t8 * (t89 + t80 * t52)));
+    s[2] = t97 + (t3 * (t33 * t54 * 2.0 + (t9 * t88 + t93)) + t96);
+    (void)(t);
+}
+
+/* size of the terms of each row's gradient */
+static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real t0 = fabs(p->r);
+    const lagc_real lean = x[4];
+    const lagc_real t1 = fabs(sin(lean));
+    s[0] = 1.0 + t0 * t1;
+    const lagc_real yaw = x[3];
+    const lagc_real t2 = fabs(cos(yaw));
+    const lagc_real t3 = t2 * t1;
+    const lagc_real t4 = fabs(cos(lean));
+    const lagc_real spin = x[5];
+    const lagc_real t5 = fabs(cos(spin));
+    const lagc_real t6 = fabs(sin(yaw));
+    const lagc_real t7 = fabs(sin(spin));
+    const lagc_real t8 = t6 * t5 + t7 * t3 * 2.0;
+    const lagc_real t9 = t6 * t7 + t5 * t3 * 2.0;
+    s[1] = 1.0 + t0 * (t3 + (t2 + t4 * (t5 * t8 + (t7 * t9 + t4 * (t5 * t9 + t7 * t8)))));
+    const lagc_real t10 = t6 * t1;
+    const lagc_real t11 = t2 * t5 + t7 * t10 * 2.0;
+    const lagc_real t12 = t2 * t7 + t5 * t10 * 2.0;
+    s[2] = 1.0 + t0 * (t10 + (t6 + t4 * (t5 * t11 + (t7 * t12 + t4 * (t5 * t12 + t7 * t11)))));
+    (void)(t);
+}
+
+/* reach of each constraint row */
+static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
+{
+    const lagc_real t0 = c[1] + 1e-300;
+    const lagc_real r_ = p->r;
+    const lagc_real lean = x[4];
+    const lagc_real t1 = sin(lean);
+    const lagc_real t2 = r_ * t1;
+    const lagc_real t3 = fabs(t2);
+    s[0] = t0 + c[0] * t3;
+    const lagc_real size3 = c[3];
+    const lagc_real spin = x[5];
+    const lagc_real t4 = cos(spin);
+    const lagc_real yaw = x[3];
+    const lagc_real t5 = cos(yaw);
+    const lagc_real t6 = t5 * t1;
+    const lagc_real t7 = sin(spin);
+    const lagc_real t8 = t6 * t7;
+    const lagc_real t9 = sin(yaw);
+    const lagc_real t10 = t8 - (t9 * t4 + t8);
+    const lagc_real t11 = t6 * t4;
+    const lagc_real t12 = t11 + (t9 * t7 - t11);
+    const lagc_real t13 = cos(lean);
+    const lagc_real t14 = r_ * t13;
+    const lagc_real t15 = fabs(r_ * t5) + fabs(r_ * (t6 + (t4 * t12 + t7 * t10) * (t13 * t13)));
+    const lagc_real size2 = c[2];
+    const lagc_real t16 = size2 + 1e-300;
+    const lagc_real t17 = size3 * (fabs((t4 * t10 - t7 * t12) * t14) + t15) + t16;
+    const lagc_real t18 = t16 + size3 * (fabs(t5 * t14) + (fabs(r_ * t9) + fabs(t9 * t2)));
+    const lagc_real t19 = lagc_max(t17, t18) * 1e-06;
+    s[1] = lagc_max(t17, t19);
+    s[2] = lagc_max(t18, t19);
+    const lagc_real t20 = lagc_max(lagc_max(0.0, size2 / t0), size3);
+    s[3] = size3 * t3 + (size2 + (fabs(x[2] * t20) + (1e-300 + fabs(t14 * t20))));
+    (void)(t);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real der_x = x[6];
+    const lagc_real m = p->m;
+    const lagc_real t0 = der_x * (m * der_x) * 0.5;
+    const lagc_real der_y = x[7];
+    const lagc_real t1 = der_y * (m * der_y) * 0.5;
+    const lagc_real der_z = x[8];
+    const lagc_real t2 = der_z * (m * der_z) * 0.5;
+    const lagc_real r_ = p->r;
+    const lagc_real t3 = r_ * (m * r_);
+    const lagc_real der_yaw = x[9];
+    const lagc_real lean = x[4];
+    const lagc_real t4 = x[11] + der_yaw * sin(lean);
+    const lagc_real t5 = t3 * (t4 * t4) * 0.25;
+    const lagc_real t6 = der_yaw * cos(lean);
+    const lagc_real t7 = t6 * (t3 * t6) * 0.125;
+    const lagc_real der_lean = x[10];
+    const lagc_real t8 = 0.125 * (t3 * (der_lean * der_lean));
+    /* kinetic energy */
+    e[0] = t0 + t1 + t2 + t5 + t7 + t8;
+    const lagc_real t9 = p->field_g * (m * x[2]);
+    /* potential energy */
+    e[1] = t9;
+    /* energy of the balance */
+    e[2] = t0 + (t9 + (t1 + (t2 + (t5 + (t7 + t8)))));
+    (void)(t);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    const lagc_real der_lean = x[10];
+    const lagc_real der_yaw = x[9];
+    const lagc_real lean = x[4];
+    const lagc_real t0 = der_yaw * cos(lean);
+    const lagc_real t1 = x[11] + der_yaw * sin(lean);
+    const lagc_real r_ = p->r;
+    const lagc_real der_x = x[6];
+    const lagc_real der_y = x[7];
+    const lagc_real der_z = x[8];
+    const lagc_real t2 = ((der_lean * der_lean + t0 * t0) * 0.125 + t1 * t1 * 0.25) * (r_ * r_);
+    const lagc_real t3 = t2 + (der_x * der_x + (der_y * der_y + der_z * der_z)) * 0.5 + p->field_g * x[2];
+    /* E */
+    y[0] = p->m * t3;
+    (void)(t);
+    (void)(a);
+    (void)(lam);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    /* x */
+    x[0] = 0.0;
+    /* y */
+    x[1] = 0.0;
+    /* yaw */
+    x[3] = 0.0;
+    /* spin */
+    x[5] = 0.0;
+    /* der(y) */
+    x[7] = 0.0;
+    /* der(z) */
+    x[8] = 0.0;
+    /* der(lean) */
+    x[10] = 0.0;
+    const lagc_real r_ = p->r;
+    const lagc_real lean0 = p->lean0;
+    /* lean */
+    x[4] = lean0;
+    /* z */
+    x[2] = r_ * cos(lean0);
+    const lagc_real spin1 = p->spin1;
+    /* der(spin) */
+    x[11] = spin1;
+    const lagc_real yaw1 = p->yaw1;
+    /* der(yaw) */
+    x[9] = yaw1;
+    /* der(x) */
+    x[6] = r_ * (spin1 + yaw1 * sin(lean0));
+}
+
+/* conditions of a consistent start */
+static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
+{
+    const lagc_real z = x[2];
+    const lagc_real r_ = p->r;
+    const lagc_real lean = x[4];
+    const lagc_real t0 = cos(lean);
+    const lagc_real t1 = r_ * t0;
+    c[0] = z - t1;
+    const lagc_real der_z = x[8];
+    const lagc_real der_lean = x[10];
+    const lagc_real t2 = sin(lean);
+    const lagc_real t3 = r_ * t2;
+    J[1] = t3;
+    J[4] = t3;
+    const lagc_real t4 = der_lean * t3;
+    c[1] = der_z + t4;
+    const lagc_real der_x = x[6];
+    const lagc_real spin = x[5];
+    const lagc_real t5 = cos(spin);
+    const lagc_real t6 = sin(spin);
+    const lagc_real der_yaw = x[9];
+    const lagc_real t7 = der_yaw * t0;
+    const lagc_real t8 = der_lean * t5 - t6 * t7;
+    const lagc_real yaw = x[3];
+    const lagc_real t9 = sin(yaw);
+    const lagc_real t10 = cos(yaw);
+    const lagc_real t11 = t10 * t2;
+    const lagc_real t12 = t11 * t6;
+    const lagc_real t13 = t9 * t5 + t12;
+    const lagc_real t14 = x[11] + der_yaw * t2;
+    const lagc_real t15 = t0 * t14;
+    const lagc_real t16 = der_lean * t6 + t5 * t7;
+    const lagc_real t17 = t11 * t5;
+    const lagc_real t18 = t9 * t6 - t17;
+    const lagc_real t19 = t8 * t13 + t10 * t15 + t16 * t18;
+    const lagc_real t20 = t1 * t19;
+    const lagc_real t21 = t2 * t14;
+    const lagc_real t22 = t5 * t16 - t6 * t8;
+    const lagc_real t23 = t0 * t22;
+    const lagc_real t24 = t21 + t23;
+    const lagc_real t25 = t3 * (t10 * t24);
+    c[2] = der_x - t20 - t25;
+    const lagc_real t26 = t9 * t2;
+    const lagc_real t27 = t8 * (t10 * t5 - t6 * t26) - t9 * t15 + t16 * (t10 * t6 + t5 * t26);
+    const lagc_real t28 = t1 * t27;
+    const lagc_real der_y = x[7];
+    const lagc_real t29 = t9 * t3;
+    const lagc_real t30 = t29 * t24;
+    c[3] = t28 + (der_y - t30);
+    J[0] = 1.0;
+    J[3] = 1.0;
+    J[8] = 1.0;
+    J[15] = 1.0;
+    J[2] = der_lean * t1;
+    const lagc_real t31 = t1 * (t6 * t16) + t1 * (t5 * t8);
+    const lagc_real t32 = r_ * t9;
+    const lagc_real t33 = t2 * t22;
+    const lagc_real t34 = t0 * (t33 - t15) - t2 * t24;
+    J[5] = -(t10 * t31 + t32 * t34);
+    const lagc_real t35 = t0 * (t23 - t24 - t21 - der_yaw);
+    const lagc_real t36 = t15 + t33;
+    const lagc_real t37 = t17 + t18;
+    const lagc_real t38 = t12 - t13;
+    const lagc_real t39 = t5 * t37 + t6 * t38;
+    J[6] = r_ * (t10 * t35 + t2 * (t19 + (t10 * t36 + t7 * t39)));
+    const lagc_real t40 = t6 * (der_lean * t38 - (t9 * t8 + t7 * t37));
+    J[7] = -(t1 * (t5 * (t9 * t16 + der_lean * t37 + t7 * t38) + t40));
+    J[9] = -(r_ * (t11 + t39 * (t0 * t0)));
+    J[10] = t1 * (t5 * t38 - t6 * t37);
+    const lagc_real t41 = r_ * t10;
+    J[11] = -t41;
+    J[12] = t41 * t34 - t9 * t31;
+    J[13] = r_ * (t9 * t35 - t2 * (t27 - t9 * t36));
+    J[14] = 0.0;
+    J[16] = -t29;
+    J[17] = t10 * t1;
+    J[18] = -t32;
+    sizes[0] = fabs(z) + fabs(t1);
+    sizes[1] = fabs(der_z) + fabs(t4);
+    sizes[2] = fabs(der_x) + fabs(t20) + fabs(t25);
+    sizes[3] = fabs(t28) + (fabs(der_y) + fabs(t30));
+    (void)(t);
+}
+
+/* stated rates, sizes of parameters */
+static void lagc_fn_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)
+{
+    largest[2] = 0.0;
+    largest[0] = lagc_max(0.0, fabs(p->r));
+    largest[1] = lagc_max(0.0, fabs(p->lean0));
+    largest[3] = lagc_max(lagc_max(0.0, fabs(p->yaw1)), fabs(p->spin1));
+    (void)(s);
+}

@@ -1,0 +1,481 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    const lagc_real phi_ = x[0];
+    const lagc_real t0 = sin(phi_);
+    const lagc_real t1 = cos(phi_);
+    const lagc_real psi_ = x[1];
+    const lagc_real t2 = sin(psi_);
+    const lagc_real t3 = cos(psi_);
+    const lagc_real r_ = p->r;
+    const lagc_real m2 = p->m2;
+    const lagc_real t4 = p->J1 + r_ * (r_ * m2);
+    const lagc_real l = p->l;
+    const lagc_real t5 = m2 * l;
+    const lagc_real t6 = 1.0 / t4;
+    const lagc_real t7 = r_ * t5;
+    const lagc_real t8 = (t0 * t2 - t1 * t3) * (t7 * 0.5);
+    const lagc_real t9 = t6 * t8;
+    const lagc_real t10 = t5 * (l * 0.3333333333333333);
+    const lagc_real t11 = t10 - t8 * t9;
+    const lagc_real t12 = r_ * t0;
+    const lagc_real t13 = 1.0 / t11;
+    const lagc_real t14 = t12 * t6;
+    const lagc_real m3 = p->m3;
+    const lagc_real t15 = 1.0 / m3;
+    const lagc_real t16 = t2 * l;
+    const lagc_real t17 = t14 * t8 - t16;
+    const lagc_real t18 = r_ * t1;
+    const lagc_real t19 = t17 * t13;
+    const lagc_real t20 = t6 * t18;
+    const lagc_real t21 = t3 * l;
+    const lagc_real t22 = t21 + t20 * t8;
+    const lagc_real t23 = 1.0 / (t17 * t19 + (t15 + t12 * t14));
+    const lagc_real der_psi = x[4];
+    /* der(psi) */
+    xdot[1] = der_psi;
+    const lagc_real t24 = der_psi * der_psi;
+    const lagc_real t25 = t22 * t13;
+    const lagc_real der_phi = x[3];
+    /* der(phi) */
+    xdot[0] = der_phi;
+    const lagc_real t26 = der_phi * (der_phi * r_);
+    const lagc_real t27 = t1 * t2 + t0 * t3;
+    const lagc_real t28 = t12 * t20 + t17 * t25;
+    const lagc_real t29 = t27 * (t7 * (0.5 * t24));
+    const lagc_real t30 = t28 * t23;
+    const lagc_real t31 = t27 * (t26 * (t5 * 0.5));
+    const lagc_real t32 = t18 * t20 + t22 * t25;
+    const lagc_real t33 = t9 * t29 - t31;
+    const lagc_real t34 = t21 * t24 + t1 * t26;
+    const lagc_real t35 = t28 * t30 - t32;
+    const lagc_real t36 = t0 * t26 - t16 * t24;
+    const lagc_real t37 = 1.0 / t35;
+    const lagc_real t38 = t34 - t14 * t29 - t19 * t33;
+    const lagc_real t39 = t37 * (t30 * t38 + (t25 * t33 + (t36 + t20 * t29)));
+    const lagc_real t40 = t30 * t39 - t23 * t38;
+    const lagc_real t41 = t13 * t33 + t25 * t39 - t19 * t40;
+    /* der(der(psi)) */
+    xdot[4] = t41;
+    const lagc_real t42 = t14 * t40 - (t6 * t29 + t20 * t39) - t9 * t41;
+    /* der(der(phi)) */
+    xdot[3] = t42;
+    const lagc_real t43 = t15 * t40;
+    /* der(der(s)) */
+    xdot[5] = t43;
+    const lagc_real t44 = m3 * t43;
+    const lagc_real t45 = t4 * t42;
+    const lagc_real t46 = t10 * t41;
+    const lagc_real t47 = t40 - t44;
+    const lagc_real t48 = t12 * t40 - (t29 + t18 * t39) - t8 * t41 - t45;
+    const lagc_real t49 = t16 * t40 + (t21 * t39 - t31) - t46 - t8 * t42;
+    const lagc_real t50 = t12 * t42 + (t16 * t41 + (t34 + t43));
+    const lagc_real t51 = t36 + t21 * t41 - t18 * t42;
+    const lagc_real t52 = t44 * (t15 * t44) + (t23 * (t34 * t34) + 1e-300 - t37 * (t36 * t36));
+    const lagc_real t53 = t47 * (t15 * t47) + t48 * (t6 * t48) - t51 * (t37 * t51);
+    const lagc_real t54 = t6 * (t29 * t29 + t45 * t45) + (t13 * (t31 * t31 + t46 * t46) + t52);
+    health[1] = (t49 * (t13 * t49) + t50 * (t23 * t50) + t53) / t54;
+    health[0] = lagc_min(t11 / t10, -(t35 / t32));
+    /* pin[1], slider_crank.lag:25 */
+    lam[0] = -t40;
+    /* pin[2], slider_crank.lag:25 */
+    lam[1] = -t39;
+    /* der(s) */
+    xdot[2] = x[5];
+    (void)(t);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    const lagc_real der_phi = x[3];
+    qdot[0] = der_phi;
+    const lagc_real der_psi = x[4];
+    qdot[1] = der_psi;
+    qdot[2] = x[5];
+    const lagc_real m2 = p->m2;
+    const lagc_real r_ = p->r;
+    M[0] = p->J1 + m2 * (r_ * r_);
+    const lagc_real phi_ = x[0];
+    const lagc_real t0 = sin(phi_);
+    const lagc_real psi_ = x[1];
+    const lagc_real t1 = sin(psi_);
+    const lagc_real t2 = cos(phi_);
+    const lagc_real t3 = cos(psi_);
+    const lagc_real l = p->l;
+    const lagc_real t4 = l * m2;
+    const lagc_real t5 = r_ * t4;
+    M[1] = (t0 * t1 - t2 * t3) * t5 * 0.5;
+    M[2] = l * t4 * 0.3333333333333333;
+    M[3] = 0.0;
+    M[4] = 0.0;
+    r[2] = 0.0;
+    G[5] = 0.0;
+    M[5] = p->m3;
+    const lagc_real t6 = der_psi * der_psi;
+    const lagc_real t7 = t2 * t1 + t0 * t3;
+    r[0] = -(0.5 * (t5 * (t6 * t7)));
+    const lagc_real t8 = der_phi * (r_ * der_phi);
+    r[1] = -(0.5 * (t8 * (t4 * t7)));
+    G[0] = -(r_ * t0);
+    const lagc_real t9 = l * t1;
+    G[1] = -t9;
+    G[2] = -1.0;
+    G[3] = r_ * t2;
+    const lagc_real t10 = l * t3;
+    G[4] = -t10;
+    gamma[0] = t10 * t6 + t2 * t8;
+    gamma[1] = t0 * t8 - t9 * t6;
+    (void)(t);
+}
+
+/* entries of [M G^T; G 0] into w */
+static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
+{
+    const lagc_real m2 = p->m2;
+    const lagc_real r_ = p->r;
+    w[0] = p->J1 + m2 * (r_ * r_);
+    const lagc_real l = p->l;
+    const lagc_real t0 = l * m2;
+    const lagc_real phi_ = x[0];
+    const lagc_real t1 = sin(phi_);
+    const lagc_real psi_ = x[1];
+    const lagc_real t2 = sin(psi_);
+    const lagc_real t3 = cos(phi_);
+    const lagc_real t4 = cos(psi_);
+    w[1] = t0 * (r_ * (t1 * t2 - t3 * t4)) * 0.5;
+    w[2] = l * t0 * 0.3333333333333333;
+    w[3] = p->m3;
+    w[4] = -(r_ * t1);
+    w[5] = -(l * t2);
+    w[6] = -1.0;
+    w[7] = r_ * t3;
+    w[8] = -(l * t4);
+    (void)(t);
+}
+
+/* L D L^T of the matrix that `assemble` left in w */
+static void lagc_fn_factor(lagc_real *w, lagc_real *health)
+{
+    const lagc_real w6 = w[6];
+    const lagc_real t0 = 1.0 / w[3];
+    w[18] = t0;
+    const lagc_real t1 = w6 * t0;
+    w[9] = t1;
+    const lagc_real w1 = w[1];
+    const lagc_real t2 = 1.0 / w[0];
+    w[16] = t2;
+    const lagc_real t3 = w1 * t2;
+    w[10] = t3;
+    const lagc_real w4 = w[4];
+    const lagc_real t4 = w4 * t2;
+    w[11] = t4;
+    const lagc_real w7 = w[7];
+    const lagc_real t5 = w7 * t2;
+    w[12] = t5;
+    const lagc_real t6 = w[5] - w1 * t4;
+    const lagc_real w2 = w[2];
+    const lagc_real t7 = w2 - w1 * t3;
+    const lagc_real t8 = 1.0 / t7;
+    w[17] = t8;
+    const lagc_real t9 = t6 * t8;
+    w[13] = t9;
+    const lagc_real t10 = w[8] - w1 * t5;
+    const lagc_real t11 = t10 * t8;
+    w[14] = t11;
+    const lagc_real t12 = w4 * t5 + t6 * t11;
+    const lagc_real t13 = 1.0 / (w6 * t1 + w4 * t4 + t6 * t9);
+    const lagc_real t14 = t12 * t13;
+    w[15] = t14;
+    w[19] = -t13;
+    const lagc_real t15 = w7 * t5 + t10 * t11;
+    const lagc_real t16 = t12 * t14 - t15;
+    w[20] = 1.0 / t16;
+    health[0] = lagc_min(t7 / w2, -(t16 / t15));
+    health[1] = 0.0;
+}
+
+/* M s1 - G^T s2 = r1, G s1 = r2 */
+static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    const lagc_real r0 = r[0];
+    const lagc_real w12 = w[12];
+    const lagc_real w14 = w[14];
+    const lagc_real w10 = w[10];
+    const lagc_real t0 = r[1] - r0 * w10;
+    const lagc_real w15 = w[15];
+    const lagc_real r2 = r[2];
+    const lagc_real w9 = w[9];
+    const lagc_real w11 = w[11];
+    const lagc_real w13 = w[13];
+    const lagc_real t1 = r[3] - r2 * w9 - r0 * w11 - w13 * t0;
+    const lagc_real t2 = w[20] * (r[4] - r0 * w12 - w14 * t0 - w15 * t1);
+    const lagc_real t3 = w[19] * t1 - w15 * t2;
+    const lagc_real t4 = w[17] * t0 - w14 * t2 - w13 * t3;
+    s[1] = t4;
+    s[0] = r0 * w[16] - w12 * t2 - w11 * t3 - w10 * t4;
+    s[2] = r2 * w[18] - w9 * t3;
+    s[3] = -t3;
+    s[4] = -t2;
+}
+
+/* one step of refinement of what solve gave */
+static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
+{
+    const lagc_real t0 = s[0];
+    const lagc_real w7 = w[7];
+    const lagc_real t1 = s[4];
+    const lagc_real w4 = w[4];
+    const lagc_real t2 = s[3];
+    const lagc_real w1 = w[1];
+    const lagc_real t3 = s[1];
+    const lagc_real t4 = w7 * t1 + (w4 * t2 + (r[0] - w[0] * t0 - w1 * t3));
+    const lagc_real w12 = w[12];
+    const lagc_real w8 = w[8];
+    const lagc_real w14 = w[14];
+    const lagc_real w5 = w[5];
+    const lagc_real w10 = w[10];
+    const lagc_real t5 = w8 * t1 + (w5 * t2 + (r[1] - w1 * t0 - w[2] * t3)) - w10 * t4;
+    const lagc_real w15 = w[15];
+    const lagc_real w6 = w[6];
+    const lagc_real t6 = s[2];
+    const lagc_real w9 = w[9];
+    const lagc_real t7 = w6 * t2 + (r[2] - w[3] * t6);
+    const lagc_real w11 = w[11];
+    const lagc_real w13 = w[13];
+    const lagc_real t8 = r[3] - w4 * t0 - w5 * t3 - w6 * t6 - w9 * t7 - w11 * t4 - w13 * t5;
+    const lagc_real t9 = w[20] * (r[4] - w7 * t0 - w8 * t3 - w12 * t4 - w14 * t5 - w15 * t8);
+    const lagc_real t10 = w[19] * t8 - w15 * t9;
+    const lagc_real t11 = w[17] * t5 - w14 * t9 - w13 * t10;
+    const lagc_real t12 = t0 + (w[16] * t4 - w12 * t9 - w11 * t10 - w10 * t11);
+    const lagc_real t13 = t3 + t11;
+    const lagc_real t14 = t6 + (w[18] * t7 - w9 * t10);
+    const lagc_real t15 = -(t10 - t2);
+    const lagc_real t16 = -(t9 - t1);
+    s[0] = t12;
+    s[1] = t13;
+    s[2] = t14;
+    s[3] = t15;
+    s[4] = t16;
+}
+
+/* holonomic residuals */
+static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
+{
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real l = p->l;
+    const lagc_real psi_ = x[1];
+    /* pin[1], slider_crank.lag:25 */
+    phi[0] = r_ * cos(phi_) + l * cos(psi_) - x[2];
+    /* pin[2], slider_crank.lag:25 */
+    phi[1] = r_ * sin(phi_) - l * sin(psi_);
+    (void)(t);
+}
+
+/* rates of the constraint rows */
+static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
+{
+    const lagc_real psi_ = x[1];
+    const lagc_real t0 = p->l * x[4];
+    const lagc_real phi_ = x[0];
+    const lagc_real t1 = p->r * x[3];
+    /* pin[1], slider_crank.lag:25 */
+    psi[0] = -(x[5] + (sin(psi_) * t0 + sin(phi_) * t1));
+    /* pin[2], slider_crank.lag:25 */
+    psi[1] = cos(phi_) * t1 - cos(psi_) * t0;
+    (void)(t);
+}
+
+/* size of the terms of each constraint row */
+static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real l = p->l;
+    const lagc_real psi_ = x[1];
+    const lagc_real t0 = fabs(r_ * cos(phi_)) + fabs(l * cos(psi_)) + fabs(x[2]) * 2.0 + 1e-300;
+    const lagc_real t1 = fabs(l * sin(psi_)) + (1e-300 + fabs(r_ * sin(phi_)));
+    const lagc_real t2 = lagc_max(t0, t1) * 1e-06;
+    s[0] = lagc_max(t0, t2);
+    s[1] = lagc_max(t1, t2);
+    (void)(t);
+}
+
+/* size of the terms of each row's gamma */
+static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real psi_ = x[1];
+    const lagc_real t0 = fabs(x[4]);
+    const lagc_real t1 = t0 * (fabs(p->l) * t0);
+    const lagc_real phi_ = x[0];
+    const lagc_real t2 = fabs(x[3]);
+    const lagc_real t3 = t2 * (fabs(p->r) * t2);
+    s[0] = (fabs(cos(psi_)) * t1 + fabs(cos(phi_)) * t3) * 3.0;
+    s[1] = (t1 * fabs(sin(psi_)) + t3 * fabs(sin(phi_))) * 3.0;
+    (void)(t);
+}
+
+/* size of the terms of each row's gradient */
+static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
+{
+    const lagc_real t0 = fabs(p->r);
+    const lagc_real phi_ = x[0];
+    const lagc_real t1 = fabs(p->l);
+    const lagc_real psi_ = x[1];
+    s[0] = 1.0 + (t0 * fabs(sin(phi_)) + t1 * fabs(sin(psi_)));
+    s[1] = t0 * fabs(cos(phi_)) + t1 * fabs(cos(psi_));
+    (void)(t);
+}
+
+/* reach of each constraint row */
+static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
+{
+    const lagc_real t0 = c[1] + 1e-300;
+    const lagc_real size0 = c[0];
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real t1 = r_ * sin(phi_);
+    const lagc_real l = p->l;
+    const lagc_real psi_ = x[1];
+    const lagc_real t2 = l * sin(psi_);
+    const lagc_real t3 = fabs(t1) + fabs(t2);
+    const lagc_real t4 = t0 + size0 * t3;
+    const lagc_real t5 = r_ * cos(phi_);
+    const lagc_real t6 = l * cos(psi_);
+    const lagc_real t7 = fabs(t5) + fabs(t6);
+    const lagc_real t8 = 1e-300 + size0 * t7;
+    const lagc_real t9 = lagc_max(t4, t8) * 1e-06;
+    s[0] = lagc_max(t4, t9);
+    s[1] = lagc_max(t8, t9);
+    const lagc_real size2 = c[2];
+    const lagc_real size3 = c[3];
+    const lagc_real t10 = lagc_max(lagc_max(0.0, size2), size3 / t0);
+    const lagc_real t11 = size2 * t3 + (size3 + (fabs(t5 * t10) + (fabs(t6 * t10) + (1e-300 + fabs(x[2] * t10)))));
+    const lagc_real t12 = size2 * t7 + (fabs(t1 * t10) + (1e-300 + fabs(t2 * t10)));
+    const lagc_real t13 = 1e-06 * lagc_max(t11, t12);
+    s[2] = lagc_max(t11, t13);
+    s[3] = lagc_max(t12, t13);
+    (void)(t);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real t0 = p->l * x[4];
+    const lagc_real m2 = p->m2;
+    const lagc_real der_s = x[5];
+    const lagc_real der_phi = x[3];
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real psi_ = x[1];
+    const lagc_real t1 = (r_ * der_phi + t0 * (sin(phi_) * sin(psi_) - cos(phi_) * cos(psi_))) * (r_ * m2);
+    const lagc_real t2 = (der_s * (p->m3 * der_s) + der_phi * (p->J1 * der_phi + t1)) * 0.5;
+    const lagc_real t3 = t0 * (m2 * t0) * 0.16666666666666666 + t2;
+    /* kinetic energy */
+    e[0] = t3;
+    /* energy of the balance */
+    e[2] = t3;
+    /* potential energy */
+    e[1] = 0.0;
+    (void)(t);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    /* Px */
+    y[0] = lam[0];
+    /* Py */
+    y[1] = lam[1];
+    const lagc_real t0 = p->l * x[4];
+    const lagc_real m2 = p->m2;
+    const lagc_real der_s = x[5];
+    const lagc_real der_phi = x[3];
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real psi_ = x[1];
+    const lagc_real t1 = (r_ * der_phi + t0 * (sin(phi_) * sin(psi_) - cos(phi_) * cos(psi_))) * (r_ * m2);
+    const lagc_real t2 = (der_s * (p->m3 * der_s) + der_phi * (p->J1 * der_phi + t1)) * 0.5;
+    /* E */
+    y[2] = t0 * (m2 * t0) * 0.16666666666666666 + t2;
+    (void)(t);
+    (void)(a);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    /* phi */
+    x[0] = 0.0;
+    /* psi */
+    x[1] = 0.0;
+    /* der(s) */
+    x[5] = 0.0;
+    const lagc_real r_ = p->r;
+    const lagc_real l = p->l;
+    /* s */
+    x[2] = r_ + l;
+    /* der(phi) */
+    x[3] = 50.0;
+    /* der(psi) */
+    x[4] = 50.0 * (r_ / l);
+}
+
+/* conditions of a consistent start */
+static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
+{
+    const lagc_real r_ = p->r;
+    const lagc_real phi_ = x[0];
+    const lagc_real t0 = r_ * cos(phi_);
+    J[3] = t0;
+    J[12] = t0;
+    const lagc_real l = p->l;
+    const lagc_real psi_ = x[1];
+    const lagc_real t1 = l * cos(psi_);
+    const lagc_real s_ = x[2];
+    c[0] = t0 + t1 - s_;
+    const lagc_real t2 = r_ * sin(phi_);
+    const lagc_real t3 = l * sin(psi_);
+    c[1] = t2 - t3;
+    const lagc_real der_s = x[5];
+    const lagc_real der_psi = x[4];
+    const lagc_real t4 = der_psi * t3;
+    J[11] = t4;
+    const lagc_real der_phi = x[3];
+    const lagc_real t5 = der_phi * t2;
+    c[2] = -(der_s + (t4 + t5));
+    const lagc_real t6 = der_phi * t0;
+    const lagc_real t7 = der_psi * t1;
+    c[3] = t6 - t7;
+    const lagc_real t8 = -t2;
+    J[0] = t8;
+    J[7] = t8;
+    const lagc_real t9 = -t3;
+    J[1] = t9;
+    J[8] = t9;
+    const lagc_real t10 = -1.0;
+    J[2] = t10;
+    J[9] = t10;
+    const lagc_real t11 = -t1;
+    J[4] = t11;
+    J[13] = t11;
+    J[5] = -t6;
+    J[6] = -t7;
+    J[10] = -t5;
+    sizes[0] = fabs(t0) + fabs(t1) + fabs(s_);
+    sizes[1] = fabs(t2) + fabs(t3);
+    sizes[2] = fabs(t5) + (fabs(t4) + fabs(der_s));
+    sizes[3] = fabs(t6) + fabs(t7);
+    (void)(t);
+}
+
+/* stated rates, sizes of parameters */
+static void lagc_fn_measures(const lagc_params *p, lagc_real *s, lagc_real *largest)
+{
+    largest[0] = 0.0;
+    largest[2] = 0.0;
+    largest[3] = 0.0;
+    largest[1] = lagc_max(lagc_max(0.0, fabs(p->r)), fabs(p->l));
+    (void)(s);
+}

@@ -1,0 +1,66 @@
+/* right-hand side: qdot, accelerations, multipliers */
+static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
+{
+    /* der(theta) */
+    xdot[0] = x[1];
+    const lagc_real l = p->l;
+    const lagc_real t0 = p->m * l;
+    /* der(der(theta)) */
+    xdot[1] = -(t0 * (p->field_g * sin(x[0])) / (l * t0));
+    health[0] = 1.0;
+    health[1] = 0.0;
+    (void)(t);
+    (void)(lam);
+}
+
+/* mass matrix, forces and constraint rows */
+static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *qdot, lagc_real *M, lagc_real *r, lagc_real *G, lagc_real *gamma)
+{
+    qdot[0] = x[1];
+    const lagc_real l = p->l;
+    const lagc_real t0 = p->m * l;
+    M[0] = l * t0;
+    r[0] = -(t0 * (p->field_g * sin(x[0])));
+    (void)(t);
+    (void)(G);
+    (void)(gamma);
+}
+
+/* energies */
+static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real l = p->l;
+    const lagc_real t0 = p->m * l;
+    const lagc_real der_theta = x[1];
+    const lagc_real t1 = t0 * (der_theta * (l * der_theta)) * 0.5;
+    /* kinetic energy */
+    e[0] = t1;
+    const lagc_real t2 = t0 * (p->field_g * cos(x[0]));
+    /* potential energy */
+    e[1] = -t2;
+    /* energy of the balance */
+    e[2] = t1 - t2;
+    (void)(t);
+}
+
+/* outputs of the model */
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+{
+    const lagc_real der_theta = x[1];
+    const lagc_real l = p->l;
+    /* E */
+    y[0] = (der_theta * (l * der_theta) * 0.5 - p->field_g * cos(x[0])) * (p->m * l);
+    (void)(t);
+    (void)(a);
+    (void)(lam);
+}
+
+/* start values and guesses */
+static void lagc_fn_start(const lagc_params *p, lagc_real *x)
+{
+    /* theta */
+    x[0] = 1.0471975511965976;
+    /* der(theta) */
+    x[1] = 0.0;
+    (void)(p);
+}
