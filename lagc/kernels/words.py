@@ -1,6 +1,6 @@
 """The words of the subset: what type checkers and readers see.  Printers know them by name.
 
-A kernel is a function with annotated arguments and one scalar result; all else goes through records.
+A kernel is a function with annotated arguments and one scalar result, or two; all else goes through records.
 It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`, `continue`,
 `return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `floor`, `sqrt`,
 `pow`. Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero,
@@ -15,6 +15,8 @@ exceptions, and no memory of its own but local vectors.
     present(v)          whether a vector or record that a caller may leave out (NULL) is there
     p[i]                a parameter or input by its place
     size(NX)            a size as a number, where a local takes it
+    whole(a)            a Real without what is behind its point, as a Count; it is less than 2^31
+    return a, b         of a kernel that gives a Pair, which only functions of the model call
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from typing import Any, Generic, NewType, TypeVar, overload
 Real = float  # of the type that is asked for: double, float, long double, __float128
 Count = int  # a long: steps, evaluations
 Length = int  # a size_t: of what a caller brings; unsigned, so that v & mask is exact in C too
+Pair = tuple[float, float]
 Status = NewType("Status", int)
 N = TypeVar("N")
 R = TypeVar("R")
@@ -126,6 +129,7 @@ def vector(n: type[N]) -> Vec[N]: ...  # type: ignore[empty-body]
 def indices(n: type[N]) -> IVec[N]: ...  # type: ignore[empty-body]
 def params() -> Params: ...  # type: ignore[empty-body]
 def size(n: SizeType) -> int: ...  # type: ignore[empty-body]
+def whole(a: Real) -> Count: ...  # type: ignore[empty-body]
 def part(v: Vec[Any], first: Size, end: Size) -> Slice: ...  # type: ignore[empty-body]
 def present(v: object) -> bool: ...  # type: ignore[empty-body]
 def static(values: Iterable[R]) -> Iterable[R]: ...  # type: ignore[empty-body]

@@ -49,7 +49,7 @@ _HEADERS = """
     stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn string tgmath threads time uchar
     wchar wctype memory malloc unistd new con aux nul prn
 """
-_TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r)\d+")
+_TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r|sc|sin|cos)\d+")
 # What constants of some header begin with, as F_OK or FE_INVALID, that those of a model may be called too.
 _FAMILIES = """
     backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap lc lmem map mb mm pc prsec pwr

@@ -37,6 +37,8 @@ class Dialect:
     `calls`: operation -> name of the function.  `infix`: further operators with their binding.
     `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
     temporary, `store`: an assignment to an output, `load`: an entry of an input array.
+    `turn`: the statement that gives sine and cosine of a value, with `sine` and `cosine` to read them; where
+    there is none they are `calls`.
     """
 
     calls: Mapping[str, str]
@@ -49,6 +51,9 @@ class Dialect:
     load: Callable[[str, int], str]
     literal: Callable[[float], str] = literal
     width: int = 88
+    turn: str = ""
+    sine: str = ""
+    cosine: str = ""
 
 
 def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int], str]) -> list[str]:
@@ -91,6 +96,7 @@ class _Body:
         self.binds: list[int] = [ATOM] * len(function.operations)
         self.out: list[str] = []
         self.temporaries = 0
+        self.turns: dict[int, int] = {}  # angle -> number of the pair of its sine and cosine
         self.pending: list[str] = []
         self.declared: set[str] = set()
         written = {(store.array, store.index) for store in function.stores}
@@ -116,7 +122,10 @@ class _Body:
             elif operation.op == "load":
                 self._load(k)
             else:
-                self._expression(k)
+                if operation.op in ("sin", "cos") and self.dialect.turn:
+                    self._turn(k)
+                else:
+                    self._expression(k)
                 if self.uses[k] > 1 and not (self.uses[k] == len(stores.get(k, ())) == 1):
                     self._name(k)
             if not self.overwritten:
@@ -163,6 +172,15 @@ class _Body:
                 break
             self._name(longest)
         self.text[k], self.binds[k] = text, binds
+
+    def _turn(self, k: int) -> None:
+        """One call gives both, of which one may be left unread."""
+        angle = self.function.operations[k].operands[0]
+        if angle not in self.turns:
+            self.turns[angle] = len(self.turns)
+            self._statement(self.dialect.turn.format(number=self.turns[angle], value=self.text[angle]))
+        form = self.dialect.sine if self.function.operations[k].op == "sin" else self.dialect.cosine
+        self.text[k] = form.format(number=self.turns[angle])
 
     def _compose(self, op: str, operands: tuple[int, ...]) -> tuple[str, int]:
         text = self.text

@@ -84,6 +84,13 @@ REFUSED = {
     "@record\nclass A:\n    x: str": "not a type",
     "@record\nclass A:\n    if 1 > 0:\n        x: Real": "not a switch",
     "A = [1, 2]": "a constant is a number",
+    "A = (1, 2)": "a constant is a number",
+    "def f(x: Pair) -> Real:\n    return 1.0": "a Pair is a result only",
+    "def f(x: Real) -> Real:\n    return x, x": "not in the subset",
+    "def f(x: Real) -> Pair:\n    return x": "not assigned",
+    "def f(x: Real) -> Pair:\n    return x, x > 1.0": "is bool, not Real",
+    "def g(x: Real) -> Pair:\n    return x, x\ndef f(x: Real) -> Real:\n    y = g(x)\n    return y": "for functions of the model",
+    "def f(x: int) -> int:\n    return whole(x)": "no kernel",
 }  # fmt: skip
 
 
@@ -111,6 +118,7 @@ def _leaves(tree: Any) -> list[Any]:
 MEANS = '''
 LIMIT = 0.5
 MOST = 7
+WEIGHTS = (1.5, -0.25, 3e-7, 2.0)  # of four
 
 
 def inner(a: Vec[NX], b: Vec[NX]) -> Real:
@@ -161,6 +169,14 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
     if NZ > 0 and n > 0:
         largest = 0.0
     return largest + inner(a, b) * pow(2.0, -1.0) if NC > 0 else largest
+
+
+def parted(x: Real, k: int) -> Pair:
+    """What stands before the point and behind it, with a weight."""
+    if not fabs(x) < 1e9:
+        return x, 0.0
+    before = float(whole(x))
+    return before, (x - before) * WEIGHTS[whole(fabs(x)) + k & 3]
 '''
 
 
@@ -169,12 +185,15 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
 def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     """Random vectors, with zeros, infinities and NaN, through both: to the last bit, and as Python has it."""
     found = library(MEANS)
-    use = chosen(found.parts, {"STRAIGHT": straight, "NC": True, "NZ": False}, ["scaled"])
+    use = chosen(found.parts, {"STRAIGHT": straight, "NC": True, "NZ": False}, ["scaled", "parted"])
     text = "#include <math.h>\n#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
     text += "#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
+    text += "static const double lagc_weights[] = {1.5, -0.25, 3e-7, 2.0};\n"
     text += "\n".join(leaf["c"] for _, leaf in use.parts)
     text += "double scaled(const double *a, const double *b, double *y, int n)\n"
     text += "{ return lagc_scaled(a, b, y, n); }\n"
+    text += "void parted(double x, int k, double *pair);\n"
+    text += "void parted(double x, int k, double *pair) { lagc_parted(x, k, pair); }\n"
     (tmp_path / "a.c").write_text(text)
     words = [
         "gcc",
@@ -190,9 +209,10 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     ]
     done = subprocess.run([*words, "a.c", "-o", "a.so", "-lm"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    compiled = ctypes.CDLL(str(tmp_path / "a.so")).scaled
+    library_ = ctypes.CDLL(str(tmp_path / "a.so"))
+    compiled = library_.scaled
     compiled.restype = ctypes.c_double
-    space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7}
+    space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7, "WEIGHTS": (1.5, -0.25, 3e-7, 2.0)}
     exec(ARITHMETIC + "\n".join(leaf["python"] for _, leaf in use.parts), space)
     plain = _as_it_stands(straight)
     chance = random.Random(3)
@@ -206,6 +226,10 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
             y = [0.0] * 4
             results.append([names["scaled"](a, b, y, n), *y])
         assert all(_same(results[0], other) for other in results[1:]), (a, b, n, results)
+        for x in (1e3 * a[0], b[1]):
+            pair = (ctypes.c_double * 2)()
+            library_.parted(ctypes.c_double(x), n, pair)
+            assert all(_same(list(pair), list(names["parted"](x, n))) for names in (space, plain)), (x, n, *pair)
 
 
 def _number(chance: random.Random) -> float:
@@ -224,7 +248,9 @@ def _as_it_stands(straight: bool) -> dict[str, Any]:
         "STRAIGHT": straight,
         "Vec": dict,
         "Real": float,
+        "Pair": tuple,
         "Any": Any,
+        "whole": int,
     }
     more = "def vector(n):\n    return [0.0] * n\ndef part(v, a, b):\n    return v[a:b]\n"
     exec(ARITHMETIC + more + re.sub(r": Vec\[NX\]", "", MEANS), space)

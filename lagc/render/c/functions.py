@@ -14,6 +14,12 @@ from lagc.render.statements import AND, OR, Dialect, lines, uses
 
 CALLS = spelling("c")
 
+# In double precision they are ours: see `lagc.kernels.trigonometry`.
+TURN = {
+    "turn": "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});",
+    "sine": "sc{number}[0]", "cosine": "sc{number}[1]",
+}  # fmt: skip
+
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
 HELPERS = {
@@ -53,6 +59,7 @@ def function_text(
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
         literal=real.literal,
+        **(TURN if real == DOUBLE else {}),
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]

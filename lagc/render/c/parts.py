@@ -6,13 +6,14 @@ A value that a later part needs goes through an array; an entry of an input arra
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 LONGEST = 600  # lines of a function that is left whole
 PART = 300
 SHARED = "lagc_shared"
 
 _DECLARATION = re.compile(r"const (lagc_real|int) (\w+) = (.*);$")
+_TURN = re.compile(r"lagc_real (\w+)\[2\]; lagc_sine_cosine\((.*), \1\);$")  # both values share one name
 _ENTRY = re.compile(r"(\w+)(\[\d+\]|->\w+)$")
 _WORD = re.compile(r"(?<!->)(?<!\w)[A-Za-z_]\w*")  # no member of the parameters
 
@@ -22,42 +23,62 @@ def divided(body: Sequence[str], written: Collection[str]) -> tuple[list[list[st
     it writes to, which may not be read again."""
     parts = [list(body[k : k + PART]) for k in range(0, len(body), PART)]
     declared: dict[str, str] = {}  # name -> its declaration, of the parts before
-    places: dict[str, int] = {}  # name -> its place in the shared array
+    places: dict[str, int] = {}  # name -> its place in the shared array, from which on there is room for it
+    written = {*written, *(turn[1] for line in body if (turn := _TURN.match(line)))}
     heads: list[list[str]] = []
     own: list[tuple[dict[str, str], dict[str, None]]] = []
     for part in parts:
-        new = {found[2]: line for line in part if (found := _DECLARATION.match(line))}
+        new = {name: line for line in part if (name := _declared(line))}
         used = dict.fromkeys(word for line in part for word in _words(line))
         head = []
         for name in used:
             if name in declared and name not in new:
-                head.append(_again(name, declared[name], written, places))
+                head.append(_again(name, declared, written, places))
         heads.append(head)
         declared.update(new)
         own.append((new, used))
     result = []
     for part, head, (new, used) in zip(parts, heads, own):
-        tail = [f"{SHARED}[{places[name]}] = {name};" for name in new if name in places]
+        tail = [text for name, line in new.items() if name in places for text in _kept(name, line, places[name])]
         for name, line in new.items():
             if name not in used and name not in places:  # read again where it is needed
                 part.remove(line)
         result.append([*head, *part, *tail])
-    return result, len(places)
+    return result, _room(places, declared)
+
+
+def _declared(line: str) -> str:
+    """The name that a line declares, if it does."""
+    found, turn = _DECLARATION.match(line), _TURN.match(line)
+    return found[2] if found else turn[1] if turn else ""
+
+
+def _kept(name: str, line: str, place: int) -> list[str]:
+    """A value, or two, into the shared array."""
+    if _TURN.match(line):
+        return [f"{SHARED}[{place + k}] = {name}[{k}];" for k in range(2)]
+    return [f"{SHARED}[{place}] = {name};"]
+
+
+def _room(places: Collection[str], declared: Mapping[str, str]) -> int:
+    return sum(2 if _TURN.match(declared[name]) else 1 for name in places)
 
 
 def _words(line: str) -> list[str]:
     """The names that a line uses."""
-    found = _DECLARATION.match(line)
-    return [] if line[0] == "/" else _WORD.findall(found[3] if found else line)
+    found, turn = _DECLARATION.match(line), _TURN.match(line)
+    return [] if line[0] == "/" else _WORD.findall(found[3] if found else turn[2] if turn else line)
 
 
-def _again(name: str, declaration: str, written: Collection[str], places: dict[str, int]) -> str:
+def _again(name: str, declared: Mapping[str, str], written: Collection[str], places: dict[str, int]) -> str:
     """The declaration of a value of an earlier part; it gets a place where it needs one."""
+    declaration = declared[name]
     found = _DECLARATION.match(declaration)
-    assert found is not None
-    kind, value = found[1], found[3]
-    entry = _ENTRY.match(value)
+    entry = _ENTRY.match(found[3]) if found else None
     if entry is not None and entry[1] not in written:
         return declaration
-    place = places.setdefault(name, len(places))
-    return f"const {kind} {name} = {SHARED}[{place}]{' != 0.0' if kind == 'int' else ''};"
+    if name not in places:
+        places[name] = _room(places, declared)
+    if found is None:
+        return f"const lagc_real *const {name} = {SHARED} + {places[name]};"
+    return f"const {found[1]} {name} = {SHARED}[{places[name]}]{' != 0.0' if found[1] == 'int' else ''};"

@@ -60,6 +60,7 @@ def _source(program: Program, file: str, own_header: str, complete: bool, real: 
         header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
         _CONTRACTION,
         helpers(program),
+        *runtime.sine_cosine(program, real),
         *(function_text(f, names, fields, real) for f in program.functions.values()),
         *runtime.definitions(program, complete, real),
         *(verb.definition for verb in verbs(program, real)),

@@ -13,6 +13,7 @@ from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of, tables_of
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import parts
+from lagc.render.turning import turning
 from lagc.render.statuses import STATUSES
 
 # Public kernels that every model has; those of a run of lagc's own are the last.
@@ -64,6 +65,19 @@ def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> 
     records = [p["name"] for p in parts(real) if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS]
     found += [_record(name, interface, real) for name in records
               if any(f"lagc_{snake(name)} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
+    found += _printed(use, real)
+    found.append(_defaults(complete, real))
+    return [part for part in found if part]
+
+
+def sine_cosine(program: Program, real: Arithmetic = DOUBLE) -> list[str]:
+    """The kernel that functions of the model call for their sines and cosines."""
+    return _printed(turning(program), real) if real == DOUBLE else []
+
+
+def _printed(use: Chosen, real: Arithmetic) -> list[str]:
+    """Constants and functions, each file with its title."""
+    found = list[str]()
     chosen_texts = {part["name"]: leaf["c"] for part, leaf in use.parts}
     section, held = "", list[str]()
     for part in parts(real):
@@ -71,15 +85,14 @@ def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> 
             found += [section, "".join(held)] if held else []
             section = _section(part["title"], part["text"])
             held = []
-        elif part["kind"] in ("int", "Real") and part["name"] in use.names:
+        elif part["kind"] in ("int", "Real", "Reals") and part["name"] in use.names:
             held.append(_constant(part))
         elif part["kind"] == "function" and part["name"] in chosen_texts:
             found += [section] if section else []
             found += ["".join(held)] if held else []
             found.append(chosen_texts[part["name"]])
             section, held = "", []
-    found.append(_defaults(complete, real))
-    return [part for part in found if part]
+    return found
 
 
 def _table(name: str, values: Sequence[Any]) -> str:
@@ -146,6 +159,10 @@ def _codes(file: str) -> str:
 
 
 def _constant(part: Mapping[str, Any]) -> str:
+    if part["kind"] == "Reals":
+        values = part["value"]
+        rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
+        return f"{_comment(part['note'])}static const lagc_real lagc_{part['name'].lower()}[] = {{\n    {rows}\n}};\n"
     text, note = f"#define LAGC_{part['name']} {part['value']}", part["note"]
     if not note:
         return text + "\n"

@@ -9,11 +9,12 @@ from typing import Any
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
+CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3}
 # Sizes that are expressions of others, or the same in every model.
 DERIVED = {
     "NM": "LAGC_NV * (LAGC_NV + 1) / 2", "NG": "LAGC_NC * LAGC_NV", "NR": "LAGC_NV + LAGC_NC",
     "NREACH": "LAGC_NC + LAGC_NH", "NROW": "LAGC_NU + 1", "NSETU": "3 * LAGC_NU",
-    "TWO": "2", "FOUR": "4", "NK": "16", "NKEPT": "13", "ND": "8", "NSETS": "3",
+    **{name: str(value) for name, value in CONSTANT_SIZES.items()},
 }  # fmt: skip
 
 
@@ -64,7 +65,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NLIMITS": len(interface.limits), "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1),
-        "NROW": nu + 1, "TWO": 2, "FOUR": 4, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3, "NSETU": 3 * nu,
+        "NROW": nu + 1, "NSETU": 3 * nu, **CONSTANT_SIZES,
     }  # fmt: skip
 
 

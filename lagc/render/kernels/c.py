@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from lagc.render.kernels.arithmetic import Arithmetic
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.places import places
-from lagc.render.kernels.typed import MADE, REAL, SCALARS, VOID, WHOLE, Type, Types
+from lagc.render.kernels.typed import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
 OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
 _OPERATORS = {
@@ -35,7 +35,7 @@ class CPrinter:
         name = {
             "Real": self.real.name, "Vec": self.real.name, "Mat": self.real.name, "Rows": self.real.name,
             "int": "int", "IVec": "int", "bool": "int", "Count": "long", "Length": "size_t", "None": "void",
-            "Status": "lagc_status", "Params": "lagc_params",
+            "Status": "lagc_status", "Params": "lagc_params", "Pair": "void",
         }.get(kind[0])  # fmt: skip
         if kind[0] == "Cell":
             return self.ctype((kind[1],))
@@ -65,6 +65,8 @@ class CPrinter:
 
     def head(self, types: Types, written: Sequence[bool]) -> str:
         parts = [self.argument(k, n, w) for (n, k), w in zip(types.parameters.items(), written)]
+        if types.returns == PAIR:
+            parts.append(f"{self.real.name} *pair_")
         static = "" if types.function.public else "static "
         return wrapped(f"{static}{self.ctype(types.returns)}lagc_{types.name}(", parts or ["void"])
 
@@ -128,6 +130,9 @@ class CPrinter:
             case ast.For():
                 self.loop(node, indent, out)
             case ast.Return(value=None):
+                out.append(indent + "return;")
+            case ast.Return(value=ast.Tuple(elts=ends)):
+                out += [f"{indent}pair_[{k}] = {self.given(end, REAL)};" for k, end in enumerate(ends)]
                 out.append(indent + "return;")
             case ast.Return(value=value):
                 assert value is not None
@@ -341,6 +346,8 @@ class CPrinter:
             if isinstance(args[0], ast.Constant):
                 return self.real.literal(float(args[0].value)), ATOM  # type: ignore[arg-type]
             return self.operand(args[0], REAL, 0), SIGN
+        if name == "whole":
+            return f"(long){self.operand(args[0], None, ATOM)}", SIGN
         if name == "size":
             return self.expression(args[0])
         if name == "present":

@@ -108,6 +108,9 @@ class Library:
     # -- constants and records --
 
     def constant(self, part: Constant) -> None:
+        if part.kind == "Reals":
+            self.reals(part)
+            return
         kinds = {"int": INT, "Real": REAL, "Status": STATUS, "Code": INT, "Method": INT}
         self.constants[part.name], self.spelled[part.name] = kinds[part.kind], f"LAGC_{part.name}"
         value = part.value[self.real.column] if isinstance(part.value, tuple) else part.value
@@ -117,6 +120,13 @@ class Library:
         self.parts.append(
             {"kind": part.kind, "name": part.name, "value": text, "python": repr(plain), "note": note}
         )
+
+    def reals(self, part: Constant) -> None:
+        self.constants[part.name], self.spelled[part.name] = ("Vec", "Any"), f"lagc_{part.name.lower()}"
+        self.parts.append({
+            "kind": part.kind, "name": part.name, "value": [self.real.literal(v) for v in part.value],
+            "python": repr(part.value), "note": " ".join([*part.lead, part.trail]).strip(),
+        })  # fmt: skip
 
     def record(self, part: Record) -> None:
         members: dict[str, Member] = {}

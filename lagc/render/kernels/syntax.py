@@ -43,12 +43,12 @@ class Record:
 
 @dataclass(frozen=True)
 class Constant:
-    """`kind`: int, Real, Status (of the interface), Code (of an enumeration of the interface)."""
+    """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of the interface)."""
 
     file: str
     name: str
     kind: str
-    value: Any  # int, float, or of a Real by type: float, float, decimal text
+    value: Any  # int, float, of Reals a tuple, or of a Real by type: float, float, decimal text
     lead: tuple[str, ...]
     trail: str
 
@@ -137,11 +137,14 @@ def _constant(file: str, node: ast.Assign, name: str) -> Constant:
         given = [literal(a) for a in value.args]
         if len(given) == (3 if kind == "Real" else 1) and kind and None not in given:
             found = tuple(given) if kind == "Real" else given[0]
+    elif isinstance(value, ast.Tuple):
+        given, kind = [literal(e) for e in value.elts], "Reals"
+        found = tuple(given) if all(isinstance(g, float) for g in given) else None
     else:
         found = literal(value)
         kind = "int" if isinstance(found, int) else "Real"
     if found is None:
-        raise Outside(file, node, "a constant is a number, by_type(...), Status(...) or Code(...)")
+        raise Outside(file, node, "a constant is a number, a tuple of reals, by_type(...), Status(...) or Code(...)")
     return Constant(file, name, kind, found, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from lagc.render.kernels.syntax import Function, Outside
 
 Type = tuple[str, ...]  # ("Real",) ("int",) ("Vec", "NX") ("Mat", "NK", "NX") ("Record", "Work") ...
-REAL, INT, COUNT, LENGTH, BOOL, STATUS, VOID = (
-    (name,) for name in ("Real", "int", "Count", "Length", "bool", "Status", "None")
+REAL, INT, COUNT, LENGTH, BOOL, STATUS, VOID, PAIR = (
+    (name,) for name in ("Real", "int", "Count", "Length", "bool", "Status", "None", "Pair")
 )
 WHOLE = (INT, COUNT, LENGTH)
 SCALARS = (REAL, *WHOLE, BOOL, STATUS)
@@ -29,7 +29,7 @@ def parsed(annotation: str, records: Callable[[str], bool]) -> Type:
         raise ValueError(annotation)
     name, given = _SPELLED.get(found[1], found[1]), tuple(found[2].split(", ")) if found[2] else ()
     if len(given) == _LENGTHS.get(name, 0):
-        if name in _LENGTHS or name == "Params" or (name,) in (*SCALARS, VOID):
+        if name in _LENGTHS or name == "Params" or (name,) in (*SCALARS, VOID, PAIR):
             return (name, *given)
         if records(name):
             return ("Record", name)
@@ -78,6 +78,8 @@ class Types:
     def __post_init__(self) -> None:
         for name, annotation in self.function.parameters:
             self.parameters[name] = self.annotated(annotation)
+            if self.parameters[name] == PAIR:
+                raise self.fail(self.function.line, "a Pair is a result only")
         self.returns = self.annotated(self.function.returns)
         self.block(self.body)
         if self.returns != VOID and not _returns(self.body):
@@ -148,6 +150,9 @@ class Types:
             case ast.Return(value=None) | ast.Break() | ast.Continue():
                 if isinstance(node, ast.Return) and self.returns != VOID:
                     raise self.fail(node, "a result is missing")
+            case ast.Return(value=ast.Tuple(elts=[first, second])) if self.returns == PAIR:
+                self.fits(node, REAL, first)
+                self.fits(node, REAL, second)
             case ast.Return(value=value) if value is not None:
                 self.fits(node, self.returns, value)
             case ast.Expr(value=ast.Call() as call):
@@ -189,6 +194,7 @@ class Types:
             found: Type = ({"vector": "Vec", "indices": "IVec"}.get(made, "Params"), *sizes)
             if len(sizes) != (0 if made == "params" else 1) or not set(sizes) <= self.known.sizes:
                 raise self.fail(node, f"a size is missing: {ast.unparse(value)}")
+            self.read.update(sizes)
         elif isinstance(value, ast.Call) and self.known.is_record(made):
             found = ("Record", made)
         else:
@@ -336,11 +342,15 @@ class Types:
             return REAL
         if name == "size" and given == [INT]:
             return INT
+        if name == "whole" and given == [REAL]:
+            return COUNT
         if name == "present" and len(given) == 1 and given[0] not in SCALARS:
             return BOOL
         callee = self.known.signatures.get(name)
         if callee is None:
             raise self.fail(node, f"{name} is no kernel that stands before, nor a function of the model")
+        if callee.returns == PAIR:
+            raise self.fail(node, f"{name} is for functions of the model")
         self.calls[name] = None
         if len(callee.parameters) != len(given) or not all(map(_passes, given, callee.parameters)):
             raise self.fail(node, f"{name} takes {callee.parameters}, not {tuple(given)}")

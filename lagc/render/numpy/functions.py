@@ -6,11 +6,14 @@ import math
 from collections.abc import Mapping
 
 from lagc.expr.operators import OPERATORS, spelling
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, Program
+from lagc.render.kernels.assembly import CONSTANT_SIZES
+from lagc.render.kernels.shipped import parts
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
+from lagc.render.turning import turning
 
-CALLS = spelling("python")
+CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}
 
 DIALECT = Dialect(
     calls=CALLS,
@@ -21,6 +24,9 @@ DIALECT = Dialect(
     store="{array}[{index}] = {value}",
     comment=lambda text: f"# {comment(text)}",
     load=lambda array, index: "t" if array == "t" else f"{array}[{index}]",
+    turn="sin{number}, cos{number} = sine_cosine({value})",
+    sine="sin{number}",
+    cosine="cos{number}",
 )
 
 # Those of math itself; its floor is a whole number, and has no sign of zero.
@@ -159,6 +165,26 @@ def _again(function, inputs, outputs):
         output[:] = [float(b) for b in result]
 '''
 )
+
+
+def sine_cosine(program: Program) -> list[str]:
+    """The kernel that functions of the model call for their sines and cosines."""
+    use = turning(program)
+    if not use.parts:
+        return []
+    sizes = "".join(f"{name} = {value}\n" for name, value in CONSTANT_SIZES.items() if name in use.names)
+    numbers = "".join(f"{p['name']} = {p['python']}\n" for p in parts() if p["kind"] in ("Real", "Reals") and p["name"] in use.names)
+    return [sizes + numbers, *(leaf["python"] for _, leaf in use.parts), _CAREFULLY]
+
+
+_CAREFULLY = """\
+def _careful_sine_cosine(a):
+    sine, cosine = sine_cosine(float(a))
+    return _Ieee(sine), _Ieee(cosine)
+
+
+_CAREFUL["sine_cosine"] = _careful_sine_cosine
+"""
 
 
 def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) -> str:

@@ -11,7 +11,7 @@ from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.locals import local_names
 from lagc.render.names import Names, prefix
 from lagc.render.numpy import runtime
-from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text
+from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.render.numpy.verbs import verbs
 
 _IMPORTS = """\
@@ -29,6 +29,7 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
+    parts += sine_cosine(program)
     parts += [function_text(f, names) for f in program.functions.values()]
     parts += runtime.definitions(program, complete)
     if complete:
@@ -41,7 +42,7 @@ def evaluation(program: Program) -> list[str]:
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     own = [function_text(f, names) for f in program.functions.values()]
     sizes, *shared = runtime.evaluation(program)
-    return ["\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *shared])]
+    return ["\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(program), *shared])]
 
 
 def _banner(interface: Interface, file: str) -> str:

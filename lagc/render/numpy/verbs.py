@@ -180,12 +180,13 @@ def _vectorised(function):
     import numpy
 
     names = {
-        "sin": "sin", "cos": "cos", "tan": "tan", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
+        "tan": "tan", "asin": "arcsin", "acos": "arccos", "atan": "arctan",
         "sinh": "sinh", "cosh": "cosh", "tanh": "tanh", "exp": "exp", "log": "log", "sqrt": "sqrt",
         "floor": "floor", "sign": "sign", "atan2": "arctan2", "pow": "power", "fabs": "fabs",
         "select": "where", "both": "logical_and", "either": "logical_or", "inverse": "logical_not",
     }
     arrays = {ours: getattr(numpy, theirs) for ours, theirs in names.items()}
+    arrays["sine_cosine"] = lambda a: (numpy.sin(a), numpy.cos(a))
     arrays["minimum"] = lambda a, b: numpy.where(b < a, b, a)
     arrays["maximum"] = lambda a, b: numpy.where(b > a, b, a)
     return type(function)(function.__code__, arrays)
