@@ -32,10 +32,16 @@ def half_pi() -> dict[str, mpf]:
         double = rounded(whole)
         above = rounded(whole, 26)
         return {
-            "QUARTERS_PER_RADIAN": rounded(1 / whole), "FIRST_PART": first, "FIRST_REST": rounded(whole - first),
-            "SECOND_PART": second, "SECOND_REST": rounded(whole - first - second),
-            "HALF_PI": double, "HALF_PI_ABOVE": above, "HALF_PI_BELOW": double - above, "HALF_PI_REST": rounded(whole - double),
-        }  # fmt: skip
+            "QUARTERS_PER_RADIAN": rounded(1 / whole),
+            "FIRST_PART": first,
+            "FIRST_REST": rounded(whole - first),
+            "SECOND_PART": second,
+            "SECOND_REST": rounded(whole - first - second),
+            "HALF_PI": double,
+            "HALF_PI_REST": rounded(whole - double),
+            "HALF_PI_ABOVE": above,
+            "HALF_PI_BELOW": double - above,
+        }
 
 
 def two_over_pi(digits: int = 50) -> list[int]:
@@ -46,8 +52,8 @@ def two_over_pi(digits: int = 50) -> list[int]:
 
 
 def refined(fixed: list[mpf], series: list[mpf], weight: Callable[[mpf], mpf]) -> list[mpf]:
-    """The coefficients behind `fixed` of the polynomial of DEGREE whose error, that of `series` times `weight`, is
-    least at its largest."""
+    """The coefficients behind `fixed` of the polynomial of DEGREE whose error against `series`, times
+    `weight`, is least at its largest."""
     n = DEGREE + 1 - len(fixed)
     end = mpf(WIDEST) ** 2
     points = [end * (1 - mpmath.cos(mp.pi * (k + mpf("0.5")) / GRID)) / 2 for k in range(GRID)]
@@ -68,7 +74,7 @@ def refined(fixed: list[mpf], series: list[mpf], weight: Callable[[mpf], mpf]) -
 
 
 def extrema(errors: list[mpf], count: int) -> list[int]:
-    """Where errors of alternating sign are largest; the smaller one at an end is left out while there are more."""
+    """Where errors of alternating sign are largest; while there are more, the smaller at an end is left out."""
     found: list[int] = []
     for i, error in enumerate(errors):
         if not found or (error > 0) != (errors[found[-1]] > 0):
@@ -86,8 +92,8 @@ def polynomial(first: int, power: int) -> list[mpf]:
         taylor = [(-1) ** k / mpmath.factorial(2 * k + first) for k in range(30)]
         fixed = list[mpf]()
         while len(fixed) <= DEGREE:
-            weight = lambda z: z**power / mpmath.polyval(taylor[::-1], z)
-            fixed.append(rounded(refined(fixed, taylor[power:], weight)[0]))
+            found = refined(fixed, taylor[power:], lambda z: z**power / mpmath.polyval(taylor[::-1], z))
+            fixed.append(rounded(found[0]))
         return fixed
 
 

@@ -1,12 +1,12 @@
 """Sine and cosine.
 
-Sums, products and tests only, so that they have the same bits on every machine, and less than one unit of
-the last place from the true value.  An angle becomes a multiple of pi/2 and a rest hi + lo of at most pi/4,
-for which two polynomials stand.  The constants are those of `tools/trigonometry.py`.
+Sums, products and tests only, so that they have the same bits on every machine, and less than one unit
+of the last place from the true value.  An angle becomes a multiple of pi/2 and a rest hi + lo of at most
+pi/4, for which two polynomials stand.  The constants are those of `tools/trigonometry.py`.
 
-W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980, chapter 8: pi/2 in parts.
+W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts.
 M. Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles.
-T. J. Dekker, A floating-point technique for extending the available precision, Numerische Mathematik 18, 1971.
+T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from lagc.kernels.sizes import FOUR, SEVEN, TWO
 from lagc.kernels.words import Count, Pair, Real, Vec, vector, whole
 
 EIGHTH_TURN = 0.785  # of a turn, less a little: no angle up to it is reduced
-# Squares: of the largest rest for which the polynomials are made; of the angle beyond which the parts of pi/2
-# are too few; of the share of an angle below which a rest has lost digits.
+# Squares: of the largest rest for which the polynomials are made; of the angle beyond which the parts of
+# pi/2 are too few; of the share of an angle below which a rest has lost digits.
 WIDEST_SQUARE = 0.79 * 0.79
 FAR_SQUARE = 1e5 * 1e5
 NEAR_SQUARE = 3e-8 * 3e-8
@@ -58,7 +58,7 @@ TWO_OVER_PI = (
     6258241.0, 3772886.0, 3769171.0, 3798172.0, 8675211.0, 12450088.0, 3874808.0, 9961438.0, 366607.0,
     15675153.0, 9132554.0, 7151469.0, 3571407.0, 2607881.0, 12013382.0, 4155038.0, 6285869.0, 7677882.0,
     13102053.0, 15825725.0, 473591.0, 9065106.0, 15363067.0, 6271263.0, 9264392.0, 5636912.0, 4652155.0,
-)
+)  # fmt: skip
 
 
 def lost(a: Real, b: Real, total: Real) -> Real:
@@ -90,7 +90,9 @@ def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
     above = shifted - (shifted - a)
     below = a - above
     value = a * HALF_PI
-    error = ((above * HALF_PI_ABOVE - value) + above * HALF_PI_BELOW + below * HALF_PI_ABOVE) + below * HALF_PI_BELOW
+    error = (
+        (above * HALF_PI_ABOVE - value) + above * HALF_PI_BELOW + below * HALF_PI_ABOVE
+    ) + below * HALF_PI_BELOW
     error += a * HALF_PI_REST + more * HALF_PI
     rest[0] = value + error
     rest[1] = error - (rest[0] - value)

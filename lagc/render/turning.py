@@ -10,5 +10,9 @@ from lagc.render.statements import uses
 
 def turning(program: Program) -> Chosen:
     """`sine_cosine` and what it calls, where a function of the model has a sine or cosine; else nothing."""
-    there = any(n and o.op in ("sin", "cos") for f in program.functions.values() for o, n in zip(f.operations, uses(f)))
+    there = any(
+        n and o.op in ("sin", "cos")
+        for f in program.functions.values()
+        for o, n in zip(f.operations, uses(f))
+    )
     return chosen(parts(), {}, ["sine_cosine"] if there else [])

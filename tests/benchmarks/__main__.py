@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 
-NAMES = ("startup", "chain", "double_pendulum", "andrews", "accuracy")
+NAMES = ("startup", "sine_cosine", "chain", "double_pendulum", "andrews", "accuracy")
 
 
 def main(asked: list[str]) -> None:

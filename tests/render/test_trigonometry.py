@@ -62,9 +62,13 @@ def printed_python() -> Any:
 def digests(words: list[str], folder: Path, *arguments: object, under: tuple[str, ...] = ()) -> list[str]:
     (folder / "a.c").write_text(kernel())
     last = ["-lquadmath"] if "-DQUAD" in words else []
-    done = subprocess.run([*words, "a.c", "-o", "a.out", *last, "-lm"], cwd=folder, capture_output=True, text=True)
+    done = subprocess.run(
+        [*words, "a.c", "-o", "a.out", *last, "-lm"], cwd=folder, capture_output=True, text=True
+    )
     assert done.returncode == 0 and not done.stderr, done.stderr[:2000]
-    ran = subprocess.run([*under, "./a.out", *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+    ran = subprocess.run(
+        [*under, "./a.out", *map(str, arguments)], cwd=folder, capture_output=True, text=True
+    )
     assert ran.returncode == 0, ran.stderr
     return ran.stdout.splitlines()
 
@@ -162,7 +166,9 @@ def test_the_same_bits_as_webassembly(tmp_path: Path) -> None:
         "const module = await WebAssembly.compile(fs.readFileSync(process.argv[2]));\n"
         "wasi.start(await WebAssembly.instantiate(module, wasi.getImportObject()));\n"
     )
-    there = digests([*zig, "-target", "wasm32-wasi"], tmp_path, POINTS, under=("node", "--no-warnings", "run.mjs"))
+    there = digests(
+        [*zig, "-target", "wasm32-wasi"], tmp_path, POINTS, under=("node", "--no-warnings", "run.mjs")
+    )
     assert there == here
 
 
@@ -175,7 +181,10 @@ def angles(count: int, calls: int) -> Function:
         a, b = chance.randrange(len(operations)), chance.randrange(count)
         operations.append(Operation("add", (a, b)))
         angle = len(operations) - 1 - chance.randrange(0, 2) * (k % 3 == 0)
-        operations += [Operation(op, (angle,)) for op in chance.choice((("sin", "cos"), ("cos",), ("sin",), ("cos", "sin")))]
+        operations += [
+            Operation(op, (angle,))
+            for op in chance.choice((("sin", "cos"), ("cos",), ("sin",), ("cos", "sin")))
+        ]
         operations.append(Operation("mul", (len(operations) - 1, chance.randrange(count))))
         stores.append(Store("y", k, len(operations) - chance.randrange(1, 3)))
     return Function("f", ("x",), (("y", calls),), tuple(operations), tuple(stores))
@@ -202,7 +211,9 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:2000]
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(program()), functions.function_text(f, names)]), space)
+    exec(
+        "\n\n".join([ARITHMETIC, *functions.sine_cosine(program()), functions.function_text(f, names)]), space
+    )
     x = [random.Random(2).uniform(-4.0, 4.0) for _ in range(6)]
     ours, y = (ctypes.c_double * calls)(), [0.0] * calls
     ctypes.CDLL(str(tmp_path / "f.so")).f((ctypes.c_double * 6)(*x), ours)

@@ -14,11 +14,8 @@ from lagc.render.statements import AND, OR, Dialect, lines, uses
 
 CALLS = spelling("c")
 
-# In double precision they are ours: see `lagc.kernels.trigonometry`.
-TURN = {
-    "turn": "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});",
-    "sine": "sc{number}[0]", "cosine": "sc{number}[1]",
-}  # fmt: skip
+# Sines and cosines in double precision: see `lagc.kernels.trigonometry`.
+TURN = "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});"
 
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
@@ -59,7 +56,9 @@ def function_text(
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
         literal=real.literal,
-        **(TURN if real == DOUBLE else {}),
+        turn=TURN if real == DOUBLE else "",
+        sine="sc{number}[0]",
+        cosine="sc{number}[1]",
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]

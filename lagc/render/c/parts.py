@@ -39,7 +39,9 @@ def divided(body: Sequence[str], written: Collection[str]) -> tuple[list[list[st
         own.append((new, used))
     result = []
     for part, head, (new, used) in zip(parts, heads, own):
-        tail = [text for name, line in new.items() if name in places for text in _kept(name, line, places[name])]
+        tail = [
+            text for name, line in new.items() if name in places for text in _kept(name, line, places[name])
+        ]
         for name, line in new.items():
             if name not in used and name not in places:  # read again where it is needed
                 part.remove(line)

@@ -173,7 +173,11 @@ def sine_cosine(program: Program) -> list[str]:
     if not use.parts:
         return []
     sizes = "".join(f"{name} = {value}\n" for name, value in CONSTANT_SIZES.items() if name in use.names)
-    numbers = "".join(f"{p['name']} = {p['python']}\n" for p in parts() if p["kind"] in ("Real", "Reals") and p["name"] in use.names)
+    numbers = "".join(
+        f"{p['name']} = {p['python']}\n"
+        for p in parts()
+        if p["kind"] in ("Real", "Reals") and p["name"] in use.names
+    )
     return [sizes + numbers, *(leaf["python"] for _, leaf in use.parts), _CAREFULLY]
 
 
