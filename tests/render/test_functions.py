@@ -13,11 +13,12 @@ from typing import Any
 import pytest
 
 from lagc.optimize.program import Function, Program, operands
+from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers
 from lagc.render.c.parts import divided
 from lagc.render.locals import local_names
-from lagc.render.numpy.functions import ARITHMETIC, function_text
+from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
 from tests.render.programs import TRUTHS, Builder, program, random_function
 from tests.render.tools import bits
 
@@ -57,7 +58,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     names = local_names(made, ())
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
     python: dict[str, Any] = {}
-    exec(ARITHMETIC + "".join(function_text(f, names) for f in functions), python)
+    exec("\n".join([ARITHMETIC, *sine_cosine(made), *(function_text(f, names) for f in functions)]), python)
     body = "".join(
         c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
         for f in functions
@@ -66,9 +67,10 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         f"void lagc_fn_{f.name}(const lagc_params *p, double t, const double *x, double *y);\n"
         for f in functions
     )
-    struct_ = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
+    types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
+    shared = helpers(made) + "".join(runtime.sine_cosine(made))
     source = folder / "made.c"
-    source.write_text("#include <math.h>\n" + struct_ + helpers(made) + head + body)
+    source.write_text("#include <math.h>\n" + types + shared + head + body)
     subprocess.run(
         ["gcc", *FLAGS, "-shared", "-fPIC", str(source), "-o", str(folder / "made.so"), "-lm"], check=True
     )
