@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 
 from lagc.expr.operators import OPERATORS, spelling
@@ -172,13 +173,14 @@ def sine_cosine(program: Program) -> list[str]:
     use = turning(program)
     if not use.parts:
         return []
-    sizes = "".join(f"{name} = {value}\n" for name, value in CONSTANT_SIZES.items() if name in use.names)
     numbers = "".join(
         f"{p['name']} = {p['python']}\n"
         for p in parts()
         if p["kind"] in ("Real", "Reals") and p["name"] in use.names
     )
-    return [sizes + numbers, *(leaf["python"] for _, leaf in use.parts), _CAREFULLY]
+    sizes = re.compile(rf"\b({'|'.join(CONSTANT_SIZES)})\b")
+    texts = [sizes.sub(lambda m: str(CONSTANT_SIZES[m[1]]), leaf["python"]) for _, leaf in use.parts]
+    return [numbers, *texts, _CAREFULLY]
 
 
 _CAREFULLY = """\
