@@ -3,7 +3,7 @@ coefficients of both polynomials.
 
     python tools/trigonometry.py
 
-sin x = x + x^3 p(x^2), cos x = 1 - x^2/2 + x^4 r(x^2) over |x| <= WIDEST.  Each polynomial is the one of least
+sin x = x + x^3 p(x^2), cos x = 1 - x^2/2 + x^4 r(x^2) over |x| <= WIDEST.  Each polynomial is that of least
 largest error relative to the function (E. Remez 1934), in 60 digits; then its coefficients become doubles one
 after the other, the first first, and those behind it are chosen again: they make up for its rounding.
 """
@@ -74,7 +74,7 @@ def refined(fixed: list[mpf], series: list[mpf], weight: Callable[[mpf], mpf]) -
 
 
 def extrema(errors: list[mpf], count: int) -> list[int]:
-    """Where errors of alternating sign are largest; while there are more, the smaller at an end is left out."""
+    """Where errors of alternating sign are largest; while they are more, the smaller at an end goes."""
     found: list[int] = []
     for i, error in enumerate(errors):
         if not found or (error > 0) != (errors[found[-1]] > 0):

@@ -7,7 +7,8 @@ FILES, functions in that of their file.
 """
 
 FILES = (
-    "statuses", "limits", "trigonometry", "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
+    "statuses", "limits", "trigonometry",
+    "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "weights", "listening", "control", "step", "recording",
     "startrecords", "leastnorm", "startrows", "starttable", "startalone", "startsteps", "startfind",
     "startchoice", "startsearch", "start",

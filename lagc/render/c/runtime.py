@@ -13,8 +13,8 @@ from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of, tables_of
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import parts
-from lagc.render.turning import turning
 from lagc.render.statuses import STATUSES
+from lagc.render.turning import turning
 
 # Public kernels that every model has; those of a run of lagc's own are the last.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
@@ -162,7 +162,8 @@ def _constant(part: Mapping[str, Any]) -> str:
     if part["kind"] == "Reals":
         values = part["value"]
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
-        return f"{_comment(part['note'])}static const lagc_real lagc_{part['name'].lower()}[] = {{\n    {rows}\n}};\n"
+        head = f"static const lagc_real lagc_{part['name'].lower()}[]"
+        return f"{_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
     text, note = f"#define LAGC_{part['name']} {part['value']}", part["note"]
     if not note:
         return text + "\n"

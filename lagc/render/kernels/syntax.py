@@ -43,7 +43,7 @@ class Record:
 
 @dataclass(frozen=True)
 class Constant:
-    """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of the interface)."""
+    """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of it)."""
 
     file: str
     name: str
@@ -144,7 +144,9 @@ def _constant(file: str, node: ast.Assign, name: str) -> Constant:
         found = literal(value)
         kind = "int" if isinstance(found, int) else "Real"
     if found is None:
-        raise Outside(file, node, "a constant is a number, a tuple of reals, by_type(...), Status(...) or Code(...)")
+        raise Outside(
+            file, node, "a constant is a number, reals in a tuple, by_type(...), Status(...) or Code(...)"
+        )
     return Constant(file, name, kind, found, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
 
 
