@@ -18,8 +18,9 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t8 = 1.0 / t5;
     const lagc_real t9 = m * t6;
     const lagc_real theta = x[2];
-    const lagc_real t10 = cos(theta);
-    const lagc_real t11 = sin(theta);
+    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
+    const lagc_real t10 = sc0[1];
+    const lagc_real t11 = sc0[0];
     const lagc_real t12 = t5 * (t3 * t7 - t9);
     const lagc_real t13 = 1.0 / m;
     const lagc_real t14 = t12 * t8;
@@ -58,9 +59,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 {
     const lagc_real u = x[3];
     const lagc_real theta = x[2];
-    const lagc_real t0 = cos(theta);
+    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
+    const lagc_real t0 = sc0[1];
     const lagc_real s_ = x[4];
-    const lagc_real t1 = sin(theta);
+    const lagc_real t1 = sc0[0];
     qdot[0] = u * t0 - s_ * t1;
     qdot[1] = u * t1 + s_ * t0;
     const lagc_real w_ = x[5];
@@ -166,9 +168,10 @@ static void lagc_fn_displace(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real d0 = d[0];
     const lagc_real theta = x[2];
-    const lagc_real t0 = cos(theta);
+    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
+    const lagc_real t0 = sc0[1];
     const lagc_real d1 = d[1];
-    const lagc_real t1 = sin(theta);
+    const lagc_real t1 = sc0[0];
     dq[0] = d0 * t0 - d1 * t1;
     dq[1] = d0 * t1 + d1 * t0;
     dq[2] = d[2];
@@ -286,10 +289,11 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     c[0] = s_;
     const lagc_real u = x[3];
     const lagc_real theta = x[2];
-    const lagc_real t0 = cos(theta);
+    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
+    const lagc_real t0 = sc0[1];
     J[2] = t0;
     const lagc_real t1 = u * t0;
-    const lagc_real t2 = sin(theta);
+    const lagc_real t2 = sc0[0];
     const lagc_real t3 = s_ * t2;
     c[1] = t1 - t3;
     const lagc_real w_ = x[5];

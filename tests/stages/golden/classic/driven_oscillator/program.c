@@ -5,7 +5,8 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(x) */
     xdot[0] = der_x;
     const lagc_real u = p->u;
-    const lagc_real t0 = p->F0 * cos(t * p->w);
+    lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
+    const lagc_real t0 = p->F0 * sc0[1];
     const lagc_real c_ = p->c;
     /* der(der(x)) */
     xdot[1] = (u + (t0 - p->k * x[0] - c_ * der_x)) / p->m;
@@ -21,7 +22,8 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real der_x = x[1];
     qdot[0] = der_x;
     M[0] = p->m;
-    r[0] = p->u + (p->F0 * cos(t * p->w) - p->k * x[0] - p->c * der_x);
+    lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
+    r[0] = p->u + (p->F0 * sc0[1] - p->k * x[0] - p->c * der_x);
     (void)(G);
     (void)(gamma);
 }
@@ -46,7 +48,8 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_power(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *e)
 {
     const lagc_real der_x = x[1];
-    e[0] = der_x * (p->u + p->F0 * cos(t * p->w) - p->c * der_x);
+    lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
+    e[0] = der_x * (p->u + p->F0 * sc0[1] - p->c * der_x);
     (void)(a);
     (void)(lam);
 }

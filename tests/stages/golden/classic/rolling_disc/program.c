@@ -2,14 +2,17 @@
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real lean = x[4];
-    const lagc_real t0 = sin(lean);
-    const lagc_real t1 = cos(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[1];
     const lagc_real yaw = x[3];
-    const lagc_real t2 = cos(yaw);
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t2 = sc1[1];
     const lagc_real spin = x[5];
-    const lagc_real t3 = cos(spin);
-    const lagc_real t4 = sin(spin);
-    const lagc_real t5 = sin(yaw);
+    lagc_real sc2[2]; lagc_sine_cosine(spin, sc2);
+    const lagc_real t3 = sc2[1];
+    const lagc_real t4 = sc2[0];
+    const lagc_real t5 = sc1[0];
     const lagc_real t6 = t1 * t1;
     const lagc_real m = p->m;
     const lagc_real r_ = p->r;
@@ -186,19 +189,21 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real r_ = p->r;
     const lagc_real t0 = m * (r_ * r_);
     const lagc_real lean = x[4];
-    const lagc_real t1 = cos(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t1 = sc0[1];
     const lagc_real t2 = t1 * t1;
-    const lagc_real t3 = sin(lean);
+    const lagc_real t3 = sc0[0];
     M[9] = t0 * (0.25 * t2 + 0.5 * (t3 * t3));
     M[14] = t0 * 0.25;
     M[18] = 0.5 * (t3 * t0);
     M[20] = t0 * 0.5;
     r[2] = -(m * p->field_g);
     const lagc_real spin = x[5];
-    const lagc_real t4 = cos(spin);
+    lagc_real sc1[2]; lagc_sine_cosine(spin, sc1);
+    const lagc_real t4 = sc1[1];
     const lagc_real t5 = der_spin * t4;
     const lagc_real t6 = der_lean * t3;
-    const lagc_real t7 = sin(spin);
+    const lagc_real t7 = sc1[0];
     const lagc_real t8 = der_spin * t7;
     const lagc_real t9 = der_lean * t5 - der_yaw * (t4 * t6 + t1 * t8);
     const lagc_real t10 = der_yaw * t1;
@@ -219,10 +224,11 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t19 = r_ * t3;
     G[4] = t19;
     const lagc_real yaw = x[3];
-    const lagc_real t20 = cos(yaw);
+    lagc_real sc2[2]; lagc_sine_cosine(yaw, sc2);
+    const lagc_real t20 = sc2[1];
     const lagc_real t21 = t20 * t3;
     const lagc_real t22 = t21 * t4;
-    const lagc_real t23 = sin(yaw);
+    const lagc_real t23 = sc2[0];
     const lagc_real t24 = t23 * t7;
     const lagc_real t25 = t24 - t22;
     const lagc_real t26 = t22 + t25;
@@ -274,9 +280,10 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t0 = m * r_;
     const lagc_real t1 = r_ * t0;
     const lagc_real lean = x[4];
-    const lagc_real t2 = cos(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t2 = sc0[1];
     const lagc_real t3 = t2 * t2;
-    const lagc_real t4 = sin(lean);
+    const lagc_real t4 = sc0[0];
     w[3] = t1 * (0.25 * t3 + 0.5 * (t4 * t4));
     w[4] = t1 * 0.25;
     const lagc_real t5 = r_ * t4;
@@ -287,13 +294,15 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[9] = 1.0;
     w[13] = 1.0;
     const lagc_real yaw = x[3];
-    const lagc_real t6 = cos(yaw);
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t6 = sc1[1];
     const lagc_real t7 = t6 * t4;
     const lagc_real spin = x[5];
-    const lagc_real t8 = cos(spin);
+    lagc_real sc2[2]; lagc_sine_cosine(spin, sc2);
+    const lagc_real t8 = sc2[1];
     const lagc_real t9 = t7 * t8;
-    const lagc_real t10 = sin(yaw);
-    const lagc_real t11 = sin(spin);
+    const lagc_real t10 = sc1[0];
+    const lagc_real t11 = sc2[0];
     const lagc_real t12 = t9 + (t10 * t11 - t9);
     const lagc_real t13 = t7 * t11;
     const lagc_real t14 = t13 - (t10 * t8 + t13);
@@ -493,8 +502,9 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 /* holonomic residuals */
 static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
 {
+    lagc_real sc0[2]; lagc_sine_cosine(x[4], sc0);
     /* touch, rolling_disc.lag:29 */
-    phi[0] = x[2] - p->r * cos(x[4]);
+    phi[0] = x[2] - p->r * sc0[1];
     (void)(t);
 }
 
@@ -502,16 +512,18 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real lean = x[4];
-    const lagc_real t0 = sin(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t0 = sc0[0];
     const lagc_real r_ = p->r;
     const lagc_real der_lean = x[10];
     /* touch, rolling_disc.lag:29 */
     psi[0] = x[8] + t0 * (r_ * der_lean);
     const lagc_real yaw = x[3];
-    const lagc_real t1 = cos(yaw);
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t1 = sc1[1];
     const lagc_real t2 = x[11] + x[9] * t0;
-    const lagc_real t3 = sin(yaw);
-    const lagc_real t4 = der_lean * cos(lean);
+    const lagc_real t3 = sc1[0];
+    const lagc_real t4 = der_lean * sc0[1];
     /* roll[1], rolling_disc.lag:30 */
     psi[1] = x[6] - r_ * (t1 * t2 + t3 * t4);
     /* roll[2], rolling_disc.lag:30 */
@@ -524,20 +536,23 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 {
     const lagc_real r_ = p->r;
     const lagc_real lean = x[4];
-    const lagc_real t0 = cos(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t0 = sc0[1];
     const lagc_real t1 = r_ * t0;
     s[0] = fabs(t1) + fabs(x[2]) * 2.0 + 1e-300;
     const lagc_real yaw = x[3];
-    const lagc_real t2 = cos(yaw);
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t2 = sc1[1];
     const lagc_real der_spin = x[11];
     const lagc_real t3 = r_ * der_spin;
     const lagc_real spin = x[5];
-    const lagc_real t4 = cos(spin);
-    const lagc_real t5 = sin(lean);
+    lagc_real sc2[2]; lagc_sine_cosine(spin, sc2);
+    const lagc_real t4 = sc2[1];
+    const lagc_real t5 = sc0[0];
     const lagc_real t6 = t2 * t5;
-    const lagc_real t7 = sin(spin);
+    const lagc_real t7 = sc2[0];
     const lagc_real t8 = t6 * t7;
-    const lagc_real t9 = sin(yaw);
+    const lagc_real t9 = sc1[0];
     const lagc_real t10 = t9 * t4 + t8;
     const lagc_real t11 = t8 - t10;
     const lagc_real t12 = t6 * t4;
@@ -571,20 +586,23 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
 {
     const lagc_real t0 = fabs(p->r);
     const lagc_real lean = x[4];
-    const lagc_real t1 = fabs(cos(lean));
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t1 = fabs(sc0[1]);
     const lagc_real t2 = t0 * t1;
     const lagc_real t3 = fabs(x[10]);
     s[0] = t2 * (t3 * t3) * 3.0;
     const lagc_real t4 = fabs(x[9]);
     const lagc_real yaw = x[3];
-    const lagc_real t5 = fabs(cos(yaw));
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t5 = fabs(sc1[1]);
     const lagc_real t6 = t3 * t5;
     const lagc_real t7 = t2 * t6;
-    const lagc_real t8 = fabs(sin(lean));
+    const lagc_real t8 = fabs(sc0[0]);
     const lagc_real spin = x[5];
-    const lagc_real t9 = fabs(cos(spin));
-    const lagc_real t10 = fabs(sin(yaw));
-    const lagc_real t11 = fabs(sin(spin));
+    lagc_real sc2[2]; lagc_sine_cosine(spin, sc2);
+    const lagc_real t9 = fabs(sc2[1]);
+    const lagc_real t10 = fabs(sc1[0]);
+    const lagc_real t11 = fabs(sc2[0]);
     const lagc_real t12 = t10 * t11;
     const lagc_real t13 = t5 * t8;
     const lagc_real t14 = t9 * t13;
@@ -681,16 +699,19 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 {
     const lagc_real t0 = fabs(p->r);
     const lagc_real lean = x[4];
-    const lagc_real t1 = fabs(sin(lean));
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t1 = fabs(sc0[0]);
     s[0] = 1.0 + t0 * t1;
     const lagc_real yaw = x[3];
-    const lagc_real t2 = fabs(cos(yaw));
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t2 = fabs(sc1[1]);
     const lagc_real t3 = t2 * t1;
-    const lagc_real t4 = fabs(cos(lean));
+    const lagc_real t4 = fabs(sc0[1]);
     const lagc_real spin = x[5];
-    const lagc_real t5 = fabs(cos(spin));
-    const lagc_real t6 = fabs(sin(yaw));
-    const lagc_real t7 = fabs(sin(spin));
+    lagc_real sc2[2]; lagc_sine_cosine(spin, sc2);
+    const lagc_real t5 = fabs(sc2[1]);
+    const lagc_real t6 = fabs(sc1[0]);
+    const lagc_real t7 = fabs(sc2[0]);
     const lagc_real t8 = t6 * t5 + t7 * t3 * 2.0;
     const lagc_real t9 = t6 * t7 + t5 * t3 * 2.0;
     s[1] = 1.0 + t0 * (t3 + (t2 + t4 * (t5 * t8 + (t7 * t9 + t4 * (t5 * t9 + t7 * t8)))));
@@ -707,23 +728,26 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t0 = c[1] + 1e-300;
     const lagc_real r_ = p->r;
     const lagc_real lean = x[4];
-    const lagc_real t1 = sin(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t1 = sc0[0];
     const lagc_real t2 = r_ * t1;
     const lagc_real t3 = fabs(t2);
     s[0] = t0 + c[0] * t3;
     const lagc_real size3 = c[3];
     const lagc_real spin = x[5];
-    const lagc_real t4 = cos(spin);
+    lagc_real sc1[2]; lagc_sine_cosine(spin, sc1);
+    const lagc_real t4 = sc1[1];
     const lagc_real yaw = x[3];
-    const lagc_real t5 = cos(yaw);
+    lagc_real sc2[2]; lagc_sine_cosine(yaw, sc2);
+    const lagc_real t5 = sc2[1];
     const lagc_real t6 = t5 * t1;
-    const lagc_real t7 = sin(spin);
+    const lagc_real t7 = sc1[0];
     const lagc_real t8 = t6 * t7;
-    const lagc_real t9 = sin(yaw);
+    const lagc_real t9 = sc2[0];
     const lagc_real t10 = t8 - (t9 * t4 + t8);
     const lagc_real t11 = t6 * t4;
     const lagc_real t12 = t11 + (t9 * t7 - t11);
-    const lagc_real t13 = cos(lean);
+    const lagc_real t13 = sc0[1];
     const lagc_real t14 = r_ * t13;
     const lagc_real t15 = fabs(r_ * t5) + fabs(r_ * (t6 + (t4 * t12 + t7 * t10) * (t13 * t13)));
     const lagc_real size2 = c[2];
@@ -752,9 +776,10 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t3 = r_ * (m * r_);
     const lagc_real der_yaw = x[9];
     const lagc_real lean = x[4];
-    const lagc_real t4 = x[11] + der_yaw * sin(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t4 = x[11] + der_yaw * sc0[0];
     const lagc_real t5 = t3 * (t4 * t4) * 0.25;
-    const lagc_real t6 = der_yaw * cos(lean);
+    const lagc_real t6 = der_yaw * sc0[1];
     const lagc_real t7 = t6 * (t3 * t6) * 0.125;
     const lagc_real der_lean = x[10];
     const lagc_real t8 = 0.125 * (t3 * (der_lean * der_lean));
@@ -774,8 +799,9 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real der_lean = x[10];
     const lagc_real der_yaw = x[9];
     const lagc_real lean = x[4];
-    const lagc_real t0 = der_yaw * cos(lean);
-    const lagc_real t1 = x[11] + der_yaw * sin(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t0 = der_yaw * sc0[1];
+    const lagc_real t1 = x[11] + der_yaw * sc0[0];
     const lagc_real r_ = p->r;
     const lagc_real der_x = x[6];
     const lagc_real der_y = x[7];
@@ -810,8 +836,9 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     const lagc_real lean0 = p->lean0;
     /* lean */
     x[4] = lean0;
+    lagc_real sc0[2]; lagc_sine_cosine(lean0, sc0);
     /* z */
-    x[2] = r_ * cos(lean0);
+    x[2] = r_ * sc0[1];
     const lagc_real spin1 = p->spin1;
     /* der(spin) */
     x[11] = spin1;
@@ -819,7 +846,7 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     /* der(yaw) */
     x[9] = yaw1;
     /* der(x) */
-    x[6] = r_ * (spin1 + yaw1 * sin(lean0));
+    x[6] = r_ * (spin1 + yaw1 * sc0[0]);
 }
 
 /* conditions of a consistent start */
@@ -828,12 +855,13 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     const lagc_real z = x[2];
     const lagc_real r_ = p->r;
     const lagc_real lean = x[4];
-    const lagc_real t0 = cos(lean);
+    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real t0 = sc0[1];
     const lagc_real t1 = r_ * t0;
     c[0] = z - t1;
     const lagc_real der_z = x[8];
     const lagc_real der_lean = x[10];
-    const lagc_real t2 = sin(lean);
+    const lagc_real t2 = sc0[0];
     const lagc_real t3 = r_ * t2;
     J[1] = t3;
     J[4] = t3;
@@ -841,14 +869,16 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     c[1] = der_z + t4;
     const lagc_real der_x = x[6];
     const lagc_real spin = x[5];
-    const lagc_real t5 = cos(spin);
-    const lagc_real t6 = sin(spin);
+    lagc_real sc1[2]; lagc_sine_cosine(spin, sc1);
+    const lagc_real t5 = sc1[1];
+    const lagc_real t6 = sc1[0];
     const lagc_real der_yaw = x[9];
     const lagc_real t7 = der_yaw * t0;
     const lagc_real t8 = der_lean * t5 - t6 * t7;
     const lagc_real yaw = x[3];
-    const lagc_real t9 = sin(yaw);
-    const lagc_real t10 = cos(yaw);
+    lagc_real sc2[2]; lagc_sine_cosine(yaw, sc2);
+    const lagc_real t9 = sc2[0];
+    const lagc_real t10 = sc2[1];
     const lagc_real t11 = t10 * t2;
     const lagc_real t12 = t11 * t6;
     const lagc_real t13 = t9 * t5 + t12;

@@ -2,11 +2,13 @@
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real phi_ = x[0];
-    const lagc_real t0 = sin(phi_);
-    const lagc_real t1 = cos(phi_);
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[1];
     const lagc_real psi_ = x[1];
-    const lagc_real t2 = sin(psi_);
-    const lagc_real t3 = cos(psi_);
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t2 = sc1[0];
+    const lagc_real t3 = sc1[1];
     const lagc_real r_ = p->r;
     const lagc_real m2 = p->m2;
     const lagc_real t4 = p->J1 + r_ * (r_ * m2);
@@ -97,11 +99,13 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real r_ = p->r;
     M[0] = p->J1 + m2 * (r_ * r_);
     const lagc_real phi_ = x[0];
-    const lagc_real t0 = sin(phi_);
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t0 = sc0[0];
     const lagc_real psi_ = x[1];
-    const lagc_real t1 = sin(psi_);
-    const lagc_real t2 = cos(phi_);
-    const lagc_real t3 = cos(psi_);
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t1 = sc1[0];
+    const lagc_real t2 = sc0[1];
+    const lagc_real t3 = sc1[1];
     const lagc_real l = p->l;
     const lagc_real t4 = l * m2;
     const lagc_real t5 = r_ * t4;
@@ -138,11 +142,13 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real l = p->l;
     const lagc_real t0 = l * m2;
     const lagc_real phi_ = x[0];
-    const lagc_real t1 = sin(phi_);
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t1 = sc0[0];
     const lagc_real psi_ = x[1];
-    const lagc_real t2 = sin(psi_);
-    const lagc_real t3 = cos(phi_);
-    const lagc_real t4 = cos(psi_);
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t2 = sc1[0];
+    const lagc_real t3 = sc0[1];
+    const lagc_real t4 = sc1[1];
     w[1] = t0 * (r_ * (t1 * t2 - t3 * t4)) * 0.5;
     w[2] = l * t0 * 0.3333333333333333;
     w[3] = p->m3;
@@ -264,12 +270,14 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real l = p->l;
     const lagc_real psi_ = x[1];
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
     /* pin[1], slider_crank.lag:25 */
-    phi[0] = r_ * cos(phi_) + l * cos(psi_) - x[2];
+    phi[0] = r_ * sc0[1] + l * sc1[1] - x[2];
     /* pin[2], slider_crank.lag:25 */
-    phi[1] = r_ * sin(phi_) - l * sin(psi_);
+    phi[1] = r_ * sc0[0] - l * sc1[0];
     (void)(t);
 }
 
@@ -277,13 +285,15 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real psi_ = x[1];
+    lagc_real sc0[2]; lagc_sine_cosine(psi_, sc0);
     const lagc_real t0 = p->l * x[4];
     const lagc_real phi_ = x[0];
+    lagc_real sc1[2]; lagc_sine_cosine(phi_, sc1);
     const lagc_real t1 = p->r * x[3];
     /* pin[1], slider_crank.lag:25 */
-    psi[0] = -(x[5] + (sin(psi_) * t0 + sin(phi_) * t1));
+    psi[0] = -(x[5] + (sc0[0] * t0 + sc1[0] * t1));
     /* pin[2], slider_crank.lag:25 */
-    psi[1] = cos(phi_) * t1 - cos(psi_) * t0;
+    psi[1] = sc1[1] * t1 - sc0[1] * t0;
     (void)(t);
 }
 
@@ -292,10 +302,12 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 {
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real l = p->l;
     const lagc_real psi_ = x[1];
-    const lagc_real t0 = fabs(r_ * cos(phi_)) + fabs(l * cos(psi_)) + fabs(x[2]) * 2.0 + 1e-300;
-    const lagc_real t1 = fabs(l * sin(psi_)) + (1e-300 + fabs(r_ * sin(phi_)));
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t0 = fabs(r_ * sc0[1]) + fabs(l * sc1[1]) + fabs(x[2]) * 2.0 + 1e-300;
+    const lagc_real t1 = fabs(l * sc1[0]) + (1e-300 + fabs(r_ * sc0[0]));
     const lagc_real t2 = lagc_max(t0, t1) * 1e-06;
     s[0] = lagc_max(t0, t2);
     s[1] = lagc_max(t1, t2);
@@ -306,13 +318,15 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real psi_ = x[1];
+    lagc_real sc0[2]; lagc_sine_cosine(psi_, sc0);
     const lagc_real t0 = fabs(x[4]);
     const lagc_real t1 = t0 * (fabs(p->l) * t0);
     const lagc_real phi_ = x[0];
+    lagc_real sc1[2]; lagc_sine_cosine(phi_, sc1);
     const lagc_real t2 = fabs(x[3]);
     const lagc_real t3 = t2 * (fabs(p->r) * t2);
-    s[0] = (fabs(cos(psi_)) * t1 + fabs(cos(phi_)) * t3) * 3.0;
-    s[1] = (t1 * fabs(sin(psi_)) + t3 * fabs(sin(phi_))) * 3.0;
+    s[0] = (fabs(sc0[1]) * t1 + fabs(sc1[1]) * t3) * 3.0;
+    s[1] = (t1 * fabs(sc0[0]) + t3 * fabs(sc1[0])) * 3.0;
     (void)(t);
 }
 
@@ -321,10 +335,12 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 {
     const lagc_real t0 = fabs(p->r);
     const lagc_real phi_ = x[0];
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real t1 = fabs(p->l);
     const lagc_real psi_ = x[1];
-    s[0] = 1.0 + (t0 * fabs(sin(phi_)) + t1 * fabs(sin(psi_)));
-    s[1] = t0 * fabs(cos(phi_)) + t1 * fabs(cos(psi_));
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    s[0] = 1.0 + (t0 * fabs(sc0[0]) + t1 * fabs(sc1[0]));
+    s[1] = t0 * fabs(sc0[1]) + t1 * fabs(sc1[1]);
     (void)(t);
 }
 
@@ -335,14 +351,16 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real size0 = c[0];
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
-    const lagc_real t1 = r_ * sin(phi_);
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t1 = r_ * sc0[0];
     const lagc_real l = p->l;
     const lagc_real psi_ = x[1];
-    const lagc_real t2 = l * sin(psi_);
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t2 = l * sc1[0];
     const lagc_real t3 = fabs(t1) + fabs(t2);
     const lagc_real t4 = t0 + size0 * t3;
-    const lagc_real t5 = r_ * cos(phi_);
-    const lagc_real t6 = l * cos(psi_);
+    const lagc_real t5 = r_ * sc0[1];
+    const lagc_real t6 = l * sc1[1];
     const lagc_real t7 = fabs(t5) + fabs(t6);
     const lagc_real t8 = 1e-300 + size0 * t7;
     const lagc_real t9 = lagc_max(t4, t8) * 1e-06;
@@ -368,14 +386,15 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real der_phi = x[3];
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
-    const lagc_real t1 = (r_ * der_phi + t0 * (sin(phi_) * sin(psi_) - cos(phi_) * cos(psi_))) * (r_ * m2);
-    const lagc_real t2 = (der_s * (p->m3 * der_s) + der_phi * (p->J1 * der_phi + t1)) * 0.5;
-    const lagc_real t3 = t0 * (m2 * t0) * 0.16666666666666666 + t2;
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t1 = p->J1 * der_phi + (r_ * der_phi + t0 * (sc0[0] * sc1[0] - sc0[1] * sc1[1])) * (r_ * m2);
+    const lagc_real t2 = t0 * (m2 * t0) * 0.16666666666666666 + (der_s * (p->m3 * der_s) + der_phi * t1) * 0.5;
     /* kinetic energy */
-    e[0] = t3;
+    e[0] = t2;
     /* energy of the balance */
-    e[2] = t3;
+    e[2] = t2;
     /* potential energy */
     e[1] = 0.0;
     (void)(t);
@@ -394,11 +413,12 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real der_phi = x[3];
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
-    const lagc_real t1 = (r_ * der_phi + t0 * (sin(phi_) * sin(psi_) - cos(phi_) * cos(psi_))) * (r_ * m2);
-    const lagc_real t2 = (der_s * (p->m3 * der_s) + der_phi * (p->J1 * der_phi + t1)) * 0.5;
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t1 = p->J1 * der_phi + (r_ * der_phi + t0 * (sc0[0] * sc1[0] - sc0[1] * sc1[1])) * (r_ * m2);
     /* E */
-    y[2] = t0 * (m2 * t0) * 0.16666666666666666 + t2;
+    y[2] = t0 * (m2 * t0) * 0.16666666666666666 + (der_s * (p->m3 * der_s) + der_phi * t1) * 0.5;
     (void)(t);
     (void)(a);
 }
@@ -427,16 +447,18 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
 {
     const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
-    const lagc_real t0 = r_ * cos(phi_);
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t0 = r_ * sc0[1];
     J[3] = t0;
     J[12] = t0;
     const lagc_real l = p->l;
     const lagc_real psi_ = x[1];
-    const lagc_real t1 = l * cos(psi_);
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t1 = l * sc1[1];
     const lagc_real s_ = x[2];
     c[0] = t0 + t1 - s_;
-    const lagc_real t2 = r_ * sin(phi_);
-    const lagc_real t3 = l * sin(psi_);
+    const lagc_real t2 = r_ * sc0[0];
+    const lagc_real t3 = l * sc1[0];
     c[1] = t2 - t3;
     const lagc_real der_s = x[5];
     const lagc_real der_psi = x[4];

@@ -5,8 +5,9 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[0] = x[1];
     const lagc_real l = p->l;
     const lagc_real t0 = p->m * l;
+    lagc_real sc0[2]; lagc_sine_cosine(x[0], sc0);
     /* der(der(theta)) */
-    xdot[1] = -(t0 * (p->field_g * sin(x[0])) / (l * t0));
+    xdot[1] = -(t0 * (p->field_g * sc0[0]) / (l * t0));
     health[0] = 1.0;
     health[1] = 0.0;
     (void)(t);
@@ -20,7 +21,8 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real l = p->l;
     const lagc_real t0 = p->m * l;
     M[0] = l * t0;
-    r[0] = -(t0 * (p->field_g * sin(x[0])));
+    lagc_real sc0[2]; lagc_sine_cosine(x[0], sc0);
+    r[0] = -(t0 * (p->field_g * sc0[0]));
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -35,7 +37,8 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t1 = t0 * (der_theta * (l * der_theta)) * 0.5;
     /* kinetic energy */
     e[0] = t1;
-    const lagc_real t2 = t0 * (p->field_g * cos(x[0]));
+    lagc_real sc0[2]; lagc_sine_cosine(x[0], sc0);
+    const lagc_real t2 = t0 * (p->field_g * sc0[1]);
     /* potential energy */
     e[1] = -t2;
     /* energy of the balance */
@@ -48,8 +51,9 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
 {
     const lagc_real der_theta = x[1];
     const lagc_real l = p->l;
+    lagc_real sc0[2]; lagc_sine_cosine(x[0], sc0);
     /* E */
-    y[0] = (der_theta * (l * der_theta) * 0.5 - p->field_g * cos(x[0])) * (p->m * l);
+    y[0] = (der_theta * (l * der_theta) * 0.5 - p->field_g * sc0[1]) * (p->m * l);
     (void)(t);
     (void)(a);
     (void)(lam);
