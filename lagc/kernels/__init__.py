@@ -13,6 +13,7 @@ FILES = (
     "startrecords", "leastnorm", "startrows", "starttable", "startalone", "startsteps", "startfind",
     "startchoice", "startsearch", "start",
 )  # fmt: skip
+WORDS = ("words", "sizes", "tables", "model", "tableau")  # what kernels may name
 METHODS = (
     "dop853",
     "dopri5",

@@ -102,6 +102,13 @@ int main(void)
 #ifdef STARTED
     show("consistent", model_consistent(&p, 0.0, x, NULL, &start_work), x, MODEL_NX);
 #endif
+#ifdef LIMITED
+    {
+        double b[64];
+        model_limits(&p, b);
+        show("limits", 0, b, 1);
+    }
+#endif
     functions(&p, 0.0, x);
     o.max_steps = 200;
     motion(&p, x, &o);

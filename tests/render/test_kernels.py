@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import os
 import random
 import re
 import shutil
@@ -14,10 +15,11 @@ from typing import Any
 
 import pytest
 
+import lagc.kernels
 from lagc.render.kernels.arithmetic import DOUBLE
 from lagc.render.kernels.assembly import chosen
 from lagc.render.kernels.library import Library
-from lagc.render.kernels.shipped import parts
+from lagc.render.kernels.shipped import parts, sources
 from lagc.render.kernels.syntax import Outside, module
 from lagc.render.kernels.typed import Signature
 from lagc.render.numpy.functions import ARITHMETIC
@@ -109,6 +111,13 @@ def test_every_kernel_is_inside_and_is_printed_once_for_each_choice_that_matters
         if part["kind"] == "function":
             texts = [leaf["c"] for leaf in _leaves(part["tree"]) if "c" in leaf]
             assert texts and all(t.endswith("}\n") for t in texts)
+
+
+def test_whatever_is_printed_or_prints_counts_for_what_is_shipped() -> None:
+    known = {os.path.realpath(path) for path in sources()}
+    package = Path(lagc.kernels.__file__).parent
+    there = [*package.rglob("*.py"), *(package.parent / "render" / "kernels").glob("*.py")]
+    assert known == {os.path.realpath(path) for path in there}
 
 
 def _leaves(tree: Any) -> list[Any]:

@@ -23,7 +23,8 @@ from tests.render.tools import MODELS, of_model
 FOLDER = Path(__file__).parent / "golden"
 NAMES = (
     "classic/double_pendulum", "classic/four_bar", "classic/heavy_top_quaternion", "classic/rolling_disc",
-    "classic/chaplygin_sleigh_speeds", "classic/kepler", "classic/relativistic_particle", "classic/driven_oscillator",
+    "classic/chaplygin_sleigh_speeds", "classic/kepler", "classic/relativistic_particle",
+    "classic/driven_oscillator",
     "classic/slider_crank", "classic/coupled_oscillators", "course/simple_pendulum", "course/string_pendulum",
 )  # fmt: skip
 WHOLE = ("course/simple_pendulum", "classic/heavy_top_quaternion")  # with their runtime

@@ -12,9 +12,14 @@ from functools import cache
 from typing import Any
 
 from lagc import cache as store
+from lagc.kernels import FILES, METHODS, WORDS
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 
 Parts = tuple[dict[str, Any], ...]
+_PRINTERS = (
+    "__init__", "arithmetic", "assembly", "c", "interface", "library", "names", "places", "python", "shipped",
+    "static", "syntax", "typed",
+)  # fmt: skip
 
 
 def shipped_path() -> str:
@@ -55,12 +60,17 @@ def printed(real: Arithmetic) -> Parts:
 
 def _key() -> str:
     """Of the kernels and of what prints them."""
-    here = os.path.dirname(os.path.abspath(__file__))
     texts = []
-    for root in (os.path.join(here, "..", "..", "kernels"), here):
-        for folder, inner, names in sorted(os.walk(root)):
-            inner.sort()
-            for name in sorted(n for n in names if n.endswith(".py")):
-                with open(os.path.join(folder, name), encoding="utf-8") as file:
-                    texts.append(file.read())
+    for path in sources():
+        with open(path, encoding="utf-8") as file:
+            texts.append(file.read())
     return store.key(*texts)
+
+
+def sources() -> list[str]:
+    """The files on which the printed kernels depend."""
+    here = os.path.dirname(os.path.abspath(__file__))
+    kernels = os.path.join(os.path.dirname(os.path.dirname(here)), "kernels")
+    names = ("__init__", *WORDS, *FILES, *(f"methods/{name}" for name in ("__init__", *METHODS)))
+    return [*(os.path.join(kernels, f"{name}.py") for name in names),
+            *(os.path.join(here, f"{name}.py") for name in _PRINTERS)]  # fmt: skip

@@ -18,7 +18,6 @@ _IMPORTS = """\
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from time import perf_counter
 from typing import Any, NamedTuple
 """
 

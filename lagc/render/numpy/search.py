@@ -26,7 +26,7 @@ def code(kinds: tuple[bool, ...]) -> CodeType:
     name = store.key(version, tool_fingerprint(), repr(kinds))
     kept: CodeType | None = store.load("search", name, marshal.loads)
     if kept is None:
-        kept = compile(text(dict(zip(SWITCHES, kinds))), "search", "exec", dont_inherit=True)
+        kept = compile(text(dict(zip(SWITCHES, kinds))), __file__, "exec", dont_inherit=True)
         store.store("search", name, marshal.dumps(kept))
     return kept
 

@@ -131,11 +131,12 @@ class Integrator(State):
         return status
 
 
-def _integrate(problem, options, t0, x0, times, progress=None):
+def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     """From (t0, x0), consistent, to times[-1] exactly; states at `times` (in order) by dense output.
 
-    `progress` is called with the time now and then; KeyboardInterrupt ends the run with what was
-    recorded (INTERRUPTED).  ValueError where an option, a time or a parameter makes no sense.
+    `progress` is called with the time now and then, with a `clock` of seconds some 20 times a second;
+    KeyboardInterrupt ends the run with what was recorded (INTERRUPTED).  ValueError where an option, a time
+    or a parameter makes no sense.
     """
     run = Integrator(problem, options, t0, x0)
     asked, done = run._asked(times[-1] if times else t0), [0]
@@ -164,5 +165,5 @@ def _integrate(problem, options, t0, x0, times, progress=None):
             velocity_drift=run.velocity_drift,
         )  # fmt: skip
 
-    return recorded(run, options, record_, told, progress)
+    return recorded(run, options, record_, told, progress, clock)
 '''

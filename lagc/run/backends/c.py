@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
+from time import perf_counter
 from typing import Any
 
 from lagc.kernels import METHODS
@@ -188,7 +189,7 @@ class CSystem(CompiledSystem):
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             )  # fmt: skip
 
-        return recorded(state, options, record, told, progress)
+        return recorded(state, options, record, told, progress, perf_counter)
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""

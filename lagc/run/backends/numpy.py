@@ -7,6 +7,7 @@ many states at once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
 from types import CodeType
 from typing import Any
 
@@ -107,7 +108,9 @@ class NumpySystem(CompiledSystem):
         progress: Callable[[float], None] | None = None,
     ) -> Trajectory:
         integrate = self.model.module["_integrate"]
-        done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), progress)
+        done: Trajectory = integrate(
+            self.equations(), options, t0, list(x0), list(times), progress, perf_counter
+        )
         return done
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import perf_counter
 from typing import Any
 
 from lagc.render.numpy.support.base import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, Options, Trajectory
@@ -28,10 +27,12 @@ def recorded(
     record: Callable[[int, int], int],
     told: Callable[[int], Trajectory],
     progress: Callable[[float], None] | None,
+    clock: Callable[[], float] | None = None,
 ) -> Trajectory:
     """What `told(status)` gives at the end of `record(steps, max_steps)`, which makes so many steps of a
     trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it
-    with what was recorded; ValueError where an option or the times make no sense."""
+    with what was recorded; ValueError where an option or the times make no sense.  With a `clock` of seconds
+    slices become as long as SLICE lets them."""
     budget, look, status = FIRST_BUDGET, FIRST_LOOK, INTERRUPTED
     try:
         while status == INTERRUPTED:
@@ -41,11 +42,11 @@ def recorded(
                 if limit <= 0:
                     status = MAX_STEPS
                     break
-            began = perf_counter()
+            began = 0.0 if clock is None else clock()
             status = record(min(budget, look - state.steps), limit)
             if progress is not None:
                 progress(state.t)
-            if perf_counter() - began < 0.5 * SLICE:
+            if clock is not None and clock() - began < 0.5 * SLICE:
                 budget *= 2
             if state.steps == look and status == INTERRUPTED:
                 look *= 2
