@@ -163,7 +163,7 @@ def test_a_model_opens_starts_and_runs_nothing(name: str, folder: Path) -> None:
         pytest.skip("there is no C compiler")
     status, events, said = run(folder, *COMMANDS[name])
     assert status == (1 if name == "fmt" else 0), said
-    generated = {"numpy": "import_model.py", "check": "__import__"}.get(name, "")  # check tries the start
+    generated = {"numpy": "import_model.py", "check": "evaluation"}.get(name, "")  # check tries the start
     assert any(event == "open" for event, _ in events) and unexpected(events, folder, generated) == []
     assert not list(folder.rglob("pwned")) and "\x1b" not in said and "\x07" not in said
     started = [event for event, _ in events if event == "subprocess.Popen"]
