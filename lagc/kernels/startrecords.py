@@ -63,7 +63,7 @@ class StartWork:
     most: Real
     fewest: Real  # values that moved in a start, and the sum of the squares of their ways
     shortest: Real
-    freed: int  # of w.best_picked, that these belong to
+    freed: int  # of best_picked, that these belong to
     nearest: Real  # start of these, in weights from the guess
     work: int  # factorisations so far
     first: int  # the spread that led to a start

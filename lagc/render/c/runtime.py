@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
+from textwrap import fill
 from typing import Any
 
 from lagc.kernels import METHODS
@@ -155,7 +156,7 @@ def _codes(file: str) -> str:
             )
     lines = [f"    {text}{',' if k < len(rows) - 1 else ''}" + (f" /* {note} */" if note else "")
              for k, (text, note) in enumerate(rows)]  # fmt: skip
-    return f"/* {head} */\nenum {{\n" + "\n".join(lines) + "\n};\n"
+    return f"{_comment(fill(head, 98))}enum {{\n" + "\n".join(lines) + "\n};\n"
 
 
 def _constant(part: Mapping[str, Any]) -> str:
