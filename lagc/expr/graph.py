@@ -30,6 +30,8 @@ Number: TypeAlias = "float | int"
 
 
 MOST_FACTORS = 16  # of one product; more are products of products
+MOST_TURNED = 1e4  # rad of an angle that was written
+ULP = 2.0**-52
 _ROUNDING = 2.0**-51  # of the terms: what is left of decimal numbers that cancel
 
 
@@ -356,7 +358,7 @@ class Graph:
         if x.op == "const":
             folded = _fold(VALUES[op], x.value)
             if folded is not None:
-                return self.const(folded)
+                return self.const(0.0 if op in TWINS and _at_quarter_turn(x.value, folded) else folded)
         elif x.op == "scale" and x.value < 0:
             parity = PARITY[op]
             if parity:
@@ -418,6 +420,12 @@ class Graph:
             return self.binary(op, *args)
         except (ZeroDivisionError, OverflowError):  # of a power of two numbers
             return self._intern(op, args, None)
+
+
+def _at_quarter_turn(angle: float, value: float) -> bool:
+    """Whether a sine or cosine of a number that was written is nothing but what the last place of the angle
+    makes of it: that of 90[deg] is none."""
+    return abs(angle) < MOST_TURNED and abs(value) <= ULP * abs(angle)
 
 
 def _fold(function: Callable[..., float], *values: float) -> float | None:

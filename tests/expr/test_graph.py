@@ -124,6 +124,18 @@ def test_what_has_no_value_does_not_fold(graph: Graph) -> None:
     assert math.isnan(evaluate([root], {})[0])
 
 
+@pytest.mark.parametrize("turns", [*range(-9, 10), 359, -1000])
+def test_quarters_of_a_turn_are_such(graph: Graph, turns: int) -> None:
+    """As numbers of radians and of degrees; a little beside them, nothing is changed."""
+    for angle in (turns * 0.5 * math.pi, math.radians(90.0 * turns), 90.0 * turns * (math.pi / 180.0)):
+        for name, value in (("sin", math.sin(angle)), ("cos", math.cos(angle))):
+            found = graph.unary(name, graph.const(angle))
+            assert found.value == (0.0 if abs(value) < 0.5 else value)
+        beside = angle + 1e-9
+        assert graph.sin(graph.const(beside)).value == math.sin(beside)
+        assert graph.cos(graph.const(beside)).value == math.cos(beside)
+
+
 def test_minus_zero_is_zero(graph: Graph) -> None:
     assert graph.const(-0.0) is graph.zero
 

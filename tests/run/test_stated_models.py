@@ -66,6 +66,20 @@ def test_a_wheel_rolls_as_fast_as_its_centre_is_said_to() -> None:
     assert found["der(z)"] == 0.0
 
 
+@pytest.mark.parametrize("turn", ["90[deg]", "-90[deg]", "270[deg]", "0.25[rev]", "acos(0)", "2*asin(1)/2"])
+def test_a_quarter_of_a_turn_leaves_a_stated_value(turn: str) -> None:
+    """A row along what was the x axis of a frame turned by a quarter: z = 0, whatever x."""
+    text = f"""model Q
+  coordinate Length x(start = 1), z(start = 0, startFixed = true);
+  frame f = rotate_y(world, {turn});
+  body b = Particle(mass = 1[kg], at = {{x, 0, z}});
+  constraint r: dot(position(b), f.x) = 0;
+end Q;
+"""
+    start = start_of(text)
+    assert (start["x"], start["z"]) == (1.0, 0.0)
+
+
 def test_a_stated_zero_is_stated() -> None:
     """Both rates are stated, and 0 is one of them: of the two one has to move, and by less in proportion."""
     text = wheel(x="(rate = 10 [m/s])", th="(rate = 0)")
