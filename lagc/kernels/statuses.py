@@ -6,13 +6,11 @@ from lagc.kernels.words import Status
 
 OK = Status(0)
 SINGULAR_MASS = Status(1)  # the mass matrix is singular, or not positive definite; culprit: index of v
-REDUNDANT = Status(
-    2
-)  # rows of constraints depend on each other; culprit: a row; a success: lambda is the smallest that fits
+# rows of constraints depend on each other; culprit: a row; a success: lambda is the smallest that fits
+REDUNDANT = Status(2)
 INCONSISTENT = Status(3)  # rows of constraints contradict each other; culprit: a row
-NOT_FINITE = Status(
-    4
-)  # a value is not finite; culprit: index of x: of what is not finite there, else of its rate
+# a value is not finite; culprit: index of x: of what is not finite there, else of its rate
+NOT_FINITE = Status(4)
 STEP_UNDERFLOW = Status(5)  # the step became too small for the tolerance
 MAX_STEPS = Status(6)  # the steps that one call may take are used up; culprit: none; call again to go on
 INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on

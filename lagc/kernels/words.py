@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Generic, NewType, TypeVar, overload
 
-Real = float  # of the type that is asked for: double, float, long double, __float128
+Real = float  # of the type that is asked for: double, float, __float128
 Count = int  # a long: steps, evaluations
 Length = int  # a size_t: of what a caller brings; unsigned, so that v & mask is exact in C too
 Pair = tuple[float, float]

@@ -16,7 +16,7 @@ from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.kernels.assembly import DERIVED
 from lagc.render.kernels.c import CPrinter
 from lagc.render.kernels.static import Statics, Undecided
-from lagc.render.kernels.syntax import Constant, Function, Module, Outside, Record, read
+from lagc.render.kernels.syntax import Constant, Function, Missing, Module, Outside, Record, read
 from lagc.render.kernels.typed import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 
 Tree = Any  # [switch, Tree, Tree] or what is printed, a dictionary
@@ -177,8 +177,8 @@ class Library:
                          self.records.__contains__, self.constants, self.tables, self.sizes)  # fmt: skip
             try:
                 return Types(part, name, body, seen)
-            except Outside as error:
-                if " has no " in str(error) and switches:
+            except Missing as error:
+                if switches:
                     return str(error)  # not for such a model
                 raise
 

@@ -20,6 +20,10 @@ class Outside(Exception):
         super().__init__(f"{file}:{node if isinstance(node, int) else getattr(node, 'lineno', 0)}: {what}")
 
 
+class Missing(Outside):
+    """A member of a record that models of these switches do not have."""
+
+
 @dataclass(frozen=True)
 class Function:
     file: str

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from lagc.render.kernels.syntax import Function, Outside
+from lagc.render.kernels.syntax import Function, Missing, Outside
 
 Type = tuple[str, ...]  # ("Real",) ("int",) ("Vec", "NX") ("Mat", "NK", "NX") ("Record", "Work") ...
 REAL, INT, COUNT, LENGTH, BOOL, STATUS, VOID, PAIR = (
@@ -267,7 +267,7 @@ class Types:
                     members = self.known.members(owner[1])
                     if attr in members:
                         return members[attr]
-                    raise self.fail(node, f"{owner[1]} has no {attr} here")
+                    raise Missing(self.function.file, node, f"{owner[1]} has no {attr} here")
             case ast.Subscript(value=value, slice=index):
                 owner = self.of(value)
                 if self.of(index) not in WHOLE:
