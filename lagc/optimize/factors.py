@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from heapq import heapify, heappop, heappush, heapreplace
+from math import isfinite
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
@@ -146,7 +147,7 @@ class _Shared:
 def _keys(term: Term) -> Iterator[tuple[Key, bool]]:
     """The factors of a term, and whether taking each out of it can save an operation."""
     c, powers = term
-    scaled = abs(c) != 1.0
+    scaled = abs(c) != 1.0 and isfinite(c)
     degree = sum([abs(e) for e in powers.values()]) + scaled
     for base, exponent in powers.items():
         yield (base, 1 if exponent > 0 else -1), degree > 1 or exponent < 0
