@@ -7,10 +7,8 @@ parameters are built in; with these known, the *artifact* itself is found.
 
 from __future__ import annotations
 
-import json
 import marshal
-import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import CodeType
 from typing import Any
 
@@ -20,6 +18,8 @@ from lagc.library import Unreadable, content, fingerprint
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, names
 from lagc.version import __version__
+
+FIELDS = ("parameters", "inputs", "outputs", "limits")  # of an interface, each of Fields
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,7 @@ def load_head(key: str) -> Head | None:
 
 
 def store_head(key: str, head: Head) -> None:
-    plain = {"imports": head.imports, "structural": head.structural}
-    cache.store("head", key, json.dumps(plain).encode())
+    cache.store("head", key, marshal.dumps((head.imports, head.structural)))
 
 
 def load_artifact(key: str) -> Artifact | None:
@@ -69,14 +68,9 @@ def load_artifact(key: str) -> Artifact | None:
 
 
 def store_artifact(key: str, artifact: Artifact) -> None:
-    plain = {
-        "interface": interface_to_plain(artifact.interface),
-        "sources": dict(artifact.sources),
-        "unused": [_row(f) for f in artifact.unused],
-    }
-    text = json.dumps(plain).encode()
-    code = b"" if artifact.code is None else marshal.dumps(artifact.code)
-    cache.store("artifact", key, len(text).to_bytes(8, "little") + text + code)
+    unused = [_row(field) for field in artifact.unused]
+    plain = (_plain(artifact.interface), dict(artifact.sources), unused, artifact.code)
+    cache.store("artifact", key, marshal.dumps(plain))
 
 
 def _fingerprint(path: str) -> str | None:
@@ -87,36 +81,28 @@ def _fingerprint(path: str) -> str | None:
 
 
 def _head(body: bytes) -> Head:
-    plain = json.loads(body)
-    return Head(tuple((p, d) for p, d in plain["imports"]), tuple(plain["structural"]))
+    return Head(*marshal.loads(body))
 
 
 def _artifact(body: bytes) -> Artifact:
-    length = int.from_bytes(body[:8], "little")
-    plain = json.loads(body[8 : 8 + length])
-    code = marshal.loads(body[8 + length :]) if len(body) > 8 + length else None
-    unused = tuple(Field(*row) for row in plain["unused"])
-    return Artifact(interface_from_plain(plain["interface"]), plain["sources"], unused, code)
+    plain, sources, unused, code = marshal.loads(body)
+    plain.update({name: _fields(plain[name]) for name in FIELDS})
+    return Artifact(Interface(**plain), sources, _fields(unused), code)
 
 
 def version_key() -> str:
     """What an artifact depends on besides the model: the tool and the Python that compiled it."""
-    return f"lagc {__version__} {sys.implementation.cache_tag} {sys.hexversion:x} {tool_fingerprint()}"
+    return f"lagc {__version__} {cache.PYTHON} {tool_fingerprint()}"
 
 
-def interface_to_plain(interface: Interface) -> dict[str, Any]:
+def _plain(interface: Interface) -> dict[str, Any]:
     plain: dict[str, Any] = {name: getattr(interface, name) for name in names(Interface)}
-    for name in ("parameters", "inputs", "outputs", "limits"):
-        plain[name] = [_row(field) for field in getattr(interface, name)]
-    return plain
+    return {**plain, **{name: [_row(field) for field in plain[name]] for name in FIELDS}}
 
 
-def interface_from_plain(plain: Mapping[str, Any]) -> Interface:
-    values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in plain.items()}
-    for name in ("parameters", "inputs", "outputs", "limits"):
-        values[name] = tuple(Field(*row) for row in plain[name])
-    return Interface(**values)
+def _row(field: Field) -> tuple[object, ...]:
+    return tuple([getattr(field, name) for name in names(Field)])
 
 
-def _row(field: Field) -> list[object]:
-    return [getattr(field, name) for name in names(Field)]
+def _fields(rows: Iterable[tuple[Any, ...]]) -> tuple[Field, ...]:
+    return tuple([Field(*row) for row in rows])

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 _MISSING: Any = object()
+FEW = 100  # objects of a class: to write its `__init__` takes as long as to make 150 without
 
 
 class _Slot:
@@ -54,8 +55,9 @@ def _made(cls: Any, frozen: bool, slots: bool) -> Any:
         cls.__setattr__, cls.__delattr__ = _refuse, _refuse
         if slots:
             cls.__getstate__, cls.__setstate__ = _get_state, _set_state
-    texts = {"__init__": _init, "__repr__": _repr, "__eq__": _eq, "__hash__": _hash}
-    for name, write in texts.items():
+    if own.get("__init__") is None:
+        cls.__init__ = _seldom(cls, fields, frozen)
+    for name, write in {"__repr__": _repr, "__eq__": _eq, "__hash__": _hash}.items():
         if name == "__hash__" and not frozen:
             cls.__hash__ = None
         elif own.get(name) is None:
@@ -86,6 +88,28 @@ def _later(cls: Any, name: str, write: Writer, fields: dict[str, _Slot], frozen:
         return real(self, *values, **named)
 
     return method
+
+
+def _seldom(cls: Any, fields: dict[str, _Slot], frozen: bool) -> Any:
+    """`__init__` of a class of few objects; beyond them, and where arguments do not fit, it is written."""
+    written = _later(cls, "__init__", _init, fields, frozen)
+    left = FEW
+
+    def __init__(self: Any, *values: Any, **named: Any) -> Any:
+        nonlocal left
+        left -= 1
+        given = dict(zip(fields, values), **named) if left >= 0 else {}
+        if left < 0 or len(given) < len(values) + len(named) or not given.keys() <= fields.keys():
+            return written(self, *values, **named)
+        for name, slot in fields.items():
+            value = given.get(name, slot.default)
+            if value is _MISSING:
+                if slot.factory is _MISSING:
+                    return written(self, *values, **named)
+                value = slot.factory()
+            object.__setattr__(self, name, value)
+
+    return __init__
 
 
 def _init(_: str, fields: dict[str, _Slot], frozen: bool, space: dict[str, Any]) -> str:

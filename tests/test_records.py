@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 import dataclasses
 import pickle
+import random
 import subprocess
 import sys
 from typing import Any
 
 import pytest
 
+from lagc import records
 from lagc.records import dataclass, field, names, replace
 
 
@@ -87,3 +89,32 @@ def test_a_class_that_inherits_keeps_its_own_name() -> None:
 def test_a_run_does_without_the_slow_ones(slow: str) -> None:
     program = f"import sys, lagc.cli.main, lagc.cli.sim, lagc.api; sys.exit({slow!r} in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], timeout=60).returncode == 0
+
+
+def test_whatever_arguments_are_given_the_standard_class_agrees() -> None:
+    """Before the method is written, and after."""
+    chance = random.Random(5)
+    for _ in range(60):
+        space: dict[str, Any] = {"__annotations__": {}}
+        twin: dict[str, Any] = {"__annotations__": {}}
+        names_ = ("a", "b", "c", "d")[: chance.randint(1, 4)]
+        required = chance.randint(0, len(names_))
+        for k, name in enumerate(names_):
+            space["__annotations__"][name] = twin["__annotations__"][name] = "object"
+            if k >= required:
+                given: Any = chance.choice([{"default": 3}, {"default_factory": list}])
+                space[name], twin[name] = field(**given), dataclasses.field(**given)
+        frozen, slots = chance.random() < 0.5, chance.random() < 0.5
+        light: Any = dataclass(frozen=frozen, slots=slots)(type("X", (), space))
+        standard: Any = dataclasses.dataclass(frozen=frozen, slots=slots)(type("X", (), twin))
+        for _ in range(2 * records.FEW):
+            values = list(range(chance.randint(0, 5)))
+            named = {name: 7 for name in "abcde" if chance.random() < 0.2}
+            found = []
+            for each in (light, standard):
+                try:
+                    one = each(*values, **named)
+                    found.append([getattr(one, name) for name in each.__match_args__])
+                except TypeError:
+                    found.append([TypeError])
+            assert found[0] == found[1]

@@ -1,55 +1,38 @@
 """The user's cache folder: entries that may vanish, be damaged or refuse to be written at any time.
 
-An entry is a file `KIND-KEY`, which begins with the hash of its name and of what follows: one that was
-changed, cut off or renamed is as good as absent, and made again.  Entries hold code, so that only
-what this user alone may write is taken, by the open folder and the open file, whose names are
-looked up once: whoever may rename them can put nothing in their place that is this user's.
-An entry is never changed, only replaced.  Nothing here is ever an error; `notes` says what was
-found.
+An entry is a file `KIND-KEY`: see `Folder`.  It is never changed, only replaced.  Nothing here is ever an
+error; `notes` says what was found.
 """
 
 from __future__ import annotations
 
+import marshal
 import os
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from stat import S_ISREG
-from time import time
-from typing import Any, TypeVar
+from types import CodeType
+from typing import TypeVar
+
+from lagc.cache.folders import Folder, Unfit, hashed, note, notes, reason
+
+__all__ = [
+    "PYTHON",
+    "Folder",
+    "code",
+    "digest",
+    "folder",
+    "holds",
+    "key",
+    "load",
+    "notes",
+    "opened",
+    "reason",
+    "store",
+]
 
 T = TypeVar("T")
-
-MAGIC = b"lagc-cache-2 "
-HEAD = len(MAGIC) + 64 + 1  # with the hash and the end of the line
-LARGEST = 1 << 28  # bytes of an entry; a larger one is not taken
-DAY = 86_400.0  # s
-BY_DESCRIPTOR = os.open in os.supports_dir_fd
-_FOLDER = getattr(os, "O_DIRECTORY", 0)
-_BINARY = getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
-_READ = os.O_RDONLY | _BINARY | getattr(os, "O_NONBLOCK", 0)
-_WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY
-
-notes: list[str] = []  # what was wrong with folder and entries, for whoever wants to know
-
-
-def _hasher() -> Callable[[bytes], Any]:
-    """SHA-256, Python's own: to load OpenSSL, as hashlib does, takes longer than all that is hashed."""
-    for name in ("_sha2", "_sha256"):  # since Python 3.12, before
-        try:
-            return import_module(name).sha256  # type: ignore[no-any-return]
-        except ImportError:
-            continue
-    from hashlib import sha256
-
-    return sha256
-
-
-sha256 = _hasher()
-
-
-class Unfit(Exception):
-    """A folder or an entry that is not taken; the message says why."""
+PYTHON = f"{sys.implementation.cache_tag} {sys.hexversion:x}"  # to which code belongs
 
 
 def folder() -> str | None:
@@ -75,17 +58,17 @@ def folder() -> str | None:
 
 def key(*parts: str) -> str:
     """One name for all of `parts`: where any differs, it differs."""
-    hashed = sha256(b"")
+    found = hashed(b"")
     for part in parts:
         data = part.encode("utf-8", "surrogatepass")
-        hashed.update(len(data).to_bytes(8, "little"))
-        hashed.update(data)
-    return str(hashed.hexdigest())
+        found.update(len(data).to_bytes(8, "little"))
+        found.update(data)
+    return found.hexdigest()
 
 
 def digest(data: bytes) -> str:
-    """The SHA-256 of `data`."""
-    return str(sha256(data).hexdigest())
+    """A name for `data`, and for no other."""
+    return hashed(data).hexdigest()
 
 
 def load(kind: str, key: str, read: Callable[[bytes], T]) -> T | None:
@@ -134,6 +117,16 @@ def store(kind: str, key: str, body: bytes) -> None:
         note(f"{name} is not kept: {reason(error)}")
 
 
+def code(text: Callable[[], str], file: str, *parts: str) -> CodeType:
+    """`text()` as code, which is kept under `parts`: they stand for the text."""
+    name = key(PYTHON, *parts)
+    found: CodeType | None = load("code", name, marshal.loads)
+    if found is None:
+        found = compile(text(), file, "exec", dont_inherit=True)
+        store("code", name, marshal.dumps(found))
+    return found
+
+
 def opened(make: bool = False) -> Folder | None:
     """The folder; made where it is missing and `make` says so.  None where there is none to be used."""
     path = folder()
@@ -148,109 +141,3 @@ def opened(make: bool = False) -> Folder | None:
     except (OSError, Unfit) as error:
         note(f"the cache folder {path} is not used: {reason(error)}")
         return None
-
-
-def note(text: str) -> None:
-    if text not in notes:
-        notes.append(text)
-
-
-def sealed(name: str, body: bytes) -> bytes:
-    """The bytes of the file of an entry."""
-    hashed = sha256(name.encode() + b"\n")
-    hashed.update(body)
-    return b"".join((MAGIC, hashed.hexdigest().encode(), b"\n", body))
-
-
-class Folder:
-    """A cache folder, open.  What is done in it is done in the folder that was found to be this
-    user's, whatever becomes of its name.  Raises Unfit where others may write to it, OSError."""
-
-    def __init__(self, path: str):
-        self.path = path
-        self.descriptor: int | None = None
-        if BY_DESCRIPTOR:
-            self.descriptor = os.open(path, os.O_RDONLY | _FOLDER)
-            try:
-                _trust(os.fstat(self.descriptor))
-            except Unfit:
-                os.close(self.descriptor)
-                raise
-
-    def __enter__(self) -> Folder:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self.descriptor is not None:
-            os.close(self.descriptor)
-
-    def read(self, name: str) -> bytes:
-        """The body of an entry.  Raises FileNotFoundError, Unfit, OSError."""
-        found = os.open(self._at(name), _READ, dir_fd=self.descriptor)
-        with open(found, "rb", buffering=0) as file:
-            status = os.fstat(found)
-            if not S_ISREG(status.st_mode):
-                raise Unfit("it is no regular file")
-            _trust(status)
-            if status.st_size > LARGEST:
-                raise Unfit("it is too large")
-            data = file.read()
-            body = data[HEAD:]
-            if data != sealed(name, body):
-                raise Unfit("it is damaged")
-            self._touch(found, status)
-        return body
-
-    def write(self, name: str, body: bytes) -> None:
-        """Under a name of its own, then renamed: nobody sees half of it.  Raises Unfit, OSError."""
-        if len(body) > LARGEST - HEAD:
-            raise Unfit("it is too large")
-        temporary = f"tmp-{os.getpid()}-{os.urandom(8).hex()}"
-        try:
-            made = os.open(self._at(temporary), _WRITE, 0o600, dir_fd=self.descriptor)
-            with open(made, "wb", buffering=0) as file:
-                left = memoryview(sealed(name, body))
-                while left:
-                    left = left[file.write(left) :]
-            os.replace(self._at(temporary), self._at(name),
-                       src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)  # fmt: skip
-        except BaseException:
-            self.remove(temporary)
-            raise
-
-    def remove(self, name: str) -> None:
-        """Where it can be."""
-        try:
-            os.unlink(self._at(name), dir_fd=self.descriptor)
-        except OSError:
-            return
-
-    def names(self) -> list[str]:
-        return os.listdir(self.path if self.descriptor is None else self.descriptor)
-
-    def status(self, name: str) -> os.stat_result:
-        """Of the file itself, where it is a link.  Raises OSError."""
-        return os.stat(self._at(name), dir_fd=self.descriptor, follow_symlinks=False)
-
-    def _at(self, name: str) -> str:
-        return name if self.descriptor is not None else os.path.join(self.path, name)
-
-    def _touch(self, found: int, status: os.stat_result) -> None:
-        """Its time says, to a day, when it was used last."""
-        if time() - status.st_mtime > DAY and os.utime in os.supports_fd:
-            try:
-                os.utime(found)
-            except OSError:
-                return
-
-
-def _trust(status: os.stat_result) -> None:
-    if hasattr(os, "geteuid"):
-        if status.st_uid != os.geteuid():
-            raise Unfit("it belongs to another user")
-        if status.st_mode & 0o022:
-            raise Unfit("others may write to it (`chmod go-w` ends that)")
-
-
-def reason(error: Exception) -> str:
-    return error.strerror or str(error) if isinstance(error, OSError) else str(error) or type(error).__name__

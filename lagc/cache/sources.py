@@ -27,7 +27,7 @@ def tool_fingerprint() -> str:
     try:
         found = dict(sorted(_files()))
         stamps = [f"{path}:{s.st_size}:{s.st_mtime_ns}:{s.st_ctime_ns}" for path, s in found.items()]
-        stamp = cache.key(*stamps)
+        stamp = cache.key("\n".join(stamps))
         if cache.folder() is None:
             return stamp
         kept = cache.load("sources", stamp, bytes.decode)

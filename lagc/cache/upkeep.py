@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from time import time
 
 from lagc import numerals
-from lagc.cache import Folder, Unfit, note, reason
+from lagc.cache.folders import Folder, Unfit, note, reason
 from lagc.leftovers import SOON, gone
 from lagc.records import dataclass
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
 from itertools import accumulate
 
+from lagc import cache
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.operators import CHOICE, CORNER, STEP, TRUTHS, smooth_as
@@ -171,8 +171,8 @@ def _outputs(equations: EquationsOfMotion) -> tuple[Field, ...]:
 
 
 def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
-    """SHA-256 over all that makes a result: no file names, no places."""
-    digest = hashlib.sha256()
+    """A hash of all that makes a result: no file names, no places."""
+    texts = []
     for name in names(Interface):
         if name not in _UNHASHED:
             value = getattr(interface, name)
@@ -180,10 +180,9 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
                 value = [(x.name, x.value, x.minimum, x.maximum, x.unit) for x in value]
             elif name == "simulate":
                 value = sorted(value.items())
-            digest.update(f"{name}={value!r}\n".encode())
+            texts.append(f"{name}={value!r}")
     for name, function in functions.items():
-        digest.update(f"{name} {function.inputs} {function.outputs}{function.cleared or ''}\n".encode())
-        lines = [f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]
-        lines += [f"{s.array}[{s.index}]={s.value}" for s in function.stores]
-        digest.update("\n".join(lines).encode())
-    return digest.hexdigest()
+        texts.append(f"{name} {function.inputs} {function.outputs}{function.cleared or ''}")
+        texts.append("\n".join([f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]))
+        texts.append("\n".join([f"{s.array}[{s.index}]={s.value}" for s in function.stores]))
+    return cache.key(*texts)

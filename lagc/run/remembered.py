@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import json
+import marshal
 from collections.abc import Sequence
 
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
-from lagc.records import dataclass
+from lagc.records import dataclass, names
 from lagc.run.distance import Sizes
 from lagc.run.problem import System, Trajectory
+
+FORMAT = 4  # which every Python reads
 
 
 def name_of(system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str) -> str:
@@ -31,11 +33,11 @@ class Remembered:
 
 
 def recall(name: str) -> Remembered | None:
-    return cache.load("accuracy", name, lambda body: Remembered(**json.loads(body)))
+    return cache.load("accuracy", name, lambda body: Remembered(*marshal.loads(body)))
 
 
 def remember(name: str, found: Remembered) -> None:
-    cache.store("accuracy", name, json.dumps(vars(found)).encode())
+    cache.store("accuracy", name, marshal.dumps([getattr(found, name) for name in names(Remembered)], FORMAT))
 
 
 def strays(trajectory: Trajectory, end: Sequence[float], groups: Sizes) -> float:

@@ -10,6 +10,7 @@ from functools import cache
 from types import CodeType
 from typing import Any
 
+from lagc import cache as store
 from lagc.once import once
 from lagc.optimize.program import Program
 from lagc.render.numpy.render import evaluation
@@ -32,8 +33,9 @@ class _Model(NumpyModel):
     @once
     def module(self) -> dict[str, Any]:
         space: dict[str, Any] = {"__name__": __name__}
-        for text in evaluation(self.program):
-            exec(_code(text), space)
+        own, shared = evaluation(self.program)
+        exec(compile(own, "evaluation", "exec", dont_inherit=True), space)
+        exec(_code(shared), space)
         return space
 
 
@@ -59,4 +61,4 @@ def _strange(system: System, x: Sequence[float]) -> list[str]:
 @cache
 def _code(text: str) -> CodeType:
     """Kernels are the same for many models."""
-    return compile(text, "evaluation", "exec", dont_inherit=True)
+    return store.code(lambda: text, "evaluation", text)

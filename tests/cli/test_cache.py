@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from lagc import cache, load
-from lagc.cache import upkeep
+from lagc.cache import folders, upkeep
 from lagc.cli.main import main
 
 POSIX = os.name == "posix"
@@ -27,7 +27,7 @@ BODY = bytes(range(256)) * 5 + b"\n\0end"
 def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "cache"
     monkeypatch.setenv("LAGC_CACHE", str(folder))
-    monkeypatch.setattr(cache, "notes", [])
+    cache.notes.clear()
     return folder
 
 
@@ -97,7 +97,7 @@ DAMAGES: dict[str, Callable[[Path], None]] = {
     "grown": lambda path: put(path, path.read_bytes() + b"\0"),
     "zeros": lambda path: put(path, bytes(len(path.read_bytes()))),
     "twice": lambda path: put(path, path.read_bytes() * 2),
-    "of an older layout": lambda path: put(path, b"lagc-cache-1 " + path.read_bytes()[len(cache.MAGIC) :]),
+    "of an older layout": lambda path: put(path, b"lagc-cache-1 " + path.read_bytes()[len(folders.MAGIC) :]),
     "another's": replaced_by_other,
     "another kind's": replaced_by_other_kind,
     "a folder": replaced_by_folder,
@@ -330,8 +330,7 @@ def test_an_entry_that_is_used_stays_young(root: Path) -> None:
      *((w, upkeep.LIMIT) for w in ("", "much", "-1", "1e9", "nan", "٣", "1T", "inf"))],
 )  # fmt: skip
 def test_sizes(word: str, bytes_: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cache, "notes", [])
-    monkeypatch.setattr(upkeep, "note", lambda text: cache.notes.append(text))
+    cache.notes.clear()
     monkeypatch.setenv("LAGC_CACHE_SIZE", word)
     assert upkeep.limit() == bytes_
     assert bool(cache.notes) == (bytes_ == upkeep.LIMIT and word != "")
@@ -429,9 +428,9 @@ def test_whatever_the_system_refuses_is_no_error(
     while at < counted[0]:
         at, counted = at + 1, [0]
         with monkeypatch.context() as patch:
-            patch.setattr(cache, "os", Failing(os, number, at, counted))
-            patch.setattr(upkeep, "os", Failing(os, number, at, counted))
-            patch.setattr(cache, "open", open_failing(number, at, counted), raising=False)
+            for module in (cache, folders, upkeep):
+                patch.setattr(module, "os", Failing(os, number, at, counted))
+            patch.setattr(folders, "open", open_failing(number, at, counted), raising=False)
             use()
         cache.store("head", KEY, BODY)
         assert kept() == BODY
@@ -441,11 +440,10 @@ def test_whatever_the_system_refuses_is_no_error(
     assert at > 30
 
 
-def test_hashes_are_sha256() -> None:
+def test_hashes_are_blake2b() -> None:
     """Of whichever module they come."""
     for size in (0, 1, 55, 56, 63, 64, 65, 1000, 100_001):
         data = random.Random(size).randbytes(size)
-        assert cache.digest(data) == hashlib.sha256(data).hexdigest()
-    assert (
-        cache.sealed("n", BODY)[: cache.HEAD].split()[1].decode() == hashlib.sha256(b"n\n" + BODY).hexdigest()
-    )
+        assert cache.digest(data) == hashlib.blake2b(data, digest_size=32).hexdigest()
+    hashed = folders.sealed("n", BODY)[: folders.HEAD].split()[1].decode()
+    assert hashed == hashlib.blake2b(b"n\n" + BODY, digest_size=32).hexdigest()

@@ -88,7 +88,7 @@ def root(filled: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     found = tmp_path / "cache"
     shutil.copytree(filled, found)
     monkeypatch.setenv("LAGC_CACHE", str(found))
-    monkeypatch.setattr(cache, "notes", [])
+    cache.notes.clear()
     return found
 
 
@@ -272,7 +272,7 @@ def test_runs_that_are_killed_spoil_no_other(
 ) -> None:
     """`lagc sim` on one empty cache, killed at random moments, three at a time."""
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(cache, "notes", [])
+    cache.notes.clear()
     moments = random.Random(5)
     command = [
         sys.executable,

@@ -36,12 +36,12 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     return {file: "\n\n".join([*filter(None, parts), *verbs(program, complete)])}
 
 
-def evaluation(program: Program) -> list[str]:
+def evaluation(program: Program) -> tuple[str, str]:
     """Texts of the model's functions, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     own = [function_text(f, names) for f in program.functions.values()]
     sizes, *shared = runtime.evaluation(program)
-    return ["\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(program), *shared])]
+    return "\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(program), *shared])
 
 
 def _banner(interface: Interface, file: str) -> str:

@@ -5,8 +5,6 @@ They are the same for all that have the same kinds of conditions; as code they a
 
 from __future__ import annotations
 
-import marshal
-import sys
 from functools import cache
 from types import CodeType
 
@@ -22,13 +20,7 @@ SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION")
 def code(kinds: tuple[bool, ...]) -> CodeType:
     """What makes the kernels in a namespace that has their sizes, tables and `fn_` functions.  `kinds`: of
     each of SWITCHES, whether there is any."""
-    version = f"{sys.implementation.cache_tag} {sys.hexversion:x}"
-    name = store.key(version, tool_fingerprint(), repr(kinds))
-    kept: CodeType | None = store.load("search", name, marshal.loads)
-    if kept is None:
-        kept = compile(text(dict(zip(SWITCHES, kinds))), __file__, "exec", dont_inherit=True)
-        store.store("search", name, marshal.dumps(kept))
-    return kept
+    return store.code(lambda: text(dict(zip(SWITCHES, kinds))), __file__, tool_fingerprint(), repr(kinds))
 
 
 def text(switches: dict[str, bool]) -> str:

@@ -1,0 +1,145 @@
+"""A folder of entries, each bound to its name by a hash.
+
+An entry begins with the hash of its name and of what follows: one that was changed, cut off or renamed is
+as good as absent, and made again.  Entries hold code, so that only what this user alone may write is
+taken, by the open folder and the open file, whose names are looked up once: whoever may rename them can
+put nothing in their place that is this user's.
+"""
+
+from __future__ import annotations
+
+import os
+from stat import S_ISREG
+from time import time
+
+try:  # without OpenSSL, which hashlib loads: 2 ms; SHA-256 in Python's own code takes 4 times as long
+    from _blake2 import blake2b
+except ImportError:
+    from hashlib import blake2b
+
+MAGIC = b"lagc-cache-3 "
+HEAD = len(MAGIC) + 64 + 1  # with the hash and the end of the line
+LARGEST = 1 << 28  # bytes of an entry; a larger one is not taken
+DAY = 86_400.0  # s
+BY_DESCRIPTOR = os.open in os.supports_dir_fd
+_FOLDER = getattr(os, "O_DIRECTORY", 0)
+_BINARY = getattr(os, "O_BINARY", 0) | getattr(os, "O_NOFOLLOW", 0)
+_READ = os.O_RDONLY | _BINARY | getattr(os, "O_NONBLOCK", 0)
+_WRITE = os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY
+
+notes: list[str] = []  # what was wrong with folder and entries, for whoever wants to know
+
+
+class Unfit(Exception):
+    """A folder or an entry that is not taken; the message says why."""
+
+
+def hashed(data: bytes) -> blake2b:
+    """The hash of `data`, which more may be added to."""
+    return blake2b(data, digest_size=32)
+
+
+def note(text: str) -> None:
+    if text not in notes:
+        notes.append(text)
+
+
+def sealed(name: str, body: bytes) -> bytes:
+    """The bytes of the file of an entry."""
+    found = hashed(name.encode() + b"\n")
+    found.update(body)
+    return b"".join((MAGIC, found.hexdigest().encode(), b"\n", body))
+
+
+class Folder:
+    """A cache folder, open.  What is done in it is done in the folder that was found to be this
+    user's, whatever becomes of its name.  Raises Unfit where others may write to it, OSError."""
+
+    def __init__(self, path: str):
+        self.path = path
+        self.descriptor: int | None = None
+        if BY_DESCRIPTOR:
+            self.descriptor = os.open(path, os.O_RDONLY | _FOLDER)
+            try:
+                _trust(os.fstat(self.descriptor))
+            except Unfit:
+                os.close(self.descriptor)
+                raise
+
+    def __enter__(self) -> Folder:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.descriptor is not None:
+            os.close(self.descriptor)
+
+    def read(self, name: str) -> bytes:
+        """The body of an entry.  Raises FileNotFoundError, Unfit, OSError."""
+        found = os.open(self._at(name), _READ, dir_fd=self.descriptor)
+        with open(found, "rb", buffering=0) as file:
+            status = os.fstat(found)
+            if not S_ISREG(status.st_mode):
+                raise Unfit("it is no regular file")
+            _trust(status)
+            if status.st_size > LARGEST:
+                raise Unfit("it is too large")
+            data = file.read()
+            body = data[HEAD:]
+            if data != sealed(name, body):
+                raise Unfit("it is damaged")
+            self._touch(found, status)
+        return body
+
+    def write(self, name: str, body: bytes) -> None:
+        """Under a name of its own, then renamed: nobody sees half of it.  Raises Unfit, OSError."""
+        if len(body) > LARGEST - HEAD:
+            raise Unfit("it is too large")
+        temporary = f"tmp-{os.getpid()}-{os.urandom(8).hex()}"
+        try:
+            made = os.open(self._at(temporary), _WRITE, 0o600, dir_fd=self.descriptor)
+            with open(made, "wb", buffering=0) as file:
+                left = memoryview(sealed(name, body))
+                while left:
+                    left = left[file.write(left) :]
+            os.replace(self._at(temporary), self._at(name),
+                       src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)  # fmt: skip
+        except BaseException:
+            self.remove(temporary)
+            raise
+
+    def remove(self, name: str) -> None:
+        """Where it can be."""
+        try:
+            os.unlink(self._at(name), dir_fd=self.descriptor)
+        except OSError:
+            return
+
+    def names(self) -> list[str]:
+        return os.listdir(self.path if self.descriptor is None else self.descriptor)
+
+    def status(self, name: str) -> os.stat_result:
+        """Of the file itself, where it is a link.  Raises OSError."""
+        return os.stat(self._at(name), dir_fd=self.descriptor, follow_symlinks=False)
+
+    def _at(self, name: str) -> str:
+        return name if self.descriptor is not None else os.path.join(self.path, name)
+
+    def _touch(self, found: int, status: os.stat_result) -> None:
+        """Its time says, to a day, when it was used last."""
+        if time() - status.st_mtime > DAY and os.utime in os.supports_fd:
+            try:
+                os.utime(found)
+            except OSError:
+                return
+
+
+def _trust(status: os.stat_result) -> None:
+    if hasattr(os, "geteuid"):
+        if status.st_uid != os.geteuid():
+            raise Unfit("it belongs to another user")
+        if status.st_mode & 0o022:
+            raise Unfit("others may write to it (`chmod go-w` ends that)")
+
+
+def reason(error: Exception) -> str:
+    return error.strerror or str(error) if isinstance(error, OSError) else str(error) or type(error).__name__
