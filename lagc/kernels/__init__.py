@@ -9,7 +9,7 @@ FILES, functions in that of their file.
 FILES = (
     "statuses", "limits", "trigonometry",
     "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
-    "runge_kutta", "method", "check", "weights", "listening", "control", "step", "recording",
+    "runge_kutta", "method", "check", "control", "weights", "listening", "step", "recording",
     "startrecords", "leastnorm", "startrows", "starttable", "startalone", "startsteps", "startfind",
     "startchoice", "startsearch", "start",
 )  # fmt: skip

@@ -6,12 +6,27 @@ II.4 and II.10.
 
 from __future__ import annotations
 
-from math import fabs, pow
+from math import fabs, sqrt
 
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.method import beta, exponent, most_growth, most_shrink
 from lagc.kernels.records import Options, State, Trial
 from lagc.kernels.words import Real
+
+
+def raised(a: Real, exponent: Real) -> Real:
+    """a^exponent for an exponent below 1 that is a sum of few powers of 1/2.  Roots and products have the
+    same bits on every machine."""
+    value = 1.0
+    rest = exponent
+    base = a
+    while rest > 0.0:
+        base = sqrt(base)
+        rest *= 2.0
+        if rest >= 1.0:
+            value *= base
+            rest -= 1.0
+    return value
 
 
 def plan(s: State, t1: Real, o: Options, a: Trial) -> None:
@@ -41,7 +56,7 @@ def too_small(s: State, t1: Real, a: Trial) -> bool:
 def retreat(a: Trial, o: Options) -> None:
     """After an error above 1."""
     most = most_shrink(o.method)
-    factor = pow(a.error, exponent(o.method)) / 0.9
+    factor = raised(a.error, exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
 
 
@@ -49,9 +64,9 @@ def adapt(s: State, a: Trial, o: Options) -> None:
     """The size of the next step."""
     most = most_shrink(o.method)
     least = most_growth(o.method)
-    factor = pow(a.error, exponent(o.method))
+    factor = raised(a.error, exponent(o.method))
     if beta(o.method) > 0.0:
-        factor /= pow(s.error_old, beta(o.method))
+        factor /= raised(s.error_old, beta(o.method))
         s.error_old = a.error if a.error > 1e-4 else 1e-4
     factor /= 0.9
     if factor > most:

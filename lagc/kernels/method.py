@@ -64,13 +64,6 @@ def last(method: int) -> int:
     return 0
 
 
-def order(method: int) -> Real:
-    for m in static(METHODS):
-        if method == m.NUMBER:
-            return float(m.ORDER)
-    return 1.0
-
-
 def uses_new(method: int) -> bool:
     """Whether the error needs the rate at the new state."""
     for m in static(METHODS):

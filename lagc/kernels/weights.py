@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import fabs, pow, sqrt
+from math import fabs, sqrt
 
+from lagc.kernels.control import raised
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import TINY
-from lagc.kernels.method import order
+from lagc.kernels.method import beta, exponent
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NKIND, NQ, NV, NX
@@ -93,7 +94,7 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
             way = rates[k] / bends[k]
         if way > 0.0 and way < best:
             best = way
-    h = best * pow(0.01 * tolerance, 1.0 / order(o.method))
+    h = best * raised(0.01 * tolerance, exponent(o.method) + 0.75 * beta(o.method))
     if h > largest:
         h = largest
     for k in range(NKIND):

@@ -3,8 +3,8 @@
 A kernel is a function with annotated arguments and one scalar result or a pair; all else goes through
 records.  It is made of assignments, arithmetic, `if`, `while True`, `while`, `for i in range`, `break`,
 `continue`, `return`, calls of kernels that stand before, of functions of the model, and of `fabs`, `floor`,
-`sqrt`, `pow`. Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero,
-`root(a)` is sqrt(a) where a may be negative; what `sqrt` and `pow` are given has a root. `if NC > 0:` and
+`sqrt`. Python raises where C gives what is not finite: `quotient(a, b)` is a / b where b may be zero,
+`root(a)` is sqrt(a) where a may be negative; what `sqrt` is given has a root. `if NC > 0:` and
 `if STRAIGHT:` are decided when it is printed.  There are no tuples, defaults, closures, recursion,
 exceptions, and no memory of its own but local vectors.
 

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import pairwise
-from math import cos, exp, factorial, log2, sin, sqrt
+from math import cos, exp, factorial, inf, log2, sin, sqrt
+from random import Random
 from typing import Any
 
 import pytest
+from mpmath import mpf, workdps
 
+from lagc.compiler import render
 from lagc.kernels.methods import dop853, dopri5
 from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
+from tests.render.tools import of_model
 from tests.run.handmade import integrate, integrator
 from tests.run.systems import LINE, Handmade, Oscillator, Rod
 
@@ -125,8 +129,23 @@ def test_order_conditions(tableau: Tableau) -> None:
 
 @METHODS
 def test_step_control_is_that_of_the_order_of_the_error(tableau: Tableau) -> None:
-    assert tableau.exponent == pytest.approx(1.0 / (tableau.error_order + 1) - 0.75 * tableau.beta, rel=1e-15)
+    """To 1/128: exponents are sums of powers of 1/2."""
+    expected = 1.0 / (tableau.error_order + 1) - 0.75 * tableau.beta
+    assert tableau.exponent == pytest.approx(expected, abs=1.0 / 128.0)
+    assert 128.0 * tableau.exponent % 1.0 == 0.0 and 128.0 * tableau.beta % 1.0 == 0.0
     assert tableau.uses_new == any(tableau.stages + 1 in row for row in tableau.errors)
+
+
+def test_powers_of_errors_are_right_to_a_few_last_places() -> None:
+    """Each root and each product rounds once; seven of both at the most."""
+    space: dict[str, Any] = {}
+    exec(render(of_model("classic/double_pendulum"), "numpy")["double_pendulum.py"], space)
+    chance = Random(1)
+    for a in [10.0 ** chance.uniform(-300.0, 300.0) for _ in range(200)]:
+        exponent = chance.randrange(128) / 128.0
+        with workdps(30):
+            assert abs(space["raised"](a, exponent) / mpf(a) ** exponent - 1) < 1e-15
+    assert space["raised"](0.0, 0.125) == 0.0 and space["raised"](inf, 0.125) == inf
 
 
 @METHODS

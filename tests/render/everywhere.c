@@ -52,7 +52,7 @@ static void functions(const model_params *p, double t, const double *x)
     show("r", MODEL_OK, r, MODEL_NV);
     model_energies(p, t, x, e);
     show("e", MODEL_OK, e, 3);
-#ifdef STARTED
+#ifdef CONDITIONED
     {
         double c[MODEL_NE], sizes[MODEL_NE], J[sizeof start_work.J / sizeof start_work.J[0]];
         model_conditions(p, t, x, c, J, sizes);

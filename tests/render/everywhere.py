@@ -1,10 +1,12 @@
 """A program that calls all of the generated C, and the compilers and tools that it is given to.
 
-What it prints are all digits of all results: the same at every level of optimisation of every compiler.
+What it prints are all digits of all results: the same at every level of optimisation of every compiler, and
+on every machine.  LAGC_MACHINES asks for other machines, for each of which zig makes a C library first.
 """
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -21,6 +23,7 @@ from lagc.render.c.render import render
 from lagc.run.backends.compile import FLAGS
 
 MAIN = Path(__file__).with_name("everywhere.c")
+WASI = MAIN.with_name("wasi.mjs")
 EXACT = ["-std=c99", *(flag for flag in FLAGS if flag.startswith("-f") and flag != "-fPIC")]
 LEVELS = [["-O0"], ["-O1"], ["-O2"], ["-O3"], ["-O3", "-march=native"]]
 VALGRIND = ("valgrind", "-q", "--error-exitcode=1")
@@ -41,6 +44,21 @@ def compilers() -> dict[str, list[str]]:
     return {name: words for name, words in found.items() if words}
 
 
+@cache
+def machines() -> dict[str, Tool]:
+    """Other machines that can be asked here: AArch64, which has fused multiply-add, and WebAssembly."""
+    if "LAGC_MACHINES" not in os.environ or find_spec("ziglang") is None:
+        return {}
+    zig = (sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=all", "-O2", "-target")
+    qemu = shutil.which("qemu-aarch64") or shutil.which("qemu-aarch64-static")
+    node = shutil.which("node")
+    found = {
+        "aarch64": qemu and Tool((*zig, "aarch64-linux-musl"), under=(qemu,)),
+        "wasm32": node and Tool((*zig, "wasm32-wasi"), under=(node, "--no-warnings", str(WASI))),
+    }
+    return {name: machine for name, machine in found.items() if isinstance(machine, Tool)}
+
+
 def prepare(program: Program, folder: Path) -> list[str]:
     """Write the generated files and the program that calls them into `folder`; what a compiler is told."""
     files = render(program)
@@ -51,7 +69,8 @@ def prepare(program: Program, folder: Path) -> list[str]:
     (folder / "everywhere.c").write_text(re.sub(r"\bmodel(?=[_.])", stem, main))
     has = {"CONSTRAINED": program.interface.nc, "OBSERVED": f"{stem}_outputs(" in files[f"{stem}.h"],
            "LIMITED": program.interface.limits,
-           "STARTED": f"{stem}_consistent(" in files[f"{stem}.h"]}  # fmt: skip
+           "STARTED": f"{stem}_consistent(" in files[f"{stem}.h"],
+           "CONDITIONED": f"{stem}_conditions(" in files[f"{stem}.h"]}  # fmt: skip
     return [*(f"-D{word}" for word, there in has.items() if there), str(folder / f"{stem}.c"),
             str(folder / "everywhere.c")]  # fmt: skip
 

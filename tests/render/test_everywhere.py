@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.render.everywhere import LEVELS, compilers, prepare, printed, tools
+from tests.render.everywhere import LEVELS, clang, compilers, machines, prepare, printed, tools
 from tests.render.tools import STRICT, of_model
 
 EXTREME = [LEVELS[0], LEVELS[-1]]
@@ -33,6 +33,16 @@ def test_the_same_bits_at_every_level_of_every_compiler(
     }
     (text,) = set(found.values())
     assert len(text.split()) > 100 and "nan" not in text
+
+
+@pytest.mark.skipif(not machines(), reason="no other machine is here, or LAGC_MACHINES does not ask for them")
+@pytest.mark.parametrize("model", ["double_pendulum", "four_bar", "heavy_top_quaternion", "andrews_squeezer"])
+def test_the_same_bits_on_every_machine(model: str, tmp_path: Path) -> None:
+    """Whole runs too, in steps that are chosen by their error."""
+    units = prepare(of_model(f"classic/{model}"), tmp_path)
+    here = printed([*(clang() or ()), "-O2"], units, tmp_path)
+    for name, machine in machines().items():
+        assert printed(machine.compile_, units, tmp_path, machine.under) == here, name
 
 
 @pytest.mark.parametrize("name", tools())
@@ -73,7 +83,7 @@ def test_what_is_run_calls_every_public_function(tmp_path: Path) -> None:
     text = (tmp_path / "four_bar.h").read_text()
     public = set(re.findall(r"^(?:\w+ )+\**(four_bar_\w+)\(", text, re.M))
     called = set(re.findall(r"four_bar_\w+", (tmp_path / "everywhere.c").read_text()))
-    assert len(public) > 15 and len(units) == 6
+    assert len(public) > 15 and len(units) == 7
     assert public <= called | {
         "four_bar_measures",
         "four_bar_check",

@@ -1,7 +1,7 @@
 """Our sine and cosine: constants, accuracy, and the same bits everywhere.
 
 LAGC_POINTS asks for more points of each of 16 ranges than are enough to see a mistake, for all levels of all
-compilers, and for WebAssembly; 700,000 take minutes.
+compilers; 700,000 take minutes.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import random
 import re
 import shutil
 import subprocess
-import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ from lagc.optimize.program import Function, Operation, Program, Store
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.numpy.functions import ARITHMETIC
-from tests.render.everywhere import LEVELS, compilers
+from tests.render.everywhere import LEVELS, clang, compilers, machines
 from tests.render.tools import STRICT, of_model, present
 
 ROOT = Path(__file__).parents[2]
@@ -157,21 +156,12 @@ def test_the_same_bits_under_every_compiler_and_in_python(tmp_path: Path) -> Non
         assert function(x) == tuple(pair), line
 
 
-@pytest.mark.skipif(POINTS <= 4000, reason="zig makes the library of WebAssembly first, which takes a minute")
-@pytest.mark.skipif(shutil.which("node") is None or not present("zig"), reason="no node, or no zig")
-def test_the_same_bits_as_webassembly(tmp_path: Path) -> None:
-    zig = [sys.executable, "-m", "ziglang", "cc", "-O2", "-ffp-contract=off"]
-    here = digests(zig, tmp_path, POINTS)
-    (tmp_path / "run.mjs").write_text(
-        "import { WASI } from 'node:wasi'; import fs from 'node:fs';\n"
-        "const wasi = new WASI({ version: 'preview1', args: ['a', process.argv[3]] });\n"
-        "const module = await WebAssembly.compile(fs.readFileSync(process.argv[2]));\n"
-        "wasi.start(await WebAssembly.instantiate(module, wasi.getImportObject()));\n"
-    )
-    there = digests(
-        [*zig, "-target", "wasm32-wasi"], tmp_path, POINTS, under=("node", "--no-warnings", "run.mjs")
-    )
-    assert there == here
+@pytest.mark.skipif(not machines(), reason="no other machine is here, or LAGC_MACHINES does not ask for them")
+def test_the_same_bits_on_every_machine(tmp_path: Path) -> None:
+    here = digests([*(clang() or ()), "-O2", "-ffp-contract=off"], tmp_path, POINTS)
+    for name, machine in machines().items():
+        words = [*machine.compile_, "-ffp-contract=off"]
+        assert digests(words, tmp_path, POINTS, under=machine.under) == here, name
 
 
 def angles(count: int, calls: int) -> Function:

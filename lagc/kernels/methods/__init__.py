@@ -11,6 +11,7 @@ Dense output: stages EXTRA after the rate at the new state, and
     r1 = x1 - x,  r2 = h k_1 - r1,  r3 = r1 - h k_(s+1) - r2,  r4 ... = h times rows of DENSE
 
 The size of the next step is h / clip(err^EXPONENT err_old^-BETA / 0.9, 1/GROW, 1/SHRINK).
+EXPONENT and BETA are sums of powers of 1/2: with an error of order q, EXPONENT + 3/4 BETA is about 1/(q + 1).
 USES_NEW: whether the error needs the rate at the new state.
 """
 

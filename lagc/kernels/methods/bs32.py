@@ -9,7 +9,7 @@ from __future__ import annotations
 TITLE = "Bogacki and Shampine 3(2)"
 ORDER = 3
 USES_NEW = 1
-EXPONENT, BETA = "1/3", "0"
+EXPONENT, BETA = "21/64", "0"
 SHRINK, GROW = "1/5", "5"
 C = ("0", "1/2", "3/4")
 A: tuple[dict[int, str], ...] = ({}, {1: "1/2"}, {2: "3/4"})

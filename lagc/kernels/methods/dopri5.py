@@ -9,7 +9,7 @@ from __future__ import annotations
 TITLE = "Dormand and Prince 5(4)"
 ORDER = 5
 USES_NEW = 1
-EXPONENT, BETA = "17/100", "1/25"
+EXPONENT, BETA = "11/64", "5/128"
 SHRINK, GROW = "1/5", "10"
 C = (
     "0.0", "1/5", "3/10", "4/5", "8/9", "1.0",

@@ -8,7 +8,7 @@ from __future__ import annotations
 TITLE = "Classical Runge-Kutta 4, fixed steps"
 ORDER = 4
 USES_NEW = 0
-EXPONENT, BETA = "1/5", "0"
+EXPONENT, BETA = "1/4", "0"
 SHRINK, GROW = "1/5", "5"
 C = ("0", "1/2", "1/2", "1")
 A: tuple[dict[int, str], ...] = ({}, {1: "1/2"}, {2: "1/2"}, {3: "1"})
