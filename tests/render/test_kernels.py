@@ -177,7 +177,7 @@ def scaled(a: Vec[NX], b: Vec[NX], y: Vec[NX], n: int) -> Real:
         largest = sqrt(largest * largest)
     if NZ > 0 and n > 0:
         largest = 0.0
-    return largest + inner(a, b) * pow(2.0, -1.0) if NC > 0 else largest
+    return largest + inner(a, b) * sqrt(0.25) if NC > 0 else largest
 
 
 def parted(x: Real, k: int) -> Pair:
