@@ -6,6 +6,9 @@ is refused there with file and line.  No kernel calls one that stands after it: 
 FILES, functions in that of their file.
 """
 
+from typing import NewType
+
+Status = NewType("Status", int)  # what a call ends with: see `statuses`
 FILES = (
     "statuses", "limits", "trigonometry",
     "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from lagc.kernels.words import Status
+from lagc.kernels import Status
 
-OK = Status(0)
+OK = Status(0)  # done
 SINGULAR_MASS = Status(1)  # the mass matrix is singular, or not positive definite; culprit: index of v
 # rows of constraints depend on each other; culprit: a row; a success: lambda is the smallest that fits
 REDUNDANT = Status(2)

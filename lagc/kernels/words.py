@@ -22,13 +22,14 @@ exceptions, and no memory of its own but local vectors.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Generic, NewType, TypeVar, overload
+from typing import Any, Generic, TypeVar, overload
+
+from lagc.kernels import Status as Status
 
 Real = float  # of the type that is asked for: double, float, __float128
 Count = int  # a long: steps, evaluations
 Length = int  # a size_t: of what a caller brings; unsigned, so that v & mask is exact in C too
 Pair = tuple[float, float]
-Status = NewType("Status", int)
 N = TypeVar("N")
 R = TypeVar("R")
 T = TypeVar("T")

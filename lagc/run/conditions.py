@@ -8,7 +8,8 @@ from types import SimpleNamespace
 from typing import Any
 
 from lagc.once import once
-from lagc.render.numpy.search import code
+from lagc.render.kernels.assembly import sizes_of_start, with_quaternions
+from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK
 
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
@@ -38,10 +39,8 @@ class Conditions:
         self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
         self.units, self.angles = tuple(units), tuple(angles)
         self.n, self.own = len(units), len(ends)
-        self.ends, self.columns = list(ends), list(columns)
-        for k in quaternions:
-            self.ends.append(len(self.columns) + 4)
-            self.columns += [k, k + 1, k + 2, k + 3]
+        self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions)
+        self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.evaluate, self.measures = evaluate, measures
         self.lock = RLock()
 
@@ -52,17 +51,13 @@ class Conditions:
     @once
     def kernels(self) -> dict[str, Any]:
         """The kernels of the search, with the sizes, tables and functions of these conditions."""
-        rates, all_, n = self.n - self.nq - self.nv, len(self.ends), self.n
-        positions = sum(max(self.columns_of(i), default=0) < self.nq for i in range(self.own))
-        found = {
-            "NQ": self.nq, "NV": self.nv, "NX": self.nq + self.nv, "NU": n, "NE": all_,
-            "NJ": len(self.columns), "NCOND": self.own, "NRATE": rates, "NQUAT": len(self.quaternions),
-            "NPOSITION": positions, "NROW": n + 1, "NSETS": 3, "NSETU": 3 * n,
-            "quaternion": self.quaternions, "level": (UNSTATED,) * n,
-            "unit": self.units, "angle": tuple([int(i in self.angles) for i in range(n)]), "ends": self.ends,
+        found: dict[str, Any] = {
+            **self.sizes,
+            "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
+            "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "column": self.columns, "fn_conditions": self._conditions, "fn_measures": self._measures,
         }  # fmt: skip
-        exec(code((self.own > 0, rates > 0, len(self.quaternions) > 0, positions > 0)), found)
+        exec(code(tuple([self.sizes[name] > 0 for name in SWITCHES])), found)
         return found
 
     def _conditions(self, p: None, t: float, y: list[float], c: list[float], jacobian: list[float],
@@ -158,7 +153,7 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
     """The shortest y with rows . y = right; empty where a number is not finite.  Rows that depend on the ones
     before (to `dependent` of their length) are left out, the longest remaining row first."""
     kernels: dict[str, Any] = {}
-    exec(code((False, False, False, False)), kernels)
+    exec(code((False,) * len(SWITCHES)), kernels)
     m, n = len(rows), len(rows[0])
     room = SimpleNamespace(
         matrix=[list(row) for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),

@@ -10,10 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from lagc.optimize.program import Interface
-from lagc.render.numpy.support.base import (
-    FAILED,
-    FIRST_LOOK,
+from lagc.kernels.statuses import (
     INCONSISTENT,
     INTERRUPTED,
     INVALID,
@@ -23,9 +20,9 @@ from lagc.render.numpy.support.base import (
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
-    Options,
-    Trajectory,
 )
+from lagc.optimize.program import Interface
+from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 
 __all__ = [
     "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS", "NOT_FINITE", "OK",

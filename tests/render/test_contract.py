@@ -14,12 +14,12 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.kernels import METHODS
+from lagc.kernels import METHODS, statuses
 from lagc.optimize.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python
-from lagc.render.statuses import STATUSES
+from lagc.render.statuses import texts
 from tests.render.tools import COMPILERS, present
 
 GIVEN = """
@@ -181,7 +181,7 @@ CONSISTENT = """
             return 1;
     }
 """
-NUMBER = {n: k for k, (n, _, _) in enumerate(STATUSES)}
+NUMBER: dict[str, int] = {name: value for name, value in vars(statuses).items() if name.isupper()}
 OK, INVALID, NOT_FINITE = NUMBER["OK"], NUMBER["INVALID"], NUMBER["NOT_FINITE"]
 BAD_TIME, BAD_BUDGET, BAD_LEVEL, BAD_PARAMETER = 7, 8, 9, 16
 
@@ -266,8 +266,8 @@ def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) 
     nx = program(name).interface.nx
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
-    texts = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    assert texts[3:12] == [text for _, text, _ in STATUSES] and set(texts[:3] + texts[12:]) == {"no status"}
+    told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
+    assert told[3:12] == list(texts()) and set(told[:3] + told[12:]) == {"no status"}
 
 
 @cache

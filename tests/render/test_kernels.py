@@ -198,7 +198,7 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     text = "#include <math.h>\n#include <stddef.h>\n#define LAGC_NX 4\n#define LAGC_NC 1\n"
     text += "#define LAGC_LIMIT 0.5\n#define LAGC_MOST 7\n"
     text += "static const double lagc_weights[] = {1.5, -0.25, 3e-7, 2.0};\n"
-    text += "\n".join(leaf["c"] for _, leaf in use.parts)
+    text += "\n".join(leaf["c"] for _, leaf in use.functions)
     text += "double scaled(const double *a, const double *b, double *y, int n)\n"
     text += "{ return lagc_scaled(a, b, y, n); }\n"
     text += "void parted(double x, int k, double *pair);\n"
@@ -222,7 +222,7 @@ def test_c_and_python_mean_the_same(straight: bool, tmp_path: Path) -> None:
     compiled = library_.scaled
     compiled.restype = ctypes.c_double
     space: dict[str, Any] = {"NX": 4, "NC": 1, "LIMIT": 0.5, "MOST": 7, "WEIGHTS": (1.5, -0.25, 3e-7, 2.0)}
-    exec(ARITHMETIC + "\n".join(leaf["python"] for _, leaf in use.parts), space)
+    exec(ARITHMETIC + "\n".join(leaf["python"] for _, leaf in use.functions), space)
     plain = _as_it_stands(straight)
     chance = random.Random(3)
     for _ in range(300):

@@ -11,8 +11,6 @@ import pytest
 
 from lagc.optimize.program import Program
 from lagc.render.c.render import render
-from lagc.render.numpy.support import base
-from lagc.render.statuses import STATUSES
 from lagc.run.problem import OK, Options
 from tests.run.linkages import four_bar
 from tests.run.test_generated import PROGRAMS, build
@@ -93,7 +91,3 @@ def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
     while run.t != 1.5:
         assert run.step(1.5) == OK
     assert found == [*expected, *run.x]
-
-
-def test_both_languages_number_the_statuses_alike() -> None:
-    assert [getattr(base, name) for name, _, _ in STATUSES] == list(range(len(STATUSES)))

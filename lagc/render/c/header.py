@@ -7,8 +7,8 @@ from collections.abc import Iterable
 
 from lagc.optimize.program import Field, Interface
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
+from lagc.render.kernels.assembly import sizes_of
 from lagc.render.names import Names, comment, prefix
-from lagc.render.statuses import STATUSES
 
 
 def banner(interface: Interface, file: str) -> str:
@@ -73,24 +73,24 @@ def constants(interface: Interface) -> str:
     return "\n".join(text) + "\n\n" + "".join(_indices(interface))
 
 
+_SIZES = {
+    "NQ": "coordinates q", "NV": "speeds v", "NZ": "integral of power, the last of x",
+    "NX": "state x = (q, v, z)", "NC": "rows of constraints, multipliers lambda",
+    "NH": "of these holonomic, the first", "NP": "parameters and inputs",
+    "NKIND": "kinds of coordinates and speeds: those of one unit", "NWORK": "entries of the factors",
+    "NY": "outputs y", "NQUAT": "unit quaternions in q",
+}  # fmt: skip
+_OF_START = {
+    "NU": "unknowns of the start: q, v, stated rates that are no speeds",
+    "NE": "conditions of the start",
+}
+
+
 def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     """Name, value and what it is."""
-    quaternions = interface.quaternions
-    found = [
-        ("NQ", interface.nq, "coordinates q"), ("NV", interface.nv, "speeds v"),
-        ("NZ", interface.nz, "integral of power, the last of x"), ("NX", interface.nx, "state x = (q, v, z)"),
-        ("NC", interface.nc, "rows of constraints, multipliers lambda"),
-        ("NH", interface.nh, "of these holonomic, the first"),
-        ("NP", len(interface.parameters) + len(interface.inputs), "parameters and inputs"),
-        ("NKIND", max(interface.kinds, default=0) + 1, "kinds of coordinates and speeds: those of one unit"),
-        ("NWORK", interface.work_size, "entries of the factors"),
-        ("NY", len(interface.outputs), "outputs y"), ("NQUAT", len(quaternions), "unit quaternions in q"),
-    ]  # fmt: skip
-    if interface.needs_consistency:
-        unknowns, conditions = len(interface.start_levels), len(interface.condition_ends) + len(quaternions)
-        found.append(("NU", unknowns, "unknowns of the start: q, v, stated rates that are no speeds"))
-        found.append(("NE", conditions, "conditions of the start"))
-    return found
+    values = {**sizes_of(interface), "NY": len(interface.outputs)}
+    notes = {**_SIZES, **(_OF_START if interface.needs_consistency else {})}
+    return [(name, values[name], note) for name, note in notes.items()]
 
 
 def _indices(interface: Interface) -> Iterable[str]:
@@ -149,12 +149,3 @@ def _note(member: str, field: Field) -> str:
         parts.append(f"<= {field.maximum!r}")
     parts += [part for part in (field.description, field.place) if part]
     return comment("  ".join(parts))
-
-
-def statuses() -> str:
-    lines = []
-    for k, (name, text, culprit) in enumerate(STATUSES):
-        comma = "," if k < len(STATUSES) - 1 else ""
-        note = f"{text}; culprit: {culprit}" if culprit else text
-        lines.append(f"    LAGC_{name} = {k}{comma} /* {note} */")
-    return "typedef enum {\n" + "\n".join(lines) + "\n} lagc_status;\n"

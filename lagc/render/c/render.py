@@ -10,8 +10,9 @@ from __future__ import annotations
 import re
 
 from lagc.optimize.program import Interface, Program
-from lagc.render.c import header, runtime
+from lagc.render.c import header
 from lagc.render.c.functions import function_text, helpers
+from lagc.render.c.runtime import Runtime, sine_cosine
 from lagc.render.c.verbs import verbs
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.locals import local_names
@@ -25,34 +26,33 @@ def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -
     takes a compiler as long as much of the rest, by the same kernels in Python, to the same bits; the
     bounds of parameters; texts.
     """
-    interface = program.interface
+    interface, runtime = program.interface, Runtime(program, complete, real)
     name = prefix(interface.model)
     return {
-        f"{name}.h": _prefixed(_header(program, f"{name}.h", complete, real), interface, real),
-        f"{name}.c": _prefixed(_source(program, f"{name}.c", f"{name}.h", complete, real), interface, real),
+        f"{name}.h": _prefixed(_header(runtime, f"{name}.h"), interface, real),
+        f"{name}.c": _prefixed(_source(runtime, f"{name}.c", f"{name}.h"), interface, real),
     }
 
 
-def _header(program: Program, file: str, complete: bool, real: Arithmetic) -> str:
-    interface = program.interface
-    consistency = complete and interface.needs_consistency
+def _header(runtime: Runtime, file: str) -> str:
+    interface = runtime.program.interface
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
-        header.use(consistency),
+        header.use(runtime.searches),
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
-        header.statuses(),
-        runtime.types(interface, complete, real),
-        *(verb.declaration for verb in verbs(program, real)),
-        runtime.declarations(program, complete, real),
+        runtime.types(),
+        *(verb.declaration for verb in verbs(runtime.program, runtime.real)),
+        runtime.declarations(),
         f"#ifdef __cplusplus\n}}\n#endif\n\n#endif /* {guard} */\n",
     ]
     return "\n".join(part for part in parts if part)
 
 
-def _source(program: Program, file: str, own_header: str, complete: bool, real: Arithmetic) -> str:
+def _source(runtime: Runtime, file: str, own_header: str) -> str:
+    program, real = runtime.program, runtime.real
     interface = program.interface
     names = local_names(program, ())
     fields = dict(enumerate(header.members(interface)))
@@ -60,9 +60,9 @@ def _source(program: Program, file: str, own_header: str, complete: bool, real: 
         header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
         _CONTRACTION,
         helpers(program),
-        *runtime.sine_cosine(program, real),
+        *(sine_cosine(program) if real == DOUBLE else ()),
         *(function_text(f, names, fields, real) for f in program.functions.values()),
-        *runtime.definitions(program, complete, real),
+        *runtime.definitions(),
         *(verb.definition for verb in verbs(program, real)),
     ]
     return "\n".join(part for part in parts if part)

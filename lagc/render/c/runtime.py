@@ -8,13 +8,14 @@ from textwrap import fill
 from typing import Any
 
 from lagc.kernels import METHODS
-from lagc.optimize.program import Interface, Program
+from lagc.optimize.program import Program
 from lagc.render.c import header
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import DERIVED, Chosen, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.assembly import SPELLED, Chosen, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.c import CPrinter
 from lagc.render.kernels.names import snake
-from lagc.render.kernels.shipped import parts
-from lagc.render.statuses import STATUSES
+from lagc.render.kernels.shipped import Parts, parts
+from lagc.render.statuses import texts
 from lagc.render.turning import turning
 
 # Public kernels that every model has; those of a run of lagc's own are the last.
@@ -23,75 +24,101 @@ OF_VERBS = ("rhs_at", "system_at", "assemble_at", "solve_at")  # called by what 
 PUBLIC_RECORDS = ("Work", "Options", "State", "StartWork")
 
 
-def needed(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> Chosen:
-    functions = program.functions
-    roots = [name for name in ROOTS if complete or name != "check"]
-    roots += ["consistent"] if complete and program.interface.needs_consistency else []
-    roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
-    roots += OF_VERBS[2:] if program.interface.nc and "scales" in functions else []
-    return chosen(parts(real), switches_of(program.interface, complete), roots)
+class Runtime:
+    """What of the kernels a model needs, unless `complete` without what a run of lagc does itself."""
+
+    def __init__(self, program: Program, complete: bool, real: Arithmetic = DOUBLE):
+        self.program, self.complete, self.real = program, complete, real
+        interface, functions = program.interface, program.functions
+        self.searches = complete and interface.needs_consistency
+        roots = [name for name in ROOTS if complete or name != "check"]
+        roots += ["consistent"] if self.searches else []
+        roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
+        roots += OF_VERBS[2:] if interface.nc and "scales" in functions else []
+        self.parts = parts(real)
+        self.use = chosen(self.parts, switches_of(interface, complete), roots)
+        self.sizes = sizes_of(interface)
+        self.public = {name for name, _, _ in header.sizes(interface)}
+
+    def types(self) -> str:
+        """Enumerations and structs of the interface: for the header."""
+        records = self._records()
+        found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
+        found += [records["Options"], _codes(self.parts, "records"), records["State"]]
+        if self.searches:
+            found += [_codes(self.parts, "startrecords"), records["StartWork"]]
+        return "\n".join(found)
+
+    def declarations(self) -> str:
+        """The functions that integrate: for the header."""
+        found = ["lagc_options lagc_default_options(void);\n"
+                 "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
+        if self.complete:
+            found.append("/* What a status means, in English; of a number that is none, too. */\n"
+                         "const char *lagc_status_text(int status);\n")  # fmt: skip
+        for part, _ in self.use.functions:
+            if part["public"]:
+                lead = _comment("\n".join(part["lead"]))
+                found.append((lead + "\n" if lead else "") + _comment(part["doc"]) + part["head"] + ";\n")
+        return "\n".join(found)
+
+    def definitions(self) -> list[str]:
+        """Everything behind them."""
+        values, names = tables_of(self.program.interface), self.use.names
+        own = [n for n in self.sizes if n in names and n not in self.public and n not in SPELLED]
+        found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
+        found += [_table(name, values[name]) for name in values if name in names]
+        found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
+        found += _printed(self.use, self.parts)
+        found.append(_defaults(self.complete, self.real))
+        return [part for part in found if part]
+
+    def _records(self) -> dict[str, str]:
+        """Structs by the names of their kernels; C has no arrays of nothing."""
+        named = {*self.public, *SPELLED}
+        numbers = {n: str(max(size, 1)) for n, size in self.sizes.items() if size == 0 or n not in named}
+        printer = CPrinter(self.real, {**SPELLED, **numbers}, {})
+        found = {}
+        for part, members in self.use.records:
+            lines = []
+            for name, kind, _, lead, trail in members:
+                lines += [f"    {line}" for line in _comment("\n".join(lead)).splitlines()]
+                note = f" /* {trail} */" if trail else ""
+                lines.append(f"    {printer.room(tuple(kind), name)};{note}")
+            head, body = _comment(part["doc"]), "\n".join(lines)
+            found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
+        return found
+
+    def _enumeration(self, kind: str) -> str:
+        found = [part for part in self.parts if part["kind"] == kind]
+        rows = [f"LAGC_{part['name']} = {part['value']}" for part in found]
+        lines = [f"    {row}{',' if row is not rows[-1] else ''} /* {part['note']} */\n"
+                 for row, part in zip(rows, found)]  # fmt: skip
+        return f"typedef enum {{\n{''.join(lines)}}} lagc_{snake(kind)};\n"
 
 
-def types(interface: Interface, complete: bool, real: Arithmetic = DOUBLE) -> str:
-    """lagc_work, lagc_method, lagc_options, lagc_state, the culprits of INVALID, and what the search for a
-    start has: for the header."""
-    found = [_record("Work", interface, real), _methods(), _record("Options", interface, real)]
-    found += [_codes("records"), _record("State", interface, real)]
-    if complete and interface.needs_consistency:
-        found += [_codes("startrecords"), _record("StartWork", interface, real)]
-    return "\n".join(found)
+def sine_cosine(program: Program) -> list[str]:
+    """The kernel that functions of the model call for their sines and cosines, in double precision."""
+    return _printed(turning(program), parts())
 
 
-def declarations(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> str:
-    """The functions that integrate: for the header."""
-    found = ["lagc_options lagc_default_options(void);\n"
-             "size_t lagc_work_size(void);\nsize_t lagc_state_size(void);\n"]  # fmt: skip
-    found += ["/* What a status means, in English; of a number that is none, too. */\n"
-              "const char *lagc_status_text(int status);\n"] if complete else []  # fmt: skip
-    for part, _ in needed(program, complete, real).parts:
-        if part["public"]:
-            lead = _comment("\n".join(part["lead"]))
-            found.append((lead + "\n" if lead else "") + _comment(part["doc"]) + part["head"] + ";\n")
-    return "\n".join(found)
-
-
-def definitions(program: Program, complete: bool, real: Arithmetic = DOUBLE) -> list[str]:
-    """Everything behind them."""
-    interface, use = program.interface, needed(program, complete, real)
-    values = tables_of(interface)
-    sizes, public = sizes_of(interface), {name for name, _, _ in header.sizes(interface)}
-    own = [n for n in sizes if n in use.names and n not in public and n not in DERIVED]
-    found = ["".join(f"#define LAGC_{name} {sizes[name]}\n" for name in own), _work(program)]
-    found += [_table(name, values[name]) for name in values if name in use.names]
-    records = [p["name"] for p in parts(real) if p["kind"] == "record" and p["name"] not in PUBLIC_RECORDS]
-    found += [_record(name, interface, real) for name in records
-              if any(f"lagc_{snake(name)} " in leaf["c"] for _, leaf in use.parts)]  # fmt: skip
-    found += _printed(use, real)
-    found.append(_defaults(complete, real))
-    return [part for part in found if part]
-
-
-def sine_cosine(program: Program, real: Arithmetic = DOUBLE) -> list[str]:
-    """The kernel that functions of the model call for their sines and cosines."""
-    return _printed(turning(program), real) if real == DOUBLE else []
-
-
-def _printed(use: Chosen, real: Arithmetic) -> list[str]:
+def _printed(use: Chosen, parts: Parts) -> list[str]:
     """Constants and functions, each file with its title."""
     found = list[str]()
-    chosen_texts = {part["name"]: leaf["c"] for part, leaf in use.parts}
+    functions = {part["name"]: leaf["c"] for part, leaf in use.functions}
+    numbers = {part["name"] for part in use.numbers if part["kind"] in ("int", "Real", "Reals")}
     section, held = "", list[str]()
-    for part in parts(real):
+    for part in parts:
         if part["kind"] == "file":
             found += [section, "".join(held)] if held else []
             section = _section(part["title"], part["text"])
             held = []
-        elif part["kind"] in ("int", "Real", "Reals") and part["name"] in use.names:
+        elif part["name"] in numbers:
             held.append(_constant(part))
-        elif part["kind"] == "function" and part["name"] in chosen_texts:
+        elif part["name"] in functions:
             found += [section] if section else []
             found += ["".join(held)] if held else []
-            found.append(chosen_texts[part["name"]])
+            found.append(functions[part["name"]])
             section, held = "", []
     return found
 
@@ -109,45 +136,11 @@ def _bound(value: float) -> str:
     return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
 
 
-def _record(name: str, interface: Interface, real: Arithmetic) -> str:
-    """A struct; C has no arrays of nothing."""
-    part = next(p for p in parts(real) if p["kind"] == "record" and p["name"] == name)
-    switches, public = switches_of(interface, True), {name for name, _, _ in header.sizes(interface)}
-    sizes = {
-        n: max(size, 1)
-        for n, size in sizes_of(interface).items()
-        if size == 0 or n not in {*public, *DERIVED}
-    }
-    lines = []
-    for member, kind, when, lead, trail in part["members"]:
-        if all(switches[switch] == value for switch, value in when):
-            lines += [f"    {line}" for line in _comment("\n".join(lead)).splitlines()]
-            lines.append(f"    {_room(kind, member, sizes, real)};" + (f" /* {trail} */" if trail else ""))
-    body = "\n".join(lines)
-    return f"{_comment(part['doc'])}typedef struct {{\n{body}\n}} lagc_{snake(name)};\n"
-
-
-def _room(kind: Sequence[str], name: str, sizes: Mapping[str, int], real: Arithmetic) -> str:
-    """`sizes`: those that are written as numbers."""
-    from lagc.render.kernels.c import CPrinter
-
-    printer = CPrinter(real, {**DERIVED, **{n: str(size) for n, size in sizes.items()}}, {})
-    return printer.room(tuple(kind), name)
-
-
-def _methods() -> str:
-    found = [part for part in parts() if part["kind"] == "Method"]
-    ends = ["," if part is not found[-1] else "" for part in found]
-    rows = [f"    LAGC_{part['name']} = {part['value']}{end} /* {part['note']} */\n"
-            for part, end in zip(found, ends)]  # fmt: skip
-    return f"typedef enum {{\n{''.join(rows)}}} lagc_method;\n"
-
-
-def _codes(file: str) -> str:
+def _codes(parts: Parts, file: str) -> str:
     """The enumeration of a kernel file."""
     rows: list[tuple[str, str]] = []
     head = now = ""
-    for part in parts():
+    for part in parts:
         now = part["name"] if part["kind"] == "file" else now
         if part["kind"] == "Code" and now == file:
             head = head or part["note"]
@@ -213,9 +206,9 @@ def _defaults(complete: bool, real: Arithmetic) -> str:
     )
     if not complete:
         return text
-    texts = ",\n        ".join(f'"{text}"' for _, text, _ in STATUSES)
+    meanings = ",\n        ".join(f'"{text}"' for text in texts())
     return text + (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
-        f"        {texts}\n    }};\n"
+        f"        {meanings}\n    }};\n"
         '    return status >= 0 && status <= LAGC_INVALID ? texts[status] : "no status";\n}\n'
     )

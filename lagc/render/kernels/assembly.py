@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from typing import Any
@@ -10,63 +11,101 @@ from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
 CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3}
-# Sizes that are expressions of others, or the same in every model.
+# Sizes that have no name in generated C: expressions of others.
 DERIVED = {
-    "NM": "LAGC_NV * (LAGC_NV + 1) / 2", "NG": "LAGC_NC * LAGC_NV", "NR": "LAGC_NV + LAGC_NC",
-    "NREACH": "LAGC_NC + LAGC_NH", "NROW": "LAGC_NU + 1", "NSETU": "3 * LAGC_NU",
-    **{name: str(value) for name, value in CONSTANT_SIZES.items()},
+    "NM": "NV * (NV + 1) // 2", "NG": "NC * NV", "NR": "NV + NC", "NREACH": "NC + NH", "NROW": "NU + 1",
+    "NSETU": "NSETS * NU",
 }  # fmt: skip
+_NAME = re.compile("[A-Z]+")
+Part = Mapping[str, Any]  # see `library`
+
+
+def _in_c(expression: str) -> str:
+    def spelled(name: re.Match[str]) -> str:
+        return str(CONSTANT_SIZES.get(name[0], f"LAGC_{name[0]}"))
+
+    return _NAME.sub(spelled, expression).replace("//", "/")
+
+
+SPELLED = {name: _in_c(text) for name, text in {**{n: n for n in CONSTANT_SIZES}, **DERIVED}.items()}  # in C
 
 
 @dataclass(frozen=True)
 class Chosen:
-    """Parts in their order: `functions` with the text of this model's switches; `names` of all that is
-    used: kernels, constants, tables, functions of the model."""
+    """What is needed, in the order of the files: `functions` with their text for this model's switches,
+    `records` with the members that they have, `numbers`; `names` of all that is used: these, tables,
+    functions of the model."""
 
-    parts: tuple[tuple[Mapping[str, Any], Mapping[str, Any]], ...]
+    functions: tuple[tuple[Part, Part], ...]
+    records: tuple[tuple[Part, tuple[Sequence[Any], ...]], ...]
+    numbers: tuple[Part, ...]
     names: frozenset[str]
 
 
-def chosen(parts: Iterable[Mapping[str, Any]], switches: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
+def chosen(parts: Sequence[Part], switches: Mapping[str, bool], roots: Iterable[str]) -> Chosen:
     """The functions `roots` and all that they call.  KeyError for a name that is none."""
-    functions = {part["name"]: part for part in parts if part["kind"] == "function"}
-    leaves: dict[str, Mapping[str, Any]] = {}
-    names: set[str] = set()
+    known = {part["name"]: part for part in parts if part["kind"] == "function"}
+    leaves: dict[str, Part] = {}
     wanted = list(roots)
     while wanted:
         name = wanted.pop()
-        if name in leaves:
-            continue
-        leaf = functions[name]["tree"]
-        while isinstance(leaf, list):
-            leaf = leaf[1 if switches[leaf[0]] else 2]
-        if "missing" in leaf:
-            raise KeyError(f"{name}: {leaf['missing']}")
-        leaves[name] = leaf
-        names.update(leaf["uses"], leaf["calls"])
-        wanted += [call for call in leaf["calls"] if call in functions]
+        if name not in leaves:
+            leaves[name] = _leaf(known[name], switches)
+            wanted += [call for call in leaves[name]["calls"] if call in known]
+    names = {name for leaf in leaves.values() for name in (*leaf["uses"], *leaf["calls"])} | leaves.keys()
+    records = {name for leaf in leaves.values() for name in leaf["records"]}
     return Chosen(
-        tuple((functions[n], leaves[n]) for n in functions if n in leaves), frozenset(names | leaves.keys())
+        tuple([(known[name], leaves[name]) for name in known if name in leaves]),
+        tuple([(p, members(p, switches)) for p in parts if p["kind"] == "record" and p["name"] in records]),
+        tuple([p for p in parts if p["kind"] not in ("file", "record", "function") and p["name"] in names]),
+        frozenset(names),
     )
+
+
+def _leaf(function: Part, switches: Mapping[str, bool]) -> Part:
+    found = function["tree"]
+    while isinstance(found, list):
+        found = found[1 if switches[found[0]] else 2]
+    if "missing" in found:
+        raise KeyError(f"{function['name']}: {found['missing']}")
+    return found  # type: ignore[no-any-return]
+
+
+def members(record: Part, switches: Mapping[str, bool]) -> tuple[Sequence[Any], ...]:
+    """Those that a record has: name, type, switches, and comments before and beside."""
+    return tuple([m for m in record["members"] if all(switches[name] == value for name, value in m[2])])
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:
     """The sizes of a model: see `lagc.kernels.sizes`."""
-    columns, begins = interface.condition_columns, (0, *interface.condition_ends)
-    rows = [columns[begin:end] for begin, end in zip(begins, interface.condition_ends)]
-    nq, nv, nc, nh = interface.nq, interface.nv, interface.nc, interface.nh
-    quaternions, fields = len(interface.quaternions), (*interface.parameters, *interface.inputs)
-    nu, ne = len(interface.start_levels), len(rows) + quaternions
-    return {
-        "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": nc, "NH": nh, "NP": len(fields),
-        "NQUAT": quaternions, "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
-        "NM": nv * (nv + 1) // 2, "NG": nc * nv, "NR": nv + nc, "NREACH": nc + nh,
-        "NCOND": len(rows), "NRATE": len(interface.rate_names),
-        "NPOSITION": sum(max(row, default=0) < nq for row in rows),
+    nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
+    start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
+                           interface.condition_columns, interface.quaternions)  # fmt: skip
+    own = {
+        "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
+        "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NLIMITS": len(interface.limits), "NU": nu, "NE": ne, "NJ": max(len(columns) + 4 * quaternions, 1),
-        "NROW": nu + 1, "NSETU": 3 * nu, **CONSTANT_SIZES,
+        "NLIMITS": len(interface.limits),
     }  # fmt: skip
+    return _derived({**own, **start, **own})  # work integrals are no part of a start
+
+
+def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],
+                   quaternions: Sequence[int]) -> dict[str, int]:  # fmt: skip
+    """Of the search for a start; `ends` and `columns` of the model's own conditions."""
+    rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
+    return _derived({
+        "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
+        "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
+        "NPOSITION": sum(max(row, default=0) < nq for row in rows),
+        "NJ": max(len(columns) + 4 * len(quaternions), 1), **CONSTANT_SIZES,
+    })  # fmt: skip
+
+
+def _derived(sizes: dict[str, int]) -> dict[str, int]:
+    """With those that are expressions of others."""
+    known = {name: text for name, text in DERIVED.items() if set(_NAME.findall(text)) <= sizes.keys()}
+    return {**sizes, **{name: eval(text, dict(sizes)) for name, text in known.items()}}
 
 
 def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
@@ -82,10 +121,9 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
-    ends, columns = list(interface.condition_ends), list(interface.condition_columns)
-    for k in interface.quaternions:
-        ends.append(len(columns) + 4)
-        columns += range(k, k + 4)
+    ends, columns = with_quaternions(
+        interface.condition_ends, interface.condition_columns, interface.quaternions
+    )
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "level": interface.start_levels, "unit": interface.start_units,
@@ -94,3 +132,15 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
+
+
+def with_quaternions(
+    ends: Iterable[int], columns: Iterable[int], quaternions: Iterable[int]
+) -> tuple[list[int], list[int]]:
+    """Where the derivatives of each condition of a start end, and the unknown of each: the model's own, and
+    a row for each unit quaternion."""
+    found, unknowns = list(ends), list(columns)
+    for first in quaternions:
+        found.append(len(unknowns) + 4)
+        unknowns += range(first, first + 4)
+    return found, unknowns

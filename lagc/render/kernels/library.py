@@ -13,7 +13,7 @@ from typing import Any
 from lagc.kernels import FILES, METHODS
 from lagc.render.kernels import python
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import DERIVED
+from lagc.render.kernels.assembly import SPELLED
 from lagc.render.kernels.c import CPrinter
 from lagc.render.kernels.static import Statics, Undecided
 from lagc.render.kernels.syntax import Constant, Function, Missing, Module, Outside, Record, read
@@ -190,7 +190,7 @@ class Library:
         signature.writes = [any(column) for column in zip(*(leaf.signature.writes for leaf in leaves))]
         self.signatures[name] = signature
         found = python.short(leaves[0]) if len(leaves) == 1 and isinstance(tree, Types) else None
-        printer = CPrinter(self.real, DERIVED, self.spelled)
+        printer = CPrinter(self.real, SPELLED, self.spelled)
         heads = printer.head(leaves[0], signature.writes)
         self.parts.append({
             "kind": "function", "name": name, "public": part.public, "lead": part.lead if part.public else (),
@@ -209,7 +209,8 @@ class Library:
         seen = leaf.read - {*leaf.parameters, *leaf.locals, *leaf.counters}
         return {
             "c": printer.function(leaf, signature.writes), "python": python.function(leaf, self.short),
-            "calls": list(leaf.calls), "uses": sorted(seen & {*self.constants, *self.tables, *self.sizes}),
+            "calls": list(leaf.calls), "records": list(leaf.records),
+            "uses": sorted(seen & {*self.constants, *self.tables, *self.sizes}),
         }  # fmt: skip
 
 

@@ -74,6 +74,7 @@ class Types:
     touched: set[str] = field(default_factory=set)
     read: set[str] = field(default_factory=set)
     calls: dict[str, None] = field(default_factory=dict)
+    records: dict[str, None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, annotation in self.function.parameters:
@@ -96,6 +97,8 @@ class Types:
                 kind[0] == "Cell" and (kind[1],) not in SCALARS
             ):
                 raise ValueError(text)
+            if kind[0] == "Record":
+                self.records[kind[1]] = None
             return kind
         except ValueError:
             raise self.fail(self.function.line, f"{text} is not a type of the subset") from None
@@ -197,6 +200,7 @@ class Types:
             self.read.update(sizes)
         elif isinstance(value, ast.Call) and self.known.is_record(made):
             found = ("Record", made)
+            self.records[made] = None
         else:
             found = self.of(value)
             if hasattr(node, "said"):

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function, Program
 from lagc.render.kernels.assembly import CONSTANT_SIZES
-from lagc.render.kernels.shipped import parts
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
 from lagc.render.turning import turning
@@ -171,15 +170,11 @@ def _again(function, inputs, outputs):
 def sine_cosine(program: Program) -> list[str]:
     """The kernel that functions of the model call for their sines and cosines."""
     use = turning(program)
-    if not use.parts:
+    if not use.functions:
         return []
-    numbers = "".join(
-        f"{p['name']} = {p['python']}\n"
-        for p in parts()
-        if p["kind"] in ("Real", "Reals") and p["name"] in use.names
-    )
+    numbers = "".join(f"{part['name']} = {part['python']}\n" for part in use.numbers)
     sizes = re.compile(rf"\b({'|'.join(CONSTANT_SIZES)})\b")
-    texts = [sizes.sub(lambda m: str(CONSTANT_SIZES[m[1]]), leaf["python"]) for _, leaf in use.parts]
+    texts = [sizes.sub(lambda m: str(CONSTANT_SIZES[m[1]]), leaf["python"]) for _, leaf in use.functions]
     return [numbers, *texts, _CAREFULLY]
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Any
 
 from lagc.kernels import METHODS
 from lagc.optimize.program import Interface, Program
-from lagc.render.kernels.assembly import Chosen, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.assembly import Chosen, Part, chosen, sizes_of, switches_of, tables_of
 from lagc.render.kernels.shipped import parts
 from lagc.render.numpy.states import EQUATIONS, STATES
 
@@ -20,9 +20,8 @@ ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense"
 OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
-MADE = {"Work": "rhs_at", "State": "begin", "StartWork": "prepare"}  # that callers make, for these kernels
 LEVELS = ("UNSTATED", "DECLARED", "SCENE", "RUN", "FIXED")
-Members = list[tuple[str, Sequence[str]]]  # of a record: name and type
+NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
 
 
@@ -30,7 +29,7 @@ def definitions(program: Program, complete: bool) -> list[str]:
     """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
     use = _needed(program.interface, (*ROOTS, *search), complete)
-    return [_constants(program.interface, use), *support(), _work(program), *_kernels(program.interface, use),
+    return [_constants(program.interface, use), *support(), _work(program), *kernels(use),
             EQUATIONS, STATES]  # fmt: skip
 
 
@@ -38,7 +37,7 @@ def evaluation(program: Program) -> list[str]:
     """What is the model's own, and what evaluates one state: equations without steps."""
     use = _needed(program.interface, ("rhs_at", "factor_dense", "system_at"), False)
     own = "\n\n".join([_constants(program.interface, use), _work(program)])
-    return [own, *_kernels(program.interface, use), EQUATIONS]
+    return [own, *kernels(use), EQUATIONS]
 
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
@@ -48,25 +47,33 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
 
 def _constants(interface: Interface, use: Chosen) -> str:
     """Sizes, tables, statuses, numbers that kernels know."""
-    kinds = [kind for _, members in _records(interface, use) for _, kind in members]
+    kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
     used |= set(LEVELS) if "prepare" in use.names else set()
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
-    text += f"METHODS = {METHODS!r}\n"
+    return text + f"METHODS = {METHODS!r}\n" + numbers(used)
+
+
+def numbers(used: Collection[str]) -> str:
+    """The statuses, and the numbers `used`."""
+    text = ""
     for part in parts():
-        number = part["kind"] in ("int", "Real", "Code", "Method") and part["name"] in used
-        if number or part["kind"] == "Status":
+        if part["kind"] == "Status" or (part["kind"] in NUMBERS and part["name"] in used):
             text += f"{part['name']} = {part['python']}" + (f"  # {part['note']}\n" if part["note"] else "\n")
     return text
 
 
-def _kernels(interface: Interface, use: Chosen) -> list[str]:
+def kernels(use: Chosen) -> list[str]:
     """Records and functions."""
-    records = [record(part["name"], part["doc"], members) for part, members in _records(interface, use)]
-    return [*records, *(leaf["python"] for _, leaf in use.parts)]
+    records = [_record(part["name"], part["doc"], members) for part, members in _records(use)]
+    return [*records, *(leaf["python"] for _, leaf in use.functions)]
+
+
+def _records(use: Chosen) -> list[tuple[Part, tuple[Sequence[Any], ...]]]:
+    return [(part, members) for part, members in use.records if part["name"] not in GIVEN]
 
 
 @cache
@@ -80,25 +87,11 @@ def support(names: tuple[str, ...] = SUPPORT) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _records(interface: Interface, use: Chosen) -> list[tuple[Mapping[str, Any], Members]]:
-    """Those that callers or kernels make, with the members that they have."""
-    switches = switches_of(interface, True)
-    found: list[tuple[Mapping[str, Any], Members]] = []
-    for part in parts():
-        if part["kind"] != "record" or part["name"] in GIVEN:
-            continue
-        made = any(f"{part['name']}(" in leaf["python"] for _, leaf in use.parts)
-        if made or MADE.get(part["name"]) in use.names:
-            found.append((part, [(name, kind) for name, kind, when, _, _ in part["members"]
-                                 if all(switches[switch] == value for switch, value in when)]))  # fmt: skip
-    return found
-
-
-def record(name: str, doc: str, members: Members) -> str:
+def _record(name: str, doc: str, members: Sequence[Sequence[Any]]) -> str:
     """A class of slots."""
     about = "\n    ".join(doc.splitlines())
-    slots = "".join(f'        "{m}",\n' for m, _ in members)
-    zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind in members)
+    slots = "".join(f'        "{m}",\n' for m, *_ in members)
+    zeros = "".join(f"        self.{m} = {_zero(kind)}\n" for m, kind, *_ in members)
     head = f'class {name}:\n    """{about}"""\n\n    __slots__ = (\n{slots}    )\n'
     return f"{head}\n    def __init__(self):\n{zeros}"
 

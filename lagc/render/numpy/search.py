@@ -12,7 +12,6 @@ from lagc import cache as store
 from lagc.cache.sources import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start")
-RECORDS = ("StartWork", "Place")
 SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION")
 
 
@@ -27,15 +26,7 @@ def text(switches: dict[str, bool]) -> str:
     from lagc.render.kernels.assembly import chosen
     from lagc.render.kernels.shipped import parts
     from lagc.render.numpy.functions import ARITHMETIC
-    from lagc.render.numpy.runtime import record
+    from lagc.render.numpy.runtime import kernels, numbers
 
     use = chosen(parts(), switches, ROOTS)
-    found = [ARITHMETIC]
-    for part in parts():
-        number = part["kind"] in ("int", "Real", "Code") and part["name"] in use.names
-        if number or part["kind"] == "Status":
-            found.append(f"{part['name']} = {part['python']}\n")
-        elif part["kind"] == "record" and part["name"] in RECORDS:
-            members = [m for m in part["members"] if all(switches[switch] == value for switch, value in m[2])]
-            found.append(record(part["name"], part["doc"], [(name, kind) for name, kind, *_ in members]))
-    return "\n\n".join([*found, *(leaf["python"] for _, leaf in use.parts)])
+    return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])

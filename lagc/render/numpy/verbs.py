@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.optimize.program import Program
-from lagc.render.statuses import STATUSES
+from lagc.render.statuses import texts
 
 _ALWAYS = '''\
 STATUSES = @STATUSES@
@@ -195,7 +195,7 @@ def _vectorised(function):
 
 def verbs(program: Program, complete: bool) -> list[str]:
     """Those that the model has a use for; `complete`, with those that a run of lagc does without."""
-    found = [_ALWAYS.replace("@STATUSES@", _texts())]
+    found = [_ALWAYS.replace("@STATUSES@", _statuses())]
     for name, text in (
         ("start", _START),
         ("system", _SYSTEM),
@@ -213,5 +213,5 @@ def verbs(program: Program, complete: bool) -> list[str]:
     return [*found, _MANY]
 
 
-def _texts() -> str:
-    return "".join(["(\n", *(f"    {text!r},\n" for _, text, _ in STATUSES), ")"])
+def _statuses() -> str:
+    return "".join(["(\n", *(f"    {text!r},\n" for text in texts()), ")"])

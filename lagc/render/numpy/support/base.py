@@ -7,10 +7,7 @@ from math import inf
 from typing import Any
 
 from lagc.kernels import METHODS
-
-# In generated modules these come from `lagc.kernels.statuses`.
-OK, SINGULAR_MASS, REDUNDANT, INCONSISTENT, NOT_FINITE = range(5)
-STEP_UNDERFLOW, MAX_STEPS, INTERRUPTED, INVALID = range(5, 9)
+from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS
 
 # -- what follows is part of generated modules --
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from lagc.render.numpy.support.base import FIRST_LOOK, INTERRUPTED, INVALID, MAX_STEPS, Options, Trajectory
+from lagc.kernels.statuses import INTERRUPTED, INVALID, MAX_STEPS
+from lagc.render.numpy.support.base import FIRST_LOOK, Options, Trajectory
 
 # -- what follows is part of generated modules --
 
@@ -33,7 +34,8 @@ def recorded(
     trajectory and knows its limit.  `state` has its t, steps, rejected, culprit.  KeyboardInterrupt ends it
     with what was recorded; ValueError where an option or the times make no sense.  With a `clock` of seconds
     slices become as long as SLICE lets them."""
-    budget, look, status = FIRST_BUDGET, FIRST_LOOK, INTERRUPTED
+    budget, look = FIRST_BUDGET, FIRST_LOOK
+    status: int = INTERRUPTED
     try:
         while status == INTERRUPTED:
             limit = options.max_steps
