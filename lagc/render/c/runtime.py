@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from textwrap import fill
 from typing import Any
 
-from lagc.kernels import METHODS
 from lagc.optimize.program import Program
 from lagc.render.c import header
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import SPELLED, Chosen, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.assembly import (
+    SPELLED,
+    Chosen,
+    Part,
+    chosen,
+    codes,
+    sizes_of,
+    switches_of,
+    tables_of,
+)
 from lagc.render.kernels.c import CPrinter
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import Parts, parts
+from lagc.render.numpy.support.base import Options
 from lagc.render.statuses import texts
 from lagc.render.turning import turning
 
@@ -44,9 +53,9 @@ class Runtime:
         """Enumerations and structs of the interface: for the header."""
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
-        found += [records["Options"], _codes(self.parts, "records"), records["State"]]
+        found += [records["Options"], _codes(codes(self.parts, "records")), records["State"]]
         if self.searches:
-            found += [_codes(self.parts, "startrecords"), records["StartWork"]]
+            found += [_codes(codes(self.parts, "startrecords")), records["StartWork"]]
         return "\n".join(found)
 
     def declarations(self) -> str:
@@ -70,7 +79,11 @@ class Runtime:
         found += [_table(name, values[name]) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
         found += _printed(self.use, self.parts)
-        found.append(_defaults(self.complete, self.real))
+        # What the subset cannot say: structs by value, their sizes, texts.
+        (options,) = [members for part, members in self.use.records if part["name"] == "Options"]
+        found.append(_default_options(options, self.real))
+        found += [f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n" for n in ("work", "state")]
+        found += [_status_text()] if self.complete else []
         return [part for part in found if part]
 
     def _records(self) -> dict[str, str]:
@@ -136,23 +149,18 @@ def _bound(value: float) -> str:
     return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
 
 
-def _codes(parts: Parts, file: str) -> str:
-    """The enumeration of a kernel file."""
-    rows: list[tuple[str, str]] = []
-    head = now = ""
-    for part in parts:
-        now = part["name"] if part["kind"] == "file" else now
-        if part["kind"] == "Code" and now == file:
-            head = head or part["note"]
-            rows.append(
-                (f"LAGC_{part['name']} = {part['value']}", "" if part["note"] == head else part["note"])
-            )
-    lines = [f"    {text}{',' if k < len(rows) - 1 else ''}" + (f" /* {note} */" if note else "")
-             for k, (text, note) in enumerate(rows)]  # fmt: skip
-    return f"{_comment(fill(head, 98))}enum {{\n" + "\n".join(lines) + "\n};\n"
+def _codes(found: Sequence[Part]) -> str:
+    """An enumeration; the note of its first is that of all."""
+    head = found[0]["note"]
+    lines = []
+    for part in found:
+        comma = "," if part is not found[-1] else ""
+        note = "" if part["note"] in ("", head) else f" /* {part['note']} */"
+        lines.append(f"    LAGC_{part['name']} = {part['value']}{comma}{note}\n")
+    return f"{_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
-def _constant(part: Mapping[str, Any]) -> str:
+def _constant(part: Part) -> str:
     if part["kind"] == "Reals":
         values = part["value"]
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
@@ -194,20 +202,25 @@ def _work(program: Program) -> str:
     )
 
 
-def _defaults(complete: bool, real: Arithmetic) -> str:
-    """What the subset cannot say: structs by value, their sizes, texts."""
-    rtol = real.literal((1e-4, 1e-9, 1e-22)[real.column])
-    values = {"method": f"LAGC_{METHODS[0].upper()}", "project": "1", "max_steps": "100000000", "rtol": rtol,
-              "atol": "0.0", "step": "0.0", "first_step": "0.0", "max_step": "0.0"}  # fmt: skip
-    lines = "".join(f"    o.{name} = {value};\n" for name, value in values.items())
-    text = f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n\n"
-    text += "".join(
-        f"size_t lagc_{n}_size(void) {{ return sizeof(lagc_{n}); }}\n\n" for n in ("work", "state")
-    )
-    if not complete:
-        return text
+def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic) -> str:
+    usual, lines = Options(), ""
+    usual.rtol = (1e-4, usual.rtol, 1e-22)[real.column]
+    for name, (kind,), *_ in members:
+        value = getattr(usual, name)
+        text = (
+            real.literal(value)
+            if kind == "Real"
+            else f"LAGC_{value.upper()}"
+            if name == "method"
+            else int(value)
+        )
+        lines += f"    o.{name} = {text};\n"
+    return f"lagc_options lagc_default_options(void)\n{{\n    lagc_options o;\n{lines}    return o;\n}}\n"
+
+
+def _status_text() -> str:
     meanings = ",\n        ".join(f'"{text}"' for text in texts())
-    return text + (
+    return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
         '    return status >= 0 && status <= LAGC_INVALID ? texts[status] : "no status";\n}\n'

@@ -76,6 +76,16 @@ def members(record: Part, switches: Mapping[str, bool]) -> tuple[Sequence[Any], 
     return tuple([m for m in record["members"] if all(switches[name] == value for name, value in m[2])])
 
 
+def codes(parts: Iterable[Part], file: str) -> list[Part]:
+    """The enumeration of a kernel file."""
+    found, now = [], ""
+    for part in parts:
+        now = part["name"] if part["kind"] == "file" else now
+        if part["kind"] == "Code" and now == file:
+            found.append(part)
+    return found
+
+
 def sizes_of(interface: Interface) -> dict[str, int]:
     """The sizes of a model: see `lagc.kernels.sizes`."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)

@@ -12,6 +12,7 @@ from functools import cache
 from typing import Any
 
 from lagc import cache as store
+from lagc.cache.sources import tool_fingerprint
 from lagc.kernels import FILES, METHODS, WORDS
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 
@@ -59,12 +60,17 @@ def printed(real: Arithmetic) -> Parts:
 
 
 def _key() -> str:
-    """Of the kernels and of what prints them."""
-    texts = []
-    for path in sources():
-        with open(path, encoding="utf-8") as file:
-            texts.append(file.read())
-    return store.key(*texts)
+    """Of the kernels and of what prints them; kept, as these are fifty files."""
+    tool = store.key(tool_fingerprint())
+    found = store.load("printers", tool, bytes.decode)
+    if found is None:
+        texts = []
+        for path in sources():
+            with open(path, encoding="utf-8") as file:
+                texts.append(file.read())
+        found = store.key(*texts)
+        store.store("printers", tool, found.encode())
+    return found
 
 
 def sources() -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from lagc.kernels import METHODS
 from lagc.optimize.program import Interface, Program
-from lagc.render.kernels.assembly import Chosen, Part, chosen, sizes_of, switches_of, tables_of
+from lagc.render.kernels.assembly import Chosen, Part, chosen, codes, sizes_of, switches_of, tables_of
 from lagc.render.kernels.shipped import parts
 from lagc.render.numpy.states import EQUATIONS, STATES
 
@@ -20,7 +20,6 @@ ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense"
 OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
-LEVELS = ("UNSTATED", "DECLARED", "SCENE", "RUN", "FIXED")
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
 
@@ -49,7 +48,7 @@ def _constants(interface: Interface, use: Chosen) -> str:
     """Sizes, tables, statuses, numbers that kernels know."""
     kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
-    used |= set(LEVELS) if "prepare" in use.names else set()
+    used |= {part["name"] for part in codes(parts(), "startrecords")} if "prepare" in use.names else set()
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"

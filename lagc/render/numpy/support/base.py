@@ -18,7 +18,7 @@ FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluati
 class Options:
     """How to integrate one trajectory.
 
-    `method`: "dop853" or "dopri5".  `rtol` is relative to the largest magnitude so far of the states of
+    `method`: one of METHODS.  `rtol` is relative to the largest magnitude so far of the states of
     the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
     `first_step` 0: chosen; `max_step` 0: no limit; `max_steps`, of one call: accepted and rejected, 0: no
     limit.  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
