@@ -26,10 +26,38 @@ def clear(values: Vec[Any], direction: Vec[Any], n: int) -> bool:
     return True
 
 
-def shorten(values: Vec[Any], n: int) -> None:
+def clear_exactly(values: Vec[Any], given: Vec[Any], direction: Vec[Any], n: int, lost: Real) -> Real:
+    """The same, where what is no more than `lost` of what it is the rest of is rounding and becomes 0; the
+    largest that is left."""
+    part = inner(values, direction, n)
+    largest = 0.0
+    for j in range(n):
+        taken = part * direction[j]
+        left = fabs(values[j] - taken)
+        if left <= lost * fabs(given[j]) or left <= lost * fabs(taken):
+            left = 0.0
+            values[j] = 0.0
+        else:
+            values[j] -= taken
+        if left > largest:
+            largest = left
+    return largest
+
+
+def shorten(values: Vec[Any], n: int) -> bool:
+    """Make a vector a unit vector; whether it has a direction."""
+    largest = 0.0
+    for j in range(n):
+        if fabs(values[j]) > largest:
+            largest = fabs(values[j])
+    if largest == 0.0:
+        return False
+    for j in range(n):
+        values[j] = values[j] / largest
     length = sqrt(inner(values, values, n))
     for j in range(n):
         values[j] = values[j] / length
+    return True
 
 
 def unit_rows(w: StartWork, m: int, n: int) -> int:
@@ -74,11 +102,12 @@ def longest_rest(w: StartWork, given: int, least: Real) -> int:
     return best
 
 
-def least_norm(w: StartWork, m: int, n: int, dependent: Real) -> bool:
+def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> bool:
     """w.step[n], the shortest solution of the m rows of w.matrix (which are lost) with the right-hand
     sides w.right; False where a number is not finite.  Rows that depend on the ones before (to
     `dependent` of their length) are left out, the longest remaining row first: a modified
-    Gram-Schmidt factorisation, each row orthogonalised twice."""
+    Gram-Schmidt factorisation, each row orthogonalised twice.  Entry by entry what is no more than `lost` of
+    what it is the rest of is taken for rounding."""
     for j in range(n):
         w.step[j] = 0.0
     given = unit_rows(w, m, n)
@@ -88,19 +117,24 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real) -> bool:
     while True:
         best = longest_rest(w, given, dependent * dependent)
         if best < 0:
+            w.left_out = given - chosen
             return True
+        w.chosen[best] = 1
         direction = w.rests[best]
         shorten(direction, n)
         for k in range(chosen):
             clear(direction, w.rests[w.turns[k]], n)
-        shorten(direction, n)
+        if not shorten(direction, n):
+            continue
         w.turns[chosen] = best
-        w.chosen[best] = 1
         chosen += 1
         above = w.right[best] - inner(w.matrix[best], w.step, n)
         factor = above / inner(w.matrix[best], direction, n)
         for j in range(n):
             w.step[j] += factor * direction[j]
         for i in range(given):
-            if w.chosen[i] == 0 and clear(w.rests[i], direction, n):
-                w.squares[i] = inner(w.rests[i], w.rests[i], n)
+            if w.chosen[i] == 0:
+                if lost > 0.0:
+                    w.squares[i] = clear_exactly(w.rests[i], w.matrix[i], direction, n, lost)
+                elif clear(w.rests[i], direction, n):
+                    w.squares[i] = inner(w.rests[i], w.rests[i], n)

@@ -13,8 +13,9 @@ from lagc.kernels.records import BAD_LEVEL, BAD_TIME
 from lagc.kernels.sizes import NCOND, NE, NQ, NQUAT, NRATE, NU, NV, NX
 from lagc.kernels.startfind import NEAR, SPREADS, find
 from lagc.kernels.startrecords import DECLARED, FIXED, UNSTATED, StartWork
-from lagc.kernels.startrows import SLIGHT, arrange, confine, farthest, row_begin, weigh
+from lagc.kernels.startrows import SLIGHT, arrange, confine, farthest, row_begin
 from lagc.kernels.startsearch import choose, hold_little
+from lagc.kernels.startsizes import weigh
 from lagc.kernels.startsteps import attempt, strayed
 from lagc.kernels.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
 from lagc.kernels.tables import column, ends, quaternion

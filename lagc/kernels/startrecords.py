@@ -38,7 +38,7 @@ class StartWork:
     weights: Vec[NU]
     widths: Vec[NU]
     common: Vec[NU]
-    reach: Vec[NU]
+    reach: Vec[NU]  # how large each unknown may be
     steepest: Vec[NU]
     moves: Vec[NU]
     now: Vec[NU]
@@ -69,6 +69,7 @@ class StartWork:
     first: int  # the spread that led to a start
     other: int  # the one that did where most was free
     count: int  # of columns
+    left_out: int  # rows that the last step does without
     positions: int  # of the rows that follow: conditions of positions come first
     ended: int  # where the rows end: those of one part
     left: int  # rows of the table

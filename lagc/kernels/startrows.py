@@ -1,4 +1,4 @@
-"""The unknowns and conditions of a consistent start: their sizes, and how far a point is from a start.
+"""The unknowns and conditions of a consistent start, and how far a point is from one.
 
 The unknowns y are q, v, and the rates that were stated though declared speeds replace them.  The
 conditions are phi = 0, psi = 0, the `initial` section, rate - value = 0 for those rates, and unit
@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.limits import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
 from lagc.kernels.model import fn_conditions
 from lagc.kernels.quaternions import square_at
 from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NU, NV
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.tables import angle, column, ends, level, quaternion, unit
+from lagc.kernels.tables import column, ends, level, quaternion
 from lagc.kernels.words import IVec, Params, Real, Size, Vec, present
 
 SLIGHT = 1.0 / 1024.0  # of the weights: the least rows are judged against; of stated values
@@ -43,118 +42,25 @@ def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE])
                 J[first + i] = y[at + i]
 
 
-def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """w.blurred: 1 for each of the derivatives w.J at y that is rounding: it changes by as much as it is
-    where positions, of these `sizes`, change in their last places."""
-    w.trial[:] = y
-    for i in range(NQ):
-        size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
-        w.trial[i] += (NEARLY if i % 2 == 0 else -NEARLY) * size
-    meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
-    for k in range(NJ):
-        change = fabs(w.trial_J[k] - w.J[k])
-        w.blurred[k] = 1 if 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= change else 0
-
-
-def steepen(i: int, w: StartWork) -> None:
-    """w.steepest: of each unit the largest derivative of condition i."""
-    first = row_begin(i)
-    end = ends[i]
-    for k in range(first, end):
-        w.steepest[unit[column[k]]] = 0.0
-    for k in range(first, end):
-        slope = fabs(w.J[k])
-        if w.steepest[unit[column[k]]] < slope and slope < inf and w.blurred[k] == 0:
-            w.steepest[unit[column[k]]] = slope
-
-
-def stretch(w: StartWork) -> None:
-    """w.common, the largest unknown of each unit, and w.reach: what changes a row by the size of its terms,
-    of the unknown of its unit that the row depends on most; 0 where there is none."""
-    for i in range(NU):
-        w.common[i] = 0.0
-    for i in range(NU):
-        w.reach[i] = 0.0
-    for i in range(NU):
-        if fabs(w.home[i]) > w.common[unit[i]]:
-            w.common[unit[i]] = fabs(w.home[i])
-    for i in range(NE):
-        if not (0.0 < w.sizes[i] and w.sizes[i] < inf):
-            continue
-        steepen(i, w)
-        first = row_begin(i)
-        end = ends[i]
-        for k in range(first, end):
-            j = column[k]
-            slope = w.steepest[unit[j]]
-            if slope > 0.0 and (w.reach[j] == 0.0 or w.sizes[i] / slope < w.reach[j]):
-                w.reach[j] = w.sizes[i] / slope
-
-
-def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
-    """The size of each unknown: its own; that of others of its unit; what changes a row by the size of its
-    terms, of the unknown of its unit that the row depends on most; that of a parameter of its unit; 1.  And
-    the size of the largest of its unit."""
-    meet(p, t, w.home, w.c, w.J, w.sizes)
-    w.terms[:] = w.sizes
-    blur(p, t, w.home, w.home, w)
-    stretch(w)
-    for i in range(NU):
-        common = w.common[unit[i]]
-        weight = fabs(w.home[i])
-        if w.levels[i] == UNSTATED or weight == 0.0:
-            weight = common
-        if weight == 0.0:
-            weight = w.reach[i]
-        if weight == 0.0:
-            weight = largest[unit[i]]
-        if not (LEAST_WEIGHT < weight and weight < MOST_WEIGHT):
-            weight = 1.0
-        width = common if common < MOST_WEIGHT else MOST_WEIGHT
-        if width < weight:
-            width = weight
-        if angle[i] == 1 and width > 1.0:
-            width = 1.0
-        if angle[i] == 1 and weight > 1.0:
-            weight = 1.0
-        w.weights[i] = weight
-        w.widths[i] = width
-    if NQUAT > 0:
-        for k in range(NQUAT):
-            for i in range(4):
-                w.weights[quaternion[k] + i] = 1.0
-                w.widths[quaternion[k] + i] = 1.0
-
-
 def weight_of(w: StartWork, i: int) -> Real:
     """How far unknown i moves where others could move instead."""
     return w.weights[i] if w.levels[i] == UNSTATED else w.ease * w.weights[i]
 
 
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """What the residual of each row at y is judged against: its terms, and what the weights change it by, but
-    not beyond its terms at the guess, or those of unknowns that are there.  A large coefficient of what is
-    zero so far excuses nothing.  Where speeds meet, positions are known to their widths."""
+    """What the residual of each row at y is judged against: its terms, and what a slight part of how large
+    its unknowns may be changes it by: these are not known better."""
     for i in range(NE):
-        total = 0.0
-        own = 0.0
-        there = 0.0
-        posture = 0.0
+        slight = 0.0
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
             j = column[k]
-            slope = fabs(J[k])
-            if j < NQ and column[end - 1] >= NQ:
-                posture += slope * w.widths[j]
-            total += slope * w.weights[j]
-            own += slope * fabs(y[j])
-            if fabs(y[j]) >= SLIGHT * w.weights[j]:
-                there += slope * fabs(y[j])
-        slight = SLIGHT * total
-        known = w.terms[i] if w.terms[i] > 0.0 else there
-        most = known + SLIGHT * (own + posture)
-        w.scales[i] = sizes[i] + (most if 0.0 < known and most < slight else slight)
+            size = fabs(y[j])
+            if w.loose[j] == 1 and w.reach[j] > size:
+                size = w.reach[j]
+            slight += fabs(J[k]) * size
+        w.scales[i] = sizes[i] + SLIGHT * slight
 
 
 def ratio(value: Real, scale: Real) -> Real:

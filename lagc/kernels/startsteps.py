@@ -6,15 +6,19 @@ from math import fabs, floor, inf, sqrt
 
 from lagc.kernels.leastnorm import least_norm
 from lagc.kernels.limits import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
-from lagc.kernels.sizes import NJ, NQ, NU
+from lagc.kernels.sizes import NE, NJ, NQ, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.startrows import blur, farthest, judge, meet, norm, row_begin, weight_of
+from lagc.kernels.startrows import farthest, judge, meet, norm, ratio, row_begin, weight_of
+from lagc.kernels.startsizes import blur
 from lagc.kernels.tables import angle, column, ends
 from lagc.kernels.words import Params, Real, Size, Vec
 
 NEWTON_STEPS = 60
 LATE = 8  # steps in which what is missed halves, or the iteration ends
+WHOLE = 0.6  # the same, where only the longest step is tried
+EXACTLY = 2  # the last turn, at which rows are taken entry by entry
 SHORTEST = 1.0 / 16384.0  # part of a step that is tried at last
+POLISHED = 4  # steps
 OVERSHOT = 2.0  # of what was missed: a step that misses more is too long, whatever part it is
 TINIEST = 1e-30  # part of a step, of such a one
 HOMEWARD = 20  # steps back towards the guess
@@ -77,10 +81,10 @@ def longest_part(w: StartWork) -> Real:
 
 
 def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real, longest: Real,
-              w: StartWork) -> Real:  # fmt: skip
+              shortest: Real, w: StartWork) -> Real:  # fmt: skip
     """What is missed at w.trial, y and a part of w.step that helps: the whole, where all is linear and whole
-    turns are gone, else the longest and its halves; -1 where none does."""
-    least = 0.6 * longest if missed <= CLOSE else SHORTEST * longest
+    turns are gone, else the longest and its halves down to the shortest; -1 where none does."""
+    least = shortest * longest
     factor = 1.0
     size = inf
     while least > 0.0 and factor >= (least if size < OVERSHOT * missed else TINIEST):
@@ -94,6 +98,55 @@ def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real
     return -1.0
 
 
+def shortest_step(w: StartWork, m: int, turn: int) -> bool:
+    """w.step of the m rows of w.matrix.  What follows from other rows is a part of the length of a row
+    that is small, or larger at the second turn, or at the third what is rounding entry by entry."""
+    if turn == EXACTLY:
+        return least_norm(w, m, w.count, 0.0, FOLLOWING)
+    return least_norm(w, m, w.count, FOLLOWING if turn == 0 else SURELY_FOLLOWING, 0.0)
+
+
+def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Real:
+    """The norm of the residuals of w.rows[first..end-1] that something free takes part in, by the terms of
+    their rows; what is no more than the rounding of rounding is none."""
+    total = 0.0
+    for k in range(first, end):
+        i = w.rows[k]
+        free = False
+        begin = row_begin(i)
+        behind = ends[i]
+        for e in range(begin, behind):
+            free = free or (w.places[column[e]] >= 0 and w.blurred[e] == 0)
+        if free:
+            size = ratio(c[i], sizes[i] + CLOSE * w.scales[i])
+            total += size * size
+    return sqrt(total)
+
+
+def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
+    """Steps from where all is met as far as what it may be tells, to where it is by its own terms."""
+    missed = rough(w.c, w.sizes, first, end, w)
+    for n in range(POLISHED):
+        if missed <= CLOSE:
+            return
+        fill(first, end, w)
+        w.work += 1
+        if not shortest_step(w, end - first, EXACTLY):
+            return
+        w.trial[:] = y
+        move_along(w.trial, 1.0, w)
+        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
+        left = rough(w.trial_c, w.trial_sizes, first, end, w)
+        if not (left < 0.5 * missed and norm(w.trial_c, first, end, w) <= CLOSE):
+            return
+        missed = left
+        y[:] = w.trial
+        w.c[:] = w.trial_c
+        w.sizes[:] = w.trial_sizes
+        w.J[:] = w.trial_J
+        judge(y, w.J, w.sizes, w)
+
+
 def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
     """Gauss-Newton of least norm on w.rows[first..end-1] in w.columns, with steps that are halved until
     they help."""
@@ -102,28 +155,35 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
     meet(p, t, y, w.c, w.J, w.sizes)
     judge(y, w.J, w.sizes, w)
     missed = norm(w.c, first, end, w)
-    if missed <= CLOSE:
-        return
     unblur(w)
+    if missed <= CLOSE:
+        polish(p, t, y, first, end, w)
+        return
     if w.columns[0] >= NQ:  # speeds alone: what is rounding of positions stays so
         blur(p, t, y, w.weights, w)
     left = 1.0
     longest = 1.0
     for n in range(NEWTON_STEPS):
         if not (EXACT < missed and missed < inf):
+            polish(p, t, y, first, end, w)
             return
         if n > 0 and n % LATE == 0:
             if longest == 1.0 and not left < 0.5:
                 return
             left = 1.0
         size = -1.0
-        for turn in range(2):
+        some = False
+        for turn in range(3):
+            if turn == EXACTLY and not some:
+                break
             fill(first, end, w)
             w.work += 1
-            if not least_norm(w, end - first, w.count, FOLLOWING if turn == 0 else SURELY_FOLLOWING):
+            if not shortest_step(w, end - first, turn):
                 return
             longest = longest_part(w)
-            size = try_parts(p, t, y, first, end, missed, longest, w)
+            some = some or (turn == 0 and w.left_out > 0)
+            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE else SHORTEST
+            size = try_parts(p, t, y, first, end, missed, longest, shortest, w)
             if size >= 0.0:
                 break
         if size < 0.0:
@@ -190,7 +250,7 @@ def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
             value += w.matrix[r][k] * ((y[i] - w.home[i]) / weight_of(w, i))
         w.right[r] = value
     w.work += 1
-    return least_norm(w, end, w.count, FOLLOWING)
+    return shortest_step(w, end, 0)
 
 
 def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
