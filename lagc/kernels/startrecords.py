@@ -39,7 +39,6 @@ class StartWork:
     widths: Vec[NU]
     common: Vec[NU]
     reach: Vec[NU]  # how large each unknown may be
-    steepest: Vec[NU]
     moves: Vec[NU]
     now: Vec[NU]
     best: Vec[NU]
