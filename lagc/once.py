@@ -1,8 +1,8 @@
 """Values that are computed when they are first asked for, once, whatever the number of threads.
 
 `functools.cached_property` computes twice where two threads ask at the same time; of an expression
-graph and what is made from it there must be one.  The locks come from `_thread`, as `threading` is
-slow to load.
+graph and what is made from it there must be one.  The locks come from `_thread`: to load `threading` is 2 %
+of a short run.
 """
 
 from __future__ import annotations

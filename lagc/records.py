@@ -1,8 +1,8 @@
 """Dataclasses that cost nothing to define.
 
 `dataclass` and `field` mean what they mean in `dataclasses`, for what is used here (frozen, slots,
-defaults, repr).  Defining one there takes half a millisecond and the import ten, which for a hundred
-of them is most of a short run; here the methods are written when they are first called.  For type
+defaults, repr).  There the import takes 20 % of a short run, and defining one half a millisecond; here that
+is 0.04, and methods are written when they are called, `__init__` when it is called often.  For type
 checkers, and for `dataclasses.fields`, `replace` and `asdict`, these are dataclasses.
 """
 

@@ -21,6 +21,7 @@ from lagc.render.kernels.assembly import (
     tables_of,
 )
 from lagc.render.kernels.c import CPrinter
+from lagc.render.kernels.layout import block_comment
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import Parts, parts
 from lagc.render.numpy.support.base import Options
@@ -67,8 +68,10 @@ class Runtime:
                          "const char *lagc_status_text(int status);\n")  # fmt: skip
         for part, _ in self.use.functions:
             if part["public"]:
-                lead = _comment("\n".join(part["lead"]))
-                found.append((lead + "\n" if lead else "") + _comment(part["doc"]) + part["head"] + ";\n")
+                lead = block_comment("\n".join(part["lead"]))
+                found.append(
+                    (lead + "\n" if lead else "") + block_comment(part["doc"]) + part["head"] + ";\n"
+                )
         return "\n".join(found)
 
     def definitions(self) -> list[str]:
@@ -95,10 +98,10 @@ class Runtime:
         for part, members in self.use.records:
             lines = []
             for name, kind, _, lead, trail in members:
-                lines += [f"    {line}" for line in _comment("\n".join(lead)).splitlines()]
+                lines += [f"    {line}" for line in block_comment("\n".join(lead)).splitlines()]
                 note = f" /* {trail} */" if trail else ""
                 lines.append(f"    {printer.room(tuple(kind), name)};{note}")
-            head, body = _comment(part["doc"]), "\n".join(lines)
+            head, body = block_comment(part["doc"]), "\n".join(lines)
             found[part["name"]] = f"{head}typedef struct {{\n{body}\n}} lagc_{snake(part['name'])};\n"
         return found
 
@@ -157,7 +160,7 @@ def _codes(found: Sequence[Part]) -> str:
         comma = "," if part is not found[-1] else ""
         note = "" if part["note"] in ("", head) else f" /* {part['note']} */"
         lines.append(f"    LAGC_{part['name']} = {part['value']}{comma}{note}\n")
-    return f"{_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
+    return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
 def _constant(part: Part) -> str:
@@ -165,11 +168,11 @@ def _constant(part: Part) -> str:
         values = part["value"]
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
         head = f"static const lagc_real lagc_{part['name'].lower()}[]"
-        return f"{_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
+        return f"{block_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
     text, note = f"#define LAGC_{part['name']} {part['value']}", part["note"]
     if not note:
         return text + "\n"
-    return f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{_comment(note)}{text}\n"
+    return f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{block_comment(note)}{text}\n"
 
 
 def _section(title: str, text: str) -> str:
@@ -177,15 +180,6 @@ def _section(title: str, text: str) -> str:
     if not lines:
         return f"/* -- {title} -- */\n"
     return f"/* -- {title} --\n" + "\n".join(f" * {line}".rstrip() for line in lines) + " */\n"
-
-
-def _comment(text: str) -> str:
-    lines = text.splitlines()
-    return (
-        "/* " + "\n".join([*lines[:1], *((" * " + line).rstrip() for line in lines[1:])]) + " */\n"
-        if lines
-        else ""
-    )
 
 
 def _work(program: Program) -> str:

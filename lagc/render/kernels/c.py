@@ -7,8 +7,10 @@ import re
 from collections.abc import Mapping, Sequence
 
 from lagc.render.kernels.arithmetic import Arithmetic
+from lagc.render.kernels.layout import block_comment, folded, wrapped
 from lagc.render.kernels.names import snake
 from lagc.render.kernels.places import places
+from lagc.render.kernels.trees import identifier, root
 from lagc.render.kernels.typed import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
 OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
@@ -18,7 +20,6 @@ _OPERATORS = {
     ast.Lt: ("<", COMPARE), ast.LtE: ("<=", COMPARE), ast.Gt: (">", COMPARE), ast.GtE: (">=", COMPARE),
     ast.Eq: ("==", EQUAL), ast.NotEq: ("!=", EQUAL),
 }  # fmt: skip
-WIDTH = 98  # of a line
 
 
 class CPrinter:
@@ -169,7 +170,7 @@ class CPrinter:
     def bind(self, node: ast.stmt, name: str, value: ast.expr, indent: str, out: list[str]) -> None:
         kind = self.now.locals[name]
         declare = self.places[name] is node
-        if isinstance(value, ast.Call) and (_name(value.func) in MADE):
+        if isinstance(value, ast.Call) and identifier(value.func) in MADE:
             out += [f"{indent}{self.local(name)};"] if declare else []
         elif kind[0] == "Record":
             out += [f"{indent}{self.local(name)};"] if declare else []
@@ -337,7 +338,7 @@ class CPrinter:
                 if isinstance(value, ast.Attribute) or self.is_own(value)
                 else self.text(value)
             )
-            written = self.now.is_written(_root(value))
+            written = self.now.is_written(root(value))
             return f"(({'' if written else 'const '}{self.real.name} *){pointer})[{self.text(index)}]", ATOM
         return f"{self.text(value)}[{self.text(index)}]", ATOM
 
@@ -366,52 +367,3 @@ class CPrinter:
             address = kind[0] in ("Record", "Params") and (isinstance(a, ast.Attribute) or self.is_own(a))
             parts.append(("&" if address else "") + self.given(a, kind))
         return f"lagc_{name}({', '.join(parts)})", ATOM
-
-
-def block_comment(text: str) -> str:
-    if not text:
-        return ""
-    lines = text.splitlines()
-    return "/* " + "\n".join([lines[0], *((" * " + line.strip()).rstrip() for line in lines[1:])]) + " */\n"
-
-
-def folded(line: str) -> str:
-    """A long line on several, broken before an operator or after a comma."""
-    code, mark, note = line.partition(" /* ") if not line.lstrip().startswith("/*") else (line, "", "")
-    if len(code) > WIDTH and mark:
-        lead = code[: len(code) - len(code.lstrip())]
-        return f"{lead}/* {note}\n{folded(code)}"
-    indent = " " * (len(line) - len(line.lstrip()) + 4)
-    rows = []
-    while len(line) > WIDTH and not line.lstrip().startswith("/*"):
-        cuts = [
-            line.rfind(sign, len(indent) + 12, WIDTH) for sign in (" + ", " - ", " || ", " && ", " : ", " = ")
-        ]
-        cut = max(*cuts, line.rfind(", ", len(indent) + 12, WIDTH) + 1)
-        if cut < 1:
-            break
-        rows.append(line[:cut])
-        line = indent + line[cut + 1 :]
-    return "\n".join([*rows, line])
-
-
-def wrapped(start: str, parts: Sequence[str]) -> str:
-    """A head with its parameters on lines that stay short."""
-    rows = [start]
-    for k, part in enumerate(parts):
-        text = part + ("," if k < len(parts) - 1 else ")")
-        if rows[-1] != start and len(rows[-1]) + len(text) > WIDTH:
-            rows[-1] = rows[-1].rstrip()
-            rows.append(" " * len(start))
-        rows[-1] += text + (" " if k < len(parts) - 1 else "")
-    return "\n".join(rows)
-
-
-def _name(node: ast.expr) -> str:
-    return node.id if isinstance(node, ast.Name) else ""
-
-
-def _root(node: ast.expr) -> str:
-    while isinstance(node, ast.Subscript | ast.Attribute):
-        node = node.value
-    return _name(node)

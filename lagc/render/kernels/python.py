@@ -6,7 +6,7 @@ import ast
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from lagc.render.kernels.syntax import clone
+from lagc.render.kernels.trees import clone
 from lagc.render.kernels.typed import Type, Types
 
 # Kernels of which Python's own functions do the whole work, with the same result.

@@ -18,8 +18,8 @@ from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 
 Parts = tuple[dict[str, Any], ...]
 _PRINTERS = (
-    "__init__", "arithmetic", "assembly", "c", "interface", "library", "names", "places", "python", "shipped",
-    "static", "syntax", "typed",
+    "__init__", "arithmetic", "assembly", "c", "interface", "layout", "library", "names", "places", "python",
+    "shipped", "static", "syntax", "trees", "typed",
 )  # fmt: skip
 
 

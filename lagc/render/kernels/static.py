@@ -12,7 +12,8 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from lagc.render.kernels.syntax import Outside, clone, exact
+from lagc.render.kernels.syntax import Outside, exact
+from lagc.render.kernels.trees import clone, identifier
 
 SWITCHES = ("STRAIGHT", "HAS_DISPLACE", "COMPLETE")
 Switches = Mapping[str, bool]
@@ -54,7 +55,7 @@ class Statics:
         if (
             isinstance(node, ast.For)
             and isinstance(node.iter, ast.Call)
-            and _name(node.iter.func) == "static"
+            and identifier(node.iter.func) == "static"
         ):
             if not isinstance(node.target, ast.Name):
                 raise Outside(self.file, node, "a static loop has one name")
@@ -136,14 +137,14 @@ class Statics:
             test = self.test(node.test)
             if isinstance(test, bool):
                 return self.expression(node.body if test else node.orelse)
-        elif isinstance(node, ast.Call) and _name(node.func) == "combination":
+        elif isinstance(node, ast.Call) and identifier(node.func) == "combination":
             return self.combination(node)
-        elif isinstance(node, ast.Call) and _name(node.func) == "number":
+        elif isinstance(node, ast.Call) and identifier(node.func) == "number":
             return _number(exact(self.value(node.args[0], node)), node)
-        elif _name(node) in self.own:
-            return ast.copy_location(ast.Name(self.prefix + _name(node), ast.Load()), node)
-        elif isinstance(node, ast.Attribute) and _name(node.value) in self.known:
-            owner = self.known[_name(node.value)]
+        elif identifier(node) in self.own:
+            return ast.copy_location(ast.Name(self.prefix + identifier(node), ast.Load()), node)
+        elif isinstance(node, ast.Attribute) and identifier(node.value) in self.known:
+            owner = self.known[identifier(node.value)]
             value = getattr(owner, node.attr, None)
             if isinstance(value, int | Fraction):
                 return _number(value, node)
@@ -226,10 +227,6 @@ _COMPARISONS: dict[type, Any] = {
     ast.Eq: lambda a, b: a == b, ast.NotEq: lambda a, b: a != b, ast.Lt: lambda a, b: a < b,
     ast.Gt: lambda a, b: a > b,
 }  # fmt: skip
-
-
-def _name(node: ast.expr) -> str:
-    return node.id if isinstance(node, ast.Name) else ""
 
 
 def _bare(node: Any) -> Any:

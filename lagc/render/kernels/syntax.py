@@ -199,15 +199,3 @@ def attach(body: list[ast.stmt], notes: dict[int, tuple[str, bool]], after: int)
             after = attach(block, notes, after)
         after = max(after, node.end_lineno or 0)
     return after
-
-
-def clone(node: Any) -> Any:
-    """A copy of a tree with its comments: what copy.deepcopy does, five times as fast."""
-    if isinstance(node, list):
-        return [clone(n) for n in node]
-    if not isinstance(node, ast.AST):
-        return node
-    found = node.__class__.__new__(node.__class__)
-    for name, value in node.__dict__.items():
-        found.__dict__[name] = clone(value) if isinstance(value, ast.AST | list) else value
-    return found

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 from lagc.render.kernels.syntax import Function, Missing, Outside
+from lagc.render.kernels.trees import identifier, returns, roots, targets
 
 Type = tuple[str, ...]  # ("Real",) ("int",) ("Vec", "NX") ("Mat", "NK", "NX") ("Record", "Work") ...
 REAL, INT, COUNT, LENGTH, BOOL, STATUS, VOID, PAIR = (
@@ -83,7 +84,7 @@ class Types:
                 raise self.fail(self.function.line, "a Pair is a result only")
         self.returns = self.annotated(self.function.returns)
         self.block(self.body)
-        if self.returns != VOID and not _returns(self.body):
+        if self.returns != VOID and not returns(self.body):
             raise self.fail(self.function.line, f"{self.name} may end without a result")
 
     def fail(self, node: ast.AST | int, what: str) -> Outside:
@@ -169,14 +170,14 @@ class Types:
         for a, kind in zip(args, kinds):
             if kind not in WHOLE or any(isinstance(n, ast.Attribute | ast.Call) for n in ast.walk(a)):
                 raise self.fail(node, "the ends of a range are names and numbers")
-            if {n.id for n in ast.walk(a) if isinstance(n, ast.Name)} & _targets(node.body):
+            if {n.id for n in ast.walk(a) if isinstance(n, ast.Name)} & targets(node.body):
                 raise self.fail(node, "an end of the range changes in the loop")
         if len(args) == 3 and ast.unparse(args[2]) != "-1":
             raise self.fail(node, "a range steps by 1 or -1")
         kind = LENGTH if LENGTH in kinds else COUNT if COUNT in kinds else INT
         if name in self.parameters or (name in self.locals and name not in self.counters):
             raise self.fail(node, f"{name} is more than a counter")
-        if name in _targets(node.body):
+        if name in targets(node.body):
             raise self.fail(node, f"the counter {name} is assigned")
         node.kind = kind  # type: ignore[attr-defined]
         before, self.locals[name] = self.locals.get(name), kind
@@ -191,7 +192,7 @@ class Types:
             raise self.fail(node, f"the argument {name} is assigned")
         if name in self.counters:
             raise self.fail(node, f"{name} is a counter elsewhere")
-        made = _name(value.func) if isinstance(value, ast.Call) else ""
+        made = identifier(value.func) if isinstance(value, ast.Call) else ""
         if isinstance(value, ast.Call) and made in MADE:
             sizes = [ast.unparse(a) for a in value.args]
             found: Type = ({"vector": "Vec", "indices": "IVec"}.get(made, "Params"), *sizes)
@@ -210,12 +211,12 @@ class Types:
         if old != found and not (old == REAL and found in WHOLE):
             raise self.fail(node, f"{name} is {old[0]} before, {found[0]} here")
         if found[0] in (*ARRAYS, "Params") and not isinstance(value, ast.Call):
-            self.roots.setdefault(name, set()).update(_roots(value))
+            self.roots.setdefault(name, set()).update(roots(value))
         self.assigned[name] = self.assigned.get(name, 0) + 1
 
     def copied(self, node: ast.Assign, target: ast.Subscript, value: ast.expr) -> None:
         self.touch(target.value)
-        if isinstance(value, ast.Call) and _name(value.func) == "part":
+        if isinstance(value, ast.Call) and identifier(value.func) == "part":
             found = self.of(value.args[0])
             ends = value.args[1:]
         else:
@@ -241,7 +242,7 @@ class Types:
             raise self.fail(node, f"a condition is a truth value: {ast.unparse(node)}")
 
     def touch(self, node: ast.expr) -> None:
-        self.touched |= _roots(node)
+        self.touched |= roots(node)
 
     def is_written(self, name: str) -> bool:
         """Whether the contents of an argument, or alias, change."""
@@ -368,44 +369,3 @@ def _passes(given: Type, wanted: Type) -> bool:
     if given[0] == wanted[0] in ("Vec", "IVec"):
         return given[1] == wanted[1] or "Any" in (given[1], wanted[1])
     return given == wanted or (wanted in (REAL, COUNT, LENGTH) and given in WHOLE)
-
-
-def _name(node: ast.expr) -> str:
-    return node.id if isinstance(node, ast.Name) else ""
-
-
-def _roots(node: ast.expr) -> set[str]:
-    """The names that an expression of arrays is part of."""
-    if isinstance(node, ast.IfExp):
-        return _roots(node.body) | _roots(node.orelse)
-    while isinstance(node, ast.Subscript | ast.Attribute):
-        node = node.value
-    return {node.id} if isinstance(node, ast.Name) else set()
-
-
-def _targets(body: list[ast.stmt]) -> set[str]:
-    return {
-        n.id for s in body for n in ast.walk(s) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)
-    }
-
-
-def _returns(body: list[ast.stmt]) -> bool:
-    """Whether the end of a block is never reached."""
-    if not body:
-        return False
-    last = body[-1]
-    if isinstance(last, ast.If):
-        return _returns(last.body) and _returns(last.orelse)
-    if isinstance(last, ast.While) and isinstance(last.test, ast.Constant):
-        return not any(isinstance(n, ast.Break) for s in last.body for n in _own(s))
-    return isinstance(last, ast.Return)
-
-
-def _own(node: ast.stmt) -> list[ast.AST]:
-    """The nodes of a statement, without those of loops in it."""
-    if isinstance(node, ast.For | ast.While):
-        return []
-    found: list[ast.AST] = [node]
-    for inner in (*getattr(node, "body", ()), *getattr(node, "orelse", ())):
-        found += _own(inner)
-    return found

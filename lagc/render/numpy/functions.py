@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 
 from lagc.expr.operators import OPERATORS, spelling
@@ -172,10 +171,9 @@ def sine_cosine(program: Program) -> list[str]:
     use = turning(program)
     if not use.functions:
         return []
-    numbers = "".join(f"{part['name']} = {part['python']}\n" for part in use.numbers)
-    sizes = re.compile(rf"\b({'|'.join(CONSTANT_SIZES)})\b")
-    texts = [sizes.sub(lambda m: str(CONSTANT_SIZES[m[1]]), leaf["python"]) for _, leaf in use.functions]
-    return [numbers, *texts, _CAREFULLY]
+    numbers = [f"{name} = {size}\n" for name, size in CONSTANT_SIZES.items() if name in use.names]
+    numbers += [f"{part['name']} = {part['python']}\n" for part in use.numbers]
+    return ["".join(numbers), *(leaf["python"] for _, leaf in use.functions), _CAREFULLY]
 
 
 _CAREFULLY = """\
