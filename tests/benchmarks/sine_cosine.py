@@ -20,6 +20,7 @@ from lagc import library
 from lagc.compiler import Choice, program
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
+from lagc.render.turning import turning
 from lagc.run.backends.compile import FLAGS, compiler
 
 RANGES = (0.7, 3.1, 100.0)
@@ -98,10 +99,10 @@ def in_python(function: Callable[[float], tuple[float, float]], angles: Sequence
 def main() -> None:
     model = program(library.read("classic/double_pendulum"), Choice())
     space: dict[str, Any] = {}
-    exec("\n\n".join([functions.ARITHMETIC, *functions.sine_cosine(model)]), space)
+    exec("\n\n".join([functions.ARITHMETIC, *functions.sine_cosine(turning(model))]), space)
     print("| angles up to | C: ours | library | chained: ours | library | Python: ours | library |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for largest, found in zip(RANGES, in_c("\n".join(runtime.sine_cosine(model)))):
+    for largest, found in zip(RANGES, in_c("\n".join(runtime.sine_cosine(turning(model))))):
         angles = [random.Random(k).uniform(-largest, largest) for k in range(1000)]
         found.append(in_python(space["sine_cosine"], angles))
         found.append(in_python(lambda x: (math.sin(x), math.cos(x)), angles))

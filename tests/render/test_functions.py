@@ -19,6 +19,7 @@ from lagc.render.c.functions import helpers
 from lagc.render.c.parts import divided
 from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
+from lagc.render.turning import turning
 from tests.render.programs import TRUTHS, Builder, program, random_function
 from tests.render.tools import bits
 
@@ -58,7 +59,10 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     names = local_names(made, ())
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
     python: dict[str, Any] = {}
-    exec("\n".join([ARITHMETIC, *sine_cosine(made), *(function_text(f, names) for f in functions)]), python)
+    exec(
+        "\n".join([ARITHMETIC, *sine_cosine(turning(made)), *(function_text(f, names) for f in functions)]),
+        python,
+    )
     body = "".join(
         c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
         for f in functions
@@ -68,7 +72,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         for f in functions
     )
     types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
-    shared = helpers(made) + "".join(runtime.sine_cosine(made))
+    shared = helpers(made) + "".join(runtime.sine_cosine(turning(made)))
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)
     subprocess.run(

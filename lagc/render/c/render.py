@@ -17,6 +17,7 @@ from lagc.render.c.verbs import verbs
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.locals import local_names
 from lagc.render.names import prefix
+from lagc.render.turning import turning
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:
@@ -60,7 +61,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
         _CONTRACTION,
         helpers(program),
-        *(sine_cosine(program) if real == DOUBLE else ()),
+        *(sine_cosine(turning(program)) if real == DOUBLE else ()),
         *(function_text(f, names, fields, real) for f in program.functions.values()),
         *runtime.definitions(),
         *(verb.definition for verb in verbs(program, real)),

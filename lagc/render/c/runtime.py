@@ -26,7 +26,6 @@ from lagc.render.kernels.names import snake
 from lagc.render.kernels.shipped import Parts, parts
 from lagc.render.numpy.support.base import Options
 from lagc.render.statuses import texts
-from lagc.render.turning import turning
 
 # Public kernels that every model has; those of a run of lagc's own are the last.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")
@@ -113,9 +112,9 @@ class Runtime:
         return f"typedef enum {{\n{''.join(lines)}}} lagc_{snake(kind)};\n"
 
 
-def sine_cosine(program: Program) -> list[str]:
-    """The kernel that functions of the model call for their sines and cosines, in double precision."""
-    return _printed(turning(program), parts())
+def sine_cosine(use: Chosen) -> list[str]:
+    """What `turning` found that functions of the model call for sines and cosines, in double precision."""
+    return _printed(use, parts())
 
 
 def _printed(use: Chosen, parts: Parts) -> list[str]:

@@ -6,11 +6,10 @@ import math
 from collections.abc import Mapping
 
 from lagc.expr.operators import OPERATORS, spelling
-from lagc.optimize.program import Function, Program
-from lagc.render.kernels.assembly import CONSTANT_SIZES
+from lagc.optimize.program import Function
+from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
-from lagc.render.turning import turning
 
 CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}
 
@@ -166,9 +165,8 @@ def _again(function, inputs, outputs):
 )
 
 
-def sine_cosine(program: Program) -> list[str]:
-    """The kernel that functions of the model call for their sines and cosines."""
-    use = turning(program)
+def sine_cosine(use: Chosen) -> list[str]:
+    """What `turning` found that functions of the model call for their sines and cosines."""
     if not use.functions:
         return []
     numbers = [f"{name} = {size}\n" for name, size in CONSTANT_SIZES.items() if name in use.names]

@@ -13,6 +13,7 @@ from lagc.render.names import Names, prefix
 from lagc.render.numpy import runtime
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.render.numpy.verbs import verbs
+from lagc.render.turning import turning
 
 _IMPORTS = """\
 from __future__ import annotations
@@ -28,9 +29,10 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
-    parts += sine_cosine(program)
+    turn = turning(program)
+    parts += sine_cosine(turn)
     parts += [function_text(f, names) for f in program.functions.values()]
-    parts += runtime.definitions(program, complete)
+    parts += runtime.definitions(program, complete, turn.names)
     if complete:
         parts.append(_bounds(program.interface))
     return {file: "\n\n".join([*filter(None, parts), *verbs(program, complete)])}
@@ -40,8 +42,9 @@ def evaluation(program: Program) -> tuple[str, str]:
     """Texts of the model's functions, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     own = [function_text(f, names) for f in program.functions.values()]
-    sizes, *shared = runtime.evaluation(program)
-    return "\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(program), *shared])
+    turn = turning(program)
+    sizes, *shared = runtime.evaluation(program, turn.names)
+    return "\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(turn), *shared])
 
 
 def _banner(interface: Interface, file: str) -> str:

@@ -24,18 +24,18 @@ NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
 
 
-def definitions(program: Program, complete: bool) -> list[str]:
+def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
     """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
     use = _needed(program.interface, (*ROOTS, *search), complete)
-    return [_constants(program.interface, use), *support(), _work(program), *kernels(use),
+    return [_constants(program.interface, use, given), *support(), _work(program), *kernels(use),
             EQUATIONS, STATES]  # fmt: skip
 
 
-def evaluation(program: Program) -> list[str]:
+def evaluation(program: Program, given: frozenset[str]) -> list[str]:
     """What is the model's own, and what evaluates one state: equations without steps."""
     use = _needed(program.interface, ("rhs_at", "factor_dense", "system_at"), False)
-    own = "\n\n".join([_constants(program.interface, use), _work(program)])
+    own = "\n\n".join([_constants(program.interface, use, given), _work(program)])
     return [own, *kernels(use), EQUATIONS]
 
 
@@ -44,11 +44,12 @@ def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chose
     return chosen(parts(), switches_of(interface, complete), (*roots, *more))
 
 
-def _constants(interface: Interface, use: Chosen) -> str:
-    """Sizes, tables, statuses, numbers that kernels know."""
+def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
+    """Sizes, tables, statuses, numbers that kernels know, but for those that are `given`."""
     kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
     used |= {part["name"] for part in codes(parts(), "startrecords")} if "prepare" in use.names else set()
+    used -= given
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
