@@ -13,9 +13,12 @@ def program() -> int:
     """Run the command line; the exit code."""
     code = 0
     gc.set_threshold(YOUNG)
-    with SIGNALS:
-        from lagc.cli.main import main
+    try:
+        with SIGNALS:
+            from lagc.cli.main import main
 
-        code = main()
+            code = main()
+    except KeyboardInterrupt:  # one more, before the end began
+        SIGNALS.over = True
     gc.freeze()  # what ends with the process is not looked through once more: 5 % of a short run
     return SIGNALS.code or code

@@ -197,3 +197,51 @@ def test_a_pipe_that_nobody_reads_is_given_up_and_its_content_kept(
     kept = [path.name for path in tmp_path.iterdir() if path != pipe]
     assert len(kept) == 2 and all(name in said or name.endswith(".csv.json") for name in kept), kept
     assert all(is_whole(tmp_path / name) for name in kept)
+
+
+# A signal ends `main`, in a call of which nothing may be raised where it is `lost`; another one comes at the
+# event NUMBER of what is done then in the program's own files.
+TWICE = """
+import os, signal, sys, time, weakref
+import lagc.cli.main
+from lagc.cli import program, signals
+number, lost = int(sys.argv[1]), sys.argv[2] == "lost"
+events = [0]
+def trace(frame, event, _):
+    own = frame.f_code.co_filename in (program.__file__, signals.__file__)
+    if not own or frame.f_code.co_name in ("_came", "_lost", "_again", "main"):
+        return None
+    events[0] += 1
+    if events[0] == number:
+        print("another", flush=True)
+        os.kill(os.getpid(), signal.SIGTERM)
+    return trace
+class Some:
+    pass
+def end(_=None):
+    sys.settrace(trace)
+    sys._getframe(2 if lost else 1).f_trace = trace
+    os.kill(os.getpid(), signal.SIGHUP)
+def main():
+    if lost:
+        some = Some()
+        kept = weakref.ref(some, end)
+        del some
+        time.sleep(5.0)
+    else:
+        end()
+lagc.cli.main.main = main
+sys.exit(program.program())
+"""
+
+
+@pytest.mark.parametrize("lost", ["raised", "lost"])
+def test_two_signals_leave_no_traceback(lost: str) -> None:
+    number, came = 0, True
+    while came:
+        number += 1
+        words = [sys.executable, "-c", TWICE, str(number), lost]
+        done = subprocess.run(words, env=environment(), capture_output=True, text=True, timeout=30)
+        assert done.returncode == 128 + signal.SIGHUP and done.stderr == "", (number, done.stderr)
+        came = "another" in done.stdout
+    assert number > 3
