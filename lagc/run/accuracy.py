@@ -111,7 +111,7 @@ class _Search:
     tried: list[Trajectory] = field(default_factory=list)
     runs: dict[float, Trajectory] = field(default_factory=dict)  # by tolerance
     compared: dict[tuple[float, float], float] = field(default_factory=dict)
-    rounded: dict[float, tuple[float, float]] = field(default_factory=dict)  # by tolerance: drift, grown
+    rounded: dict[float, float] = field(default_factory=dict)  # by tolerance
     scales: dict[float, Sizes] = field(default_factory=dict)  # by tolerance
     balance: Balance | None = None
     along: Rounding | None = None  # the motion
@@ -148,10 +148,9 @@ class _Search:
         self.runs[tol] = done = self._integrate(tol, self.x0)
         return done
 
-    def _integrate(self, tol: float, start: Sequence[float], first_step: float = 0.0) -> Trajectory:
+    def _integrate(self, tol: float, start: Sequence[float], way: int = 0) -> Trajectory:
         options = self.options(tol)
-        options.first_step = first_step
-        done = self.system.integrate(options, self.times[0], start, self.times, self.progress)
+        done = self.system.integrate(options, self.times[0], start, self.times, self.progress, way)
         self.tried.append(done)
         return done
 
@@ -182,7 +181,7 @@ class _Search:
         tol = min(self.runs)
         system, run, groups = self.system, self.runs[tol], self._sizes(tol)
         look = quick_look(system, run, groups)
-        self.still = still_kinds(system, run, groups, look[0])
+        self.still = still_kinds(system, run, groups, look)
         self.scales.clear()
         self.along = Rounding(system, run, self._sizes(tol), look, COARSE, self._integrate)
         if self._interrupted:
@@ -237,7 +236,7 @@ class _Search:
         if self.truncation() > self.accuracy:
             return len(self.runs) > 2 and self.drift() > self.accuracy
         if self.estimate() > self.accuracy:
-            return self.rounding() > self.truncation()
+            return self.rounding() >= self.accuracy
         before, self.balance = self.balance, self._balance()
         return self.balance.holds or (before is not None and self.balance.imbalance > 0.5 * before.imbalance)
 
@@ -247,23 +246,25 @@ class _Search:
 
     def rounding(self) -> float:
         """What rounding may bring to the finest run."""
-        return self._rounded()[1]
-
-    def drift(self) -> float:
-        """What rounding brings to the finest run, where it does not grow."""
-        return self._rounded()[0]
-
-    def _rounded(self) -> tuple[float, float]:
         tol = min(self.runs)
         if tol not in self.rounded:
             left, harmless = self.accuracy - self.truncation(), HARMLESS * self.accuracy
-            room = min(left, harmless) if left > 0.0 else harmless
-            room = inf if self._interrupted else room
-            assert self.along is not None
-            drift, grown = self.along.of(self.runs, self._sizes(tol), room)
+            if self._interrupted:
+                left = harmless = inf
+            elif left <= 0.0:
+                left = harmless
             injected = SAFETY * max(self.runs[tol].steps, 1) * tol  # by the method: it grows alike
-            self.rounded[tol] = drift, max(grown, drift * self.truncation() / injected)
+            least = self.truncation() / injected
+            assert self.along is not None
+            found = self.along.of(self.runs, self._sizes(tol), least, min(left, harmless), left)
+            self.rounded[tol] = found
         return self.rounded[tol]
+
+    def drift(self) -> float:
+        """What rounding brings to the finest run, where it does not grow."""
+        tol = min(self.runs)
+        assert self.along is not None
+        return self.along.drift(self.runs[tol], self._sizes(tol), self.accuracy)
 
     def _balance(self) -> Balance:
         from lagc.run.balance import balance
@@ -395,7 +396,7 @@ class _Search:
                 safety = BENT * tols[0] / tols[1] if self._bends else SAFETY
                 _, found.horizon = difference(finest, found.beside, interface, self.accuracy / safety, noise)
                 if found.horizon is not None and self.along is not None:
-                    found.horizon = min(found.horizon, self.along.until(found.drift, self.accuracy))
+                    found.horizon = min(found.horizon, self.along.until(self.accuracy))
         return found
 
 

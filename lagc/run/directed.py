@@ -12,40 +12,84 @@ from functools import lru_cache
 from typing import Any, TypeVar
 from weakref import ref
 
-LOOK = 1.0  # s after which it is looked whether a thread has begun at all
+LOOK = 0.05  # s after which it is looked whether a thread has begun at all, and where it is
 T = TypeVar("T")
+Progress = Callable[[float], None]
 # FE_UPWARD and FE_DOWNWARD of <fenv.h>: x86, ARM, Microsoft's library, POWER and MIPS and s390, RISC-V
 MODES = ((0x800, 0x400), (0x400000, 0x800000), (0x200, 0x100), (2, 3), (3, 2))
 
 
 @contextmanager
-def directed(way: int) -> Iterator[None]:
-    """Arithmetic of this thread rounded up (1) or down (-1), as usual for 0 and where it cannot be.  All that
-    runs meanwhile is rounded so: to be used `apart`."""
-    found = control() if way else None
-    if found is None:
-        yield
-        return
-    turn, up, down = found
-    turn(up if way > 0 else down)
+def directed(way: int) -> Iterator[Callable[[int], None]]:
+    """Arithmetic of this thread rounded up (1) or down (-1), as usual for 0 and where it cannot be; what it
+    gives turns it another way.  All that runs meanwhile is rounded so: to be used `apart`."""
+    found = control()
+
+    def turned(way: int) -> None:
+        if found is not None:
+            turn, up, down = found
+            turn((0, up, down)[way])
+
+    turned(way)
     try:
-        yield
+        yield turned
     finally:
-        turn(0)
+        turned(0)
+
+
+def turns(way: int) -> Iterator[int]:
+    """Ways of rounding, up and down without pattern; for -1 the opposite ones."""
+    k = 0
+    while True:
+        yield way if k * k * 0x9E3779B1 & 0x100000 else -way
+        k += 1
+
+
+def by_turns(run: Callable[[Progress], T], way: int, progress: Progress | None) -> T:
+    """What `run(tell)` returns, apart, with arithmetic rounded another way of `turns` after each time that it
+    tells."""
+
+    def work(tell: Progress) -> T:
+        ways = turns(way)
+        with directed(next(ways)) as turn:
+
+            def told(t: float) -> None:
+                turn(next(ways))
+                tell(t)
+
+            return run(told)
+
+    return followed(work, progress)
 
 
 def apart(work: Callable[[], T]) -> T:
-    """What `work` returns, in a thread of its own, where neither signals are handled nor objects finalised;
-    the rounding mode is a thread's own.  In this thread where the machine gives no other.  Raises
-    MemoryError where the other has not enough to begin."""
+    """What `work` returns, in a thread of its own: see `followed`."""
+    return followed(lambda tell: work())
+
+
+def followed(work: Callable[[Progress], T], progress: Progress | None = None) -> T:
+    """What `work(tell)` returns, in a thread of its own, where neither signals are handled nor objects
+    finalised; the rounding mode is a thread's own.  In this thread where the machine gives no other.
+
+    What it tells comes to `progress` here now and then.  What is raised here meanwhile, by a signal too, is
+    raised there when it tells next, and here in the end where it does not.  Raises MemoryError where the
+    other thread has not enough to begin.
+    """
     done: list[T] = []
     failed: list[BaseException] = []
+    told: list[float] = []
+    raised: list[BaseException] = []
     ended = allocate_lock()
     ended.acquire()
 
+    def tell(t: float) -> None:
+        told[:] = [t]
+        if raised:
+            raise raised.pop(0)
+
     def run() -> None:
         try:
-            done.append(work())
+            done.append(work(tell))
         except BaseException as error:
             failed.append(error)
         finally:
@@ -60,14 +104,20 @@ def apart(work: Callable[[], T]) -> T:
             run()
         begun = ref(run)
         del run
-        while not ended.acquire(timeout=LOOK):
-            if begun() is None and not ended.acquire(blocking=False):
+        while not (done or failed):
+            if begun() is None and not (done or failed):
                 raise MemoryError
+            try:
+                ended.acquire(timeout=LOOK)
+                if told and progress is not None and not raised:
+                    progress(told[0])
+            except BaseException as error:
+                raised.append(error)
     finally:
         if collecting:
             gc.enable()
-    if failed:
-        raise failed[0]
+    if failed or raised:
+        raise (failed or raised)[0]
     return done[0]
 
 

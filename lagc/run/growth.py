@@ -1,11 +1,10 @@
-"""What rounding brings to a motion and what becomes of it, told by runs whose start is displaced as rounding
-displaces it.
+"""What rounding brings to a motion and what becomes of it.
 
-The coarse pilot begins displaced by DISPLACED.  It parts from a finer run by its own errors and by what has
-become of the displacement: that bounds the growth at no cost.  Where the bound does not show rounding to be
-harmless, one more run displaced by FAR tells the growth, as its own errors are little beside that.  Where so
-much does not stay small, two runs displaced to either side by MAGNIFIED times the rounding tell it: of one
-tolerance, they mostly err alike.
+The coarse pilot begins displaced by DISPLACED in the way of rounding.  It parts from a finer run by its own
+errors and by what has become of the displacement: that bounds the growth at no cost.  Where the bound does
+not show rounding to be harmless, one more run displaced by FAR tells the growth, as its own errors are
+little beside that.  Where so much does not stay small, growth from the start says little of growth from
+later on: a run is made twice more, with arithmetic rounded up and down by turns, and oppositely.
 """
 
 from __future__ import annotations
@@ -16,17 +15,18 @@ from math import inf, sqrt
 
 from lagc.run.distance import Sizes, spread
 from lagc.run.problem import FAILED, INTERRUPTED, OK, System, Trajectory
-from lagc.run.rounding import ULP, Quick, close_look, quick_bound
+from lagc.run.rounding import Quick, close_look, nudged, quick_bound
 
 LITTLE = 10.0  # of growth: a distance that tells no more may be all displacement
 DISPLACED = 1e-7  # of the sizes: less than the errors of the coarse pilot in most motions
 FAR = 1e-4  # of the sizes: more than these errors in most motions
-MAGNIFIED = 100.0  # rounding in itself is too little to be told from that of the run
 NEWTON = 4  # steps: each takes away all but about a part FAR of what is missed
 LINEAR = 1e-2  # of the sizes: what is no larger grows in proportion
 ROUGHLY = 3.0  # on what rounding is seen to bring at a few states
+BIASED = 0.3  # of what the same direction of all rounding in a slice adds up to
 
-Integrate = Callable[[float, Sequence[float], float], Trajectory]  # tolerance, start, first step
+Looks = Sequence[tuple[int, float]]  # where, how far
+Integrate = Callable[[float, Sequence[float], int], Trajectory]  # tolerance, start, way of rounding
 
 
 class Rounding:
@@ -43,7 +43,9 @@ class Rounding:
         self.quick = quick_bound(run, groups, changes)
         self.beside = self._displaced(coarse, DISPLACED)
         self.bound = self.bounded(run)
-        self.measured: list[float] | None = None  # at the recorded times
+        self.grown: list[float] | None = None  # differences from the start, up to each recorded time
+        self.looked: tuple[Trajectory, Looks] | None = None  # closely
+        self.moved: list[float] = []  # by rounding, up to each recorded time: what was measured last
 
     def hides(self, accuracy: float) -> bool:
         """Whether it may be the displacement that keeps the pilots apart by more than `accuracy`."""
@@ -54,64 +56,99 @@ class Rounding:
         apart = self._apart(self.beside, run)
         return apart / DISPLACED if apart <= LINEAR else inf
 
-    def of(self, runs: Mapping[float, Trajectory], groups: Sizes, harmless: float) -> tuple[float, float]:
-        """What rounding brings to the finest of the runs (by their tolerances) where differences do not
-        grow, and with their growth: bounds, where the latter is up to `harmless`."""
-        if self.measured is None and self.quick * self.bound <= harmless:
-            return self.quick, self.quick * self.bound
-        looks = close_look(self.system, runs[min(runs)], groups)
+    def drift(self, run: Trajectory, groups: Sizes, harmless: float) -> float:
+        """What rounding brings to `run` where differences do not grow: a bound, a rough one to `harmless`."""
+        if self.quick <= harmless:
+            return self.quick
+        return ROUGHLY * sum(moved for _, moved in self._looks(run, groups))
+
+    def of(self, runs: Mapping[float, Trajectory], groups: Sizes, least: float, harmless: float,
+           bearable: float) -> float:  # fmt: skip
+        """What rounding brings to the finest of the runs (by their tolerances): a bound, where that is up to
+        `harmless`; up to `bearable`, roughly.  Differences grow by `least` or more."""
+        bound = max(self.bound, least)
+        if self.quick * bound <= harmless:
+            return self.quick * bound
+        fine = runs[min(runs)]
+        looks = self._looks(fine, groups)
         drift = sum(moved for _, moved in looks)
-        if drift == 0.0 or (self.measured is None and drift * self.bound <= harmless):
-            return drift, drift and drift * self.bound
-        if self.measured is None:
-            self.measured = self._measure(runs, ROUGHLY * drift)
-        # What begins at k grows as what began before, or as much as from the start in the time that is left.
-        # Where that differs from time to time, the rounding of each step counts by itself.
-        before = [*accumulate(self.measured, max)]
-        squares = sum((moved * max(before[-1] / before[k], before[-1 - k])) ** 2 for k, moved in looks)
-        alone = max(1.0, runs[min(runs)].steps / len(looks))
-        return ROUGHLY * drift, ROUGHLY * max(drift, sqrt(squares / alone))
+        if drift == 0.0 or drift * bound <= harmless:
+            return drift and drift * bound
+        coarse = max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
+        if self.grown is None:
+            self.grown = self._growth(coarse, fine) if self.bound < inf else []
+        if self.grown:
+            self.moved = [ROUGHLY * drift * grown for grown in self.grown]
+            return ROUGHLY * max(drift, drift * least, self._spread(looks, fine.steps))
+        for tol in sorted({coarse, min(runs)}, reverse=True):
+            self.moved = self._seen(tol, runs[tol], groups, fine.steps)
+            if self.moved[-1] <= bearable:
+                break
+        return self.moved[-1]
 
-    def until(self, drift: float, accuracy: float) -> float:
-        """The time up to which rounding stays below `accuracy`, where its growth was measured."""
+    def until(self, accuracy: float) -> float:
+        """The time up to which rounding stays below `accuracy`, where it was measured."""
         times = self.run.times
-        grown = accumulate(self.measured or [0.0] * len(times), max)
-        return max((t for t, g in zip(times, grown) if drift * g <= accuracy), default=times[0])
+        moved = self.moved or [0.0] * len(times)
+        return max((t for t, far in zip(times, moved) if far <= accuracy), default=times[0])
 
-    def _measure(self, runs: Mapping[float, Trajectory], drift: float) -> list[float]:
-        """Of differences from the start, at each recorded time: by one side where the other does not arrive,
-        without end where neither does; none where displaced runs cannot even begin."""
-        fine = back = runs[min(runs)]
-        tol = max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
-        near, by = self.bound < inf, FAR  # where the first displacement grew large, a larger one is vain
-        there = self._displaced(tol, FAR) if near else self.beside
-        if there.status != INTERRUPTED and not (near and self._apart(there, fine) <= LINEAR):
-            # kinds that rest but for the displacement would choose their first step by rounding
-            step = 0.1 * abs(self.run.times[-1] - self.run.times[0]) / max(self.run.steps, 1)
-            by = MAGNIFIED * max(drift, ULP)
-            sides = [self._displaced(tol, side, step) for side in (by, -by)]
-            if any(run.status != OK for run in sides):
-                sides = [self._displaced(tol, 0.0, step), *sorted(sides, key=lambda run: -len(run.states))]
-                there, back = sides[:2]
-            else:
-                there, back = sides
-                by *= 2.0
-        known = min(len(there.states), len(back.states))
-        if known < 2:
-            return [1.0] * len(fine.states)
-        moving = [(group, by * size) for group, size in self.groups if size > 0.0]
+    def _looks(self, run: Trajectory, groups: Sizes) -> Looks:
+        if self.looked is None or self.looked[0] is not run:
+            self.looked = run, close_look(self.system, run, groups)
+        return self.looked[1]
+
+    def _growth(self, tol: float, run: Trajectory) -> list[float]:
+        """Of differences from the start, up to each recorded time; nothing where they do not stay small."""
+        there = self._displaced(tol, FAR)
+        if there.status != INTERRUPTED and not self._apart(there, run) <= LINEAR:
+            return []
+        moving = [(group, FAR * size) for group, size in self.groups if size > 0.0]
         grown = [max([1.0, *(abs(x[i] - y[i]) / size for group, size in moving for i in group)])
-                 for x, y in zip(there.states, back.states)]  # fmt: skip
-        return grown + [inf] * (len(fine.states) - known)
+                 for x, y in zip(there.states, run.states)]  # fmt: skip
+        return [*accumulate(grown, max), *[inf] * (len(run.states) - len(grown))]
 
-    def _displaced(self, tol: float, by: float, step: float = 0.0) -> Trajectory:
+    def _spread(self, looks: Looks, steps: int) -> float:
+        """What was seen at some states, grown: what begins at one grows as what began before, or as much as
+        from the start in the time that is left.  Where that differs from time to time, the rounding of each
+        step counts by itself."""
+        grown = self.grown or [1.0]
+        squares = sum((moved * max(grown[-1] / grown[k], grown[-1 - k])) ** 2 for k, moved in looks)
+        return sqrt(squares / max(1.0, steps / len(looks)))
+
+    def _seen(self, tol: float, run: Trajectory, groups: Sizes, steps: int) -> list[float]:
+        """How far rounding moves `run`, of that tolerance, up to each recorded time, of the sizes; in `steps`
+        it is as much more as these are.
+
+        What two runs are away from it that are rounded oppositely has two parts.  One is chance, as the
+        rounding of the run itself, and greater: that errs by up to half a last place, these by half of one
+        beside their mean.  The other, half of the distance between them, is what the same direction of all
+        rounding in a slice adds up to: of it, a part.  By one where the other does not arrive, without end
+        where neither does.
+        """
+        sides: list[Trajectory] = []
+        for way in (1, -1):
+            if not sides or sides[0].status != INTERRUPTED:
+                sides.append(self.integrate(tol, nudged(run.states[0], way), way))
+        more = max(1.0, steps / max(run.steps, 1))
+        moving = [(i, more / size) for group, size in groups if size > 0.0 for i in group]
+        found = []
+        for k, x in enumerate(run.states):
+            there = [side.states[k] for side in sides if k < len(side.states)]
+            far = 0.0 if there else inf
+            for i, part in moving if there else ():
+                y, z = there[0][i], there[-1][i]
+                far = max(far, part * (abs((y - x[i]) + (z - x[i])) + BIASED * abs(y - z)))
+            found.append(far)
+        return [*accumulate(found, max)]
+
+    def _displaced(self, tol: float, by: float) -> Trajectory:
         """From the start moved in the way of rounding by that much of the sizes."""
         parts = [(i, self.way[i] / size) for group, size in self.groups if size > 0.0 for i in group]
         largest = max((abs(part) for _, part in parts), default=0.0)
         x = list(self.run.states[0])
         for i, _ in parts if largest > 0.0 else ():
             x[i] += by * (self.way[i] / largest)
-        return self.integrate(tol, _consistent(self.system, self.run.times[0], x), step)
+        return self.integrate(tol, _consistent(self.system, self.run.times[0], x), 0)
 
     def _apart(self, run: Trajectory, other: Trajectory) -> float:
         """Of the sizes; infinite where a run did not arrive."""

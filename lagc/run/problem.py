@@ -70,8 +70,10 @@ class System(Protocol):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
+        way: int = 0,
     ) -> Trajectory:
-        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.
+        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.  With a `way`,
+        1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the others, or the opposite.
 
         KeyboardInterrupt raised in `progress` ends it with what was computed (status INTERRUPTED).
         """

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import inf
+from math import inf, nextafter
 
 from lagc.run.distance import Sizes
 from lagc.run.problem import FAILED, System, Trajectory, rates_at
@@ -99,6 +99,12 @@ def rounded_rates(
 def _shifted(x: Sequence[float], k: int) -> list[float]:
     """Every state changed in its last place, up or down by a rule without pattern, another at each k."""
     return [a * (1.0 + (ULP if (i * 0x9E3779B1 + k * 0x85EBCA6B) & 0x4000 else -ULP))
+            for i, a in enumerate(x)]  # fmt: skip
+
+
+def nudged(x: Sequence[float], way: int) -> list[float]:
+    """Every state the next number, up or down by a rule without pattern; the other way for -1."""
+    return [nextafter(a, inf if (i * 0x9E3779B1 & 0x4000 > 0) == (way > 0) else -inf) if a else a
             for i, a in enumerate(x)]  # fmt: skip
 
 

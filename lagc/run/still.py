@@ -13,7 +13,7 @@ from math import isfinite
 from lagc.run.distance import Sizes, sizes
 from lagc.run.names import more, state_name
 from lagc.run.problem import System, Trajectory, rates_at
-from lagc.run.rounding import ULP, generic, picked
+from lagc.run.rounding import ULP, Quick, generic, picked
 
 FAINT = 1e4  # times the rounding of its rates over the time: a kind that goes farther soon moves
 SEVERAL = 10.0  # times what is seen at a few states is rounding
@@ -24,9 +24,10 @@ States = Sequence[tuple[float, Sequence[float]]]  # with their times
 Bounds = dict[int, float]  # by kind (place in the groups): how far rounding may move it
 
 
-def still_kinds(system: System, run: Trajectory, groups: Sizes, changes: Sequence[float]) -> Bounds:
+def still_kinds(system: System, run: Trajectory, groups: Sizes, look: Quick) -> Bounds:
     """Those that rounding alone moves.  `groups`: the indices of the states of each kind, and their size;
-    `changes`: of each rate, where arithmetic is rounded otherwise."""
+    `look`: the quick one at the run."""
+    changes, way = look
     if len(run.states) < 2 or not all(map(isfinite, changes)):
         return {}
     span, first, nq = abs(run.times[-1] - run.times[0]), run.states[0], system.nq
@@ -48,7 +49,7 @@ def still_kinds(system: System, run: Trajectory, groups: Sizes, changes: Sequenc
     still = [*places, *speeds]
     while still:
         zero = [i for k in still for i in groups[k][0]]
-        rates, limits = _largest(system, states, zero), _limits(system, run, states, zero, changes)
+        rates, limits = _largest(system, states, zero), _limits(system, run, states, zero, changes, way)
         kept = [k for k in still if all(rates[i] <= SEVERAL * limits[i] for i in groups[k][0])]
         if kept == still:
             return _bounds(system, states, span, {k: groups[k][0] for k in still}, limits)
@@ -91,16 +92,16 @@ def _limits(
     states: States,
     zero: Iterable[int],
     changes: Sequence[float],
+    way: Sequence[float],
 ) -> list[float]:
-    """What each rate changes by where last places do, or the states are off by what rounding brings over the
-    time, speeds, and over a step, coordinates."""
+    """What each rate changes by where last places do, or the states are off by what rounding brings, in its
+    way, over the time, speeds, and over a step, coordinates."""
     nq, n = system.nq, system.nq + system.nv
-    span = abs(run.times[-1] - run.times[0])
-    soon, found = span / max(run.steps, 1), list(changes)
+    soon, found = abs(run.times[-1] - run.times[0]) / max(run.steps, 1), list(changes)
     for k, (t, x) in enumerate(states):
         y = _without(x, zero)
         last = [generic(7 * k + i) * ULP * abs(a) for i, a in enumerate(y[:n])]
-        off = [a + span * generic(5 * k + i) * changes[nq + i] for i, a in enumerate(last[nq:])]
+        off = [a + generic(5 * k) * b for a, b in zip(last[nq:], way[nq:])]
         ways = [a + soon * b for a, b in zip(last, system.displace(t, y, off))] + off
         other = _without([a + b for a, b in zip(y, ways)] + y[n:], zero)
         one, two = rates_at(system, t, y), rates_at(system, t, other)

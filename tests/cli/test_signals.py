@@ -41,13 +41,13 @@ import lagc.api, lagc.meaning.resolve, lagc.optimize.optimize, lagc.run.simulate
 from lagc.cli.program import program
 seed, kills, commands = json.loads(sys.argv[1])
 chance, ended, lasts = random.Random(seed), [], {}
+for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):  # a child has them before its first line
+    signal.signal(each, signal.SIG_DFL)
 for number in range(kills + len(commands)):
     words = commands[number % len(commands)]
     began = time.perf_counter()
     child = os.fork()
     if child == 0:
-        for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(each, signal.SIG_DFL)
         os.chdir(str(number))
         os.environ["TMPDIR"] = os.path.abspath("tmp")
         sys.argv = ["lagc", *words.split()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, exp, pi, sin, sqrt
 
+from lagc.run.directed import by_turns
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 from tests.run import systems
@@ -20,9 +21,14 @@ class Integrated(Handmade):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
+        way: int = 0,
     ) -> Trajectory:
         self.runs.append(options)
-        return integrate(self, options, t0, x0, times, progress)
+
+        def run(progress: Callable[[float], None] | None) -> Trajectory:
+            return integrate(self, options, t0, x0, times, progress)
+
+        return by_turns(run, way, progress) if way else run(progress)
 
 
 class Oscillator(Integrated, systems.Oscillator):

@@ -98,6 +98,7 @@ class Handmade(ABC):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
+        way: int = 0,
     ) -> Trajectory:
         self.runs.append(options)
         x, t = list(x0), t0

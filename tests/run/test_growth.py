@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import atan, cos, cosh, exp, pi, sin
 from random import Random
 
+import mpmath
 import pytest
 
 import lagc
@@ -107,3 +108,50 @@ end OnALine;"""
         return [p, 0.5 * p, -w * p, -0.5 * w * p]
 
     told(text, way, w, exact)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_past_a_saddle_again_and_again(seed: int) -> None:
+    """In one well of two, x'' = x - x^3 from rest near the top between them: x = X dn(X t/sqrt(2) + K, k).
+
+    Rounding of the fast part of the motion decides how long it stays near the top the next time, and the
+    growth from the start tells nothing of that.
+    """
+    chance = Random(seed)
+    near, stop, accuracy = 10.0 ** chance.uniform(-3.0, -1.0), chance.uniform(30.0, 60.0), 1e-10
+    text = f"""model Wells
+  coordinate Length x(start = {near!r} [m]);
+  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  potential v = -1/2*(1 [N/m])*x^2 + 1/4*(1 [N/m^3])*x^4;
+end Wells;"""
+    with mpmath.workdps(40):
+        least = mpmath.mpf(near)
+        far = mpmath.sqrt(2 - least**2)
+        m = 1 - (least / far) ** 2
+        quarter, w = mpmath.ellipk(m), far / mpmath.sqrt(2)
+
+    def exact(t: float) -> list[float]:
+        with mpmath.workdps(40):
+            sn, cn, dn = (
+                mpmath.ellipfun(name, w * mpmath.mpf(t) + quarter, m=m) for name in ("sn", "cn", "dn")
+            )
+            return [float(far * dn), float(-far * w * m * sn * cn)]
+
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop, accuracy=accuracy, points=41)
+    true = true_error(run, exact)
+    assert run.estimated is not None and true <= 1.5 * run.estimated, (true, run.message)
+    assert run.status == "failed" or true <= accuracy
+
+
+@pytest.mark.parametrize("accuracy", [1e-8, 1e-9])
+def test_what_rounding_brings_does_not_depend_on_what_is_recorded(accuracy: float) -> None:
+    """Arenstorf's orbit closes: its state after a period is the first one."""
+    model = lagc.load("classic/arenstorf_orbit").compile(backend="numpy")
+    stop = model.interface.simulate["stop"]
+    for points in (2, *Random(accuracy).sample(range(3, 1000), 3)):
+        run = model.simulate(stop, accuracy=accuracy, points=points)
+        assert run.status == "ok" and run.estimated is not None, run.message
+        sizes = [max(abs(x[i]) for x in run.states for i in pair) for pair in ((0, 1), (2, 3))]
+        first, last = run.states[0], run.states[-1]
+        true = max(abs(a - b) / sizes[i // 2] for i, (a, b) in enumerate(zip(first, last)))
+        assert true <= run.estimated <= accuracy

@@ -187,9 +187,9 @@ def test_a_remembered_run_that_misbehaves_is_done_anew(
 
         def integrate(
             self, options: Options, t0: float, x0: Vector, times: Sequence[float],
-            progress: Callable[[float], None] | None = None,
+            progress: Callable[[float], None] | None = None, way: int = 0,
         ) -> Trajectory:  # fmt: skip
-            done = super().integrate(options, t0, x0, times, progress)
+            done = super().integrate(options, t0, x0, times, progress, way)
             if len(self.runs) == 1:
                 return done.changed(states=[[1.001 * a for a in x] for x in done.states])
             return done

@@ -105,15 +105,11 @@ class CSystem(CompiledSystem):
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         from lagc.run.directed import control
 
-        found, desk = control(), self._at(x)
-        if found is None:
+        if control() is None:
             return None
-        (turn, up, down), time = found, c_double(t)
-        turn(up if way > 0 else down)
-        try:
-            status: int = desk.rhs(self._p, time, desk.x, desk.xdot, desk.lam, desk.work)
-        finally:
-            turn(0)
+        desk = self._at(x)
+        rhs = _rounded(desk.rhs, way)
+        status: int = rhs(self._p, c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
         xdot[:] = desk.xdot[:]
         lam[:] = desk.lam[: self.nc]
         return status
@@ -156,6 +152,7 @@ class CSystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
+        way: int = 0,
     ) -> Trajectory:
         options.check()
         nx, n, call = self.nx, len(times), self.model.functions
@@ -167,10 +164,15 @@ class CSystem(CompiledSystem):
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
+        if way:
+            from lagc.run.directed import turns
+
+            ways = turns(way)
 
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
-            status: int = call["record"](
+            kernel = _rounded(call["record"], next(ways)) if way else call["record"]
+            status: int = kernel(
                 self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
@@ -189,7 +191,7 @@ class CSystem(CompiledSystem):
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
             )  # fmt: skip
 
-        return recorded(state, options, record, told, progress, perf_counter)
+        return recorded(state, options, record, told, progress, None if way else perf_counter)
 
     def _at(self, x: Vector) -> Any:
         """The desk of this thread, with x on it."""
@@ -210,6 +212,17 @@ class CSystem(CompiledSystem):
             state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
             self.model.functions[name](self._p, *state, *arrays)
         return [array[:length] for array, length in zip(arrays, lengths)]
+
+
+def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
+    """Compiled code with arithmetic rounded up (1) or down (-1)."""
+    from lagc.run.directed import directed
+
+    def call(*given: Any) -> int:
+        with directed(way):
+            return function(*given)
+
+    return call
 
 
 def _state_type(nx: int) -> type[Any]:

@@ -106,12 +106,18 @@ class NumpySystem(CompiledSystem):
         x0: Vector,
         times: Sequence[float],
         progress: Callable[[float], None] | None = None,
+        way: int = 0,
     ) -> Trajectory:
-        integrate = self.model.module["_integrate"]
-        done: Trajectory = integrate(
-            self.equations(), options, t0, list(x0), list(times), progress, perf_counter
-        )
-        return done
+        def run(tell: Callable[[float], None] | None, clock: Callable[[], float] | None = None) -> Trajectory:
+            integrate = self.model.module["_integrate"]
+            done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), tell, clock)
+            return done
+
+        if way == 0:
+            return run(progress, perf_counter)
+        from lagc.run.directed import by_turns
+
+        return by_turns(run, way, progress)
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
         """The function `name` of the Program, with those of p t x a lam that it reads."""
