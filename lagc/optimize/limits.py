@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import inf
 
+from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import Limit, Model
 from lagc.mechanics.intervals import intervals
 from lagc.records import replace
 
+FLAT = 1.0 + 1e-9  # rounding of a flat body's moments, of which one is the sum of the others
+
 
 def bounded(model: Model) -> Model:
-    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative.
-    Where declared bounds see to that already, there are none."""
+    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative, and
+    no moment is more than the sum of the two others, as each is a sum of squares of two coordinates.  Where declared bounds see to that already, there are none."""
     asked = list(_inertias(model))
     direct = {limit.value for limit in asked}
     parameters = tuple([
@@ -35,3 +38,16 @@ def _inertias(model: Model) -> Iterator[Limit]:
         yield Limit(f"mass of {body.name}", body.mass, "kg", 0.0, inf, body.span)
         for k, row in enumerate(body.inertia or ()):
             yield Limit(f"moment of inertia {k + 1} of {body.name}", row[k], "kg.m2", 0.0, inf, body.span)
+        if body.inertia is not None:
+            moments = [row[k] for k, row in enumerate(body.inertia)]
+            for k, a in enumerate(moments):
+                b, c = moments[k - 2], moments[k - 1]
+                room = (b + c) * FLAT - a
+                if not any(_part(room) is _part(x) for x in moments):  # that it is not negative is asked
+                    name = f"what moment of inertia {k + 1} of {body.name} is less than the sum of the others"
+                    yield Limit(name, room, "kg.m2", 0.0, inf, body.span)
+
+
+def _part(x: Node) -> Node:
+    """What `x` is a positive multiple of."""
+    return x.args[0] if x.op == "scale" and x.value > 0.0 else x

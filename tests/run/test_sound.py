@@ -91,6 +91,37 @@ def test_no_mass_is_negative(mass: str) -> None:
     assert seen == {False, True}
 
 
+SOLID = """\
+model M
+  parameter Inertia i1 = {0!r}, i2 = {1!r}, i3 = {2!r};
+  coordinate Angle q(rate = 1 [rad/s]);
+  frame R = rotate_z(world, q);
+  Solid b(mass = 1, inertia = {inertia}, frame = R, com = {{0, 0, 0}});
+end M;
+"""
+INERTIAS = ["{i1, i2, i3}", "{{i1, 0, 0}, {0, i2, 0}, {0, 0, i3}}", "{2*i1, i2 + i1, i3}"]
+
+
+@pytest.mark.parametrize("inertia", INERTIAS)
+def test_no_moment_of_inertia_is_more_than_the_others_together(inertia: str) -> None:
+    """Those of random points are in bounds, flat ones too; random numbers may not be."""
+    dice, seen = random.Random(inertia), set()
+    model = lagc.loads(
+        SOLID.replace("{inertia}", inertia.replace("{", "{{").replace("}", "}}")).format(1, 1, 1)
+    )
+    bound = model.compile(backend="numpy")
+    for k in range(40):
+        x, y, z = (dice.uniform(0.0, 1.0) for _ in range(3))
+        i = [y + z, z + x, x + y] if k % 2 else [x, y, z]
+        if k % 4 == 1:
+            i = [x, y, x + y]
+        told = [2 * i[0], i[1] + i[0], i[2]] if "2*" in inertia else i
+        out = 2 * max(told) > sum(told) * (1 + 1e-12)
+        assert refused(bound, i1=i[0], i2=i[1], i3=i[2]) == out
+        seen.add(out)
+    assert seen == {False, True}
+
+
 FORM = """\
 model M
   coordinate Length x(start = 1 [m]), y(start = 2 [m]), z(start = 3 [m]);

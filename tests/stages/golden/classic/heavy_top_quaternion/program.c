@@ -283,3 +283,14 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     x[6] = -4.61538;
     (void)(p);
 }
+
+/* derived values that have bounds */
+static void lagc_fn_limits(const lagc_params *p, lagc_real *b)
+{
+    const lagc_real I1 = p->I1;
+    const lagc_real I2 = p->I2;
+    const lagc_real t0 = (I1 + I2) * 1.000000001 - I1;
+    b[0] = t0;
+    b[2] = t0;
+    b[1] = I1 * 2.000000002 - I2;
+}
