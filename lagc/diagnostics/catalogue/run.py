@@ -139,8 +139,8 @@ end Bob;
     "LAG0617": Entry(
         "a value made of parameters is out of its bounds",
         "The value of a parameter is computed from others and leaves the `min` or `max` of its declaration, "
-        "for the values of this run; or a mass or a moment of inertia is negative, or a moment is more than the "
-        "two others together.",
+        "for the values of this run; or a mass or a moment of inertia is negative, or a moment is more "
+        "than the two others together.",
         """
 model Bob
   parameter Mass total = 1, fuel = 2;
