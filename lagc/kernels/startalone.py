@@ -131,7 +131,7 @@ def meet_alone(p: Params, t: Real, y: Vec[NU], i: int, j: int, w: StartWork) -> 
     look(p, t, y, i, j, home, up, w)
     put(down, up)
     judge(y, w.J, w.sizes, w)
-    if ratio(w.c[i], w.scales[i]) <= ACCEPTED:
+    if ratio(w.c[i], w.floors[i], w.scales[i]) <= ACCEPTED:
         return
     size = fabs(home) if home != 0.0 else w.weights[j]
     middle = 0

@@ -126,10 +126,10 @@ def bend(p: Params, t: Real, y: Vec[NU], to: Vec[NU], w: StartWork) -> Real:
         end = ends[i]
         for k in range(first, end):
             value += w.J[k] * (to[column[k]] - y[column[k]])
-        size = ratio(w.c[i], w.scales[i])
+        size = ratio(w.c[i], w.floors[i], w.scales[i])
         if size > missed:
             missed = size
-        size = ratio(value, w.scales[i])
+        size = ratio(value, w.floors[i], w.scales[i])
         if size > bent:
             bent = size
     return bent / missed if missed > 0.0 else 0.0

@@ -75,7 +75,7 @@ def hopeless(p: Params, t: Real, w: StartWork) -> bool:
         for k in range(first, end):
             if w.loose[column[k]] == 1:
                 held = False
-        if held and not ratio(w.c[i], w.scales[i]) <= ACCEPTED:
+        if held and not ratio(w.c[i], w.floors[i], w.scales[i]) <= ACCEPTED:
             return True
     return False
 

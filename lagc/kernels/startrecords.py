@@ -85,13 +85,16 @@ class StartWork:
     c: Vec[NE]
     sizes: Vec[NE]
     scales: Vec[NE]
+    floors: Vec[NE]
     terms: Vec[NE]  # of each condition at the guess
     trial_c: Vec[NE]
     trial_sizes: Vec[NE]
     right: Vec[NE]
     J: Vec[NJ]
     trial_J: Vec[NJ]
-    blurred: IVec[NJ]  # 1: a derivative that is rounding
+    doubts: Vec[NE]  # what last places of parameters change residuals by
+    doubted: Vec[NJ]  # and derivatives
+    blurs: Vec[NJ]  # the same, where speeds are sought of positions too
     matrix: Mat[NE, NROW]
     rests: Mat[NE, NROW]
 

@@ -48,10 +48,12 @@ def weight_of(w: StartWork, i: int) -> Real:
 
 
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """What the residual of each row at y is judged against: its terms, and what a slight part of how large
-    its unknowns may be changes it by: these are not known better."""
+    """What the residual of each row at y is judged against: w.scales, its terms and what a slight part of how
+    large its unknowns may be changes it by: these are not known better.  And what of it is rounding of the
+    parameters, w.floors."""
     for i in range(NE):
         slight = 0.0
+        w.floors[i] = w.doubts[i]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
@@ -60,11 +62,13 @@ def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
             if w.loose[j] == 1 and w.reach[j] > size:
                 size = w.reach[j]
             slight += fabs(J[k]) * size
+            w.floors[i] += w.doubted[k] * fabs(y[j])
         w.scales[i] = sizes[i] + SLIGHT * slight
 
 
-def ratio(value: Real, scale: Real) -> Real:
-    if value == 0.0:
+def ratio(value: Real, floor: Real, scale: Real) -> Real:
+    """A residual by what it is judged against, as far as it is no rounding."""
+    if fabs(value) <= floor:
         return 0.0
     return fabs(value) / scale if 0.0 < scale and scale < inf else inf
 
@@ -73,7 +77,8 @@ def norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
     """Of the scaled residuals of w.rows[first..end-1]; infinity where one is not a number."""
     total = 0.0
     for k in range(first, end):
-        size = ratio(c[w.rows[k]], w.scales[w.rows[k]])
+        i = w.rows[k]
+        size = ratio(c[i], w.floors[i], w.scales[i])
         total += size * size
     return sqrt(total) if total == total else inf
 
@@ -85,10 +90,11 @@ def farthest(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
     w.culprit = -1
     worst = 0.0
     for k in range(end):
-        size = ratio(w.c[w.rows[k]], w.scales[w.rows[k]])
+        i = w.rows[k]
+        size = ratio(w.c[i], w.floors[i], w.scales[i])
         if not size <= worst:
             worst = size if size == size else inf
-            w.culprit = w.rows[k]
+            w.culprit = i
             if worst == inf:
                 break
     return worst

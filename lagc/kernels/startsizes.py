@@ -5,18 +5,50 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.limits import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
-from lagc.kernels.sizes import NE, NJ, NQ, NQUAT, NU
+from lagc.kernels.sizes import NE, NJ, NP, NQ, NQUAT, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, meet, row_begin
 from lagc.kernels.tables import angle, column, ends, quaternion, unit
-from lagc.kernels.words import Params, Real, Vec
+from lagc.kernels.words import Params, Real, Vec, params
 
 TIGHTER = 0  # times that what conditions allow is made less by what they allow others
 
 
+def shake_parameters(p: Params, way: Real, other: Params) -> None:
+    """Parameters changed by four units of their last place, every other one the other way."""
+    other[:] = p
+    for k in range(NP):
+        other[k] *= 1.0 + way if k % 2 == 0 else 1.0 - way
+
+
+def less(change: Real, most: Real) -> Real:
+    """The less of two changes; none where it has no value."""
+    if not change < inf:
+        return 0.0
+    return change if change < most else most
+
+
+def doubt(p: Params, t: Real, w: StartWork) -> None:
+    """What last places of the parameters change at the guess: the residuals, w.doubts, and the derivatives,
+    w.doubted; the less of either way, for beside a jump there may be another side."""
+    for i in range(NE):
+        w.doubts[i] = inf if NP > 0 else 0.0
+    for k in range(NJ):
+        w.doubted[k] = inf if NP > 0 else 0.0
+    if NP > 0:
+        other = params()
+        for turn in range(2):
+            shake_parameters(p, NEARLY if turn == 0 else -NEARLY, other)
+            meet(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes)
+            for i in range(NE):
+                w.doubts[i] = less(fabs(w.trial_c[i] - w.c[i]), w.doubts[i])
+            for k in range(NJ):
+                w.doubted[k] = less(fabs(w.trial_J[k] - w.J[k]), w.doubted[k])
+
+
 def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """w.blurred: 1 for each of the derivatives w.J at y that is rounding: it changes by as much as it is
-    where positions, of these `sizes`, change in their last places."""
+    """w.blurs: how far the derivatives w.J at y change where positions, of these `sizes`, or parameters change
+    in their last places."""
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
@@ -24,7 +56,12 @@ def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
     meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
     for k in range(NJ):
         change = fabs(w.trial_J[k] - w.J[k])
-        w.blurred[k] = 1 if 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= change else 0
+        w.blurs[k] = change if change > w.doubted[k] else w.doubted[k]
+
+
+def is_blurred(k: int, w: StartWork) -> bool:
+    """Whether a derivative is rounding: it changes by as much as it is where last places do."""
+    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.blurs[k]
 
 
 def known_terms(i: int, w: StartWork) -> Real:
@@ -40,7 +77,7 @@ def known_terms(i: int, w: StartWork) -> Real:
 
 def is_open(k: int, w: StartWork) -> bool:
     """Whether derivative k is by an unknown whose size is not known yet."""
-    return w.reach[column[k]] == inf and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf and w.blurred[k] == 0
+    return w.reach[column[k]] == inf and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf and not is_blurred(k, w)
 
 
 def steepest(i: int, k: int, w: StartWork) -> bool:
@@ -153,7 +190,7 @@ def tighten(w: StartWork) -> None:
             if own > largest:
                 at = k
                 largest = own
-        if at < 0 or w.blurred[at] == 1:
+        if at < 0 or is_blurred(at, w):
             continue
         j = column[at]
         total = w.terms[i]
@@ -169,6 +206,7 @@ def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     off; w.reach, by which rows are judged; w.widths, of their units."""
     meet(p, t, w.home, w.c, w.J, w.sizes)
     w.terms[:] = w.sizes
+    doubt(p, t, w)
     blur(p, t, w.home, w.home, w)
     common_sizes(w)
     stretch(w)

@@ -6,10 +6,10 @@ from math import fabs, floor, inf, sqrt
 
 from lagc.kernels.leastnorm import least_norm
 from lagc.kernels.limits import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
-from lagc.kernels.sizes import NE, NJ, NQ, NU
+from lagc.kernels.sizes import NE, NQ, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import farthest, judge, meet, norm, ratio, row_begin, weight_of
-from lagc.kernels.startsizes import blur
+from lagc.kernels.startsizes import blur, is_blurred
 from lagc.kernels.tables import angle, column, ends
 from lagc.kernels.words import Params, Real, Size, Vec
 
@@ -37,12 +37,6 @@ def loosen(first: Size, end: Size, w: StartWork) -> None:
             w.count += 1
 
 
-def unblur(w: StartWork) -> None:
-    """Take no derivative for rounding."""
-    for k in range(NJ):
-        w.blurred[k] = 0
-
-
 def fill(first: int, end: int, w: StartWork) -> None:
     """w.matrix: the derivatives of w.rows[first..end-1] by w.columns, each times its weight, 0 where it is
     rounding; w.right: what is missed."""
@@ -55,7 +49,7 @@ def fill(first: int, end: int, w: StartWork) -> None:
         behind = ends[w.rows[k]]
         for e in range(begin, behind):
             i = column[e]
-            if w.places[i] >= 0 and w.blurred[e] == 0:
+            if w.places[i] >= 0 and not is_blurred(e, w):
                 row[w.places[i]] = w.J[e] * weight_of(w, i)
         w.right[k - first] = -w.c[w.rows[k]]
 
@@ -116,9 +110,9 @@ def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Rea
         begin = row_begin(i)
         behind = ends[i]
         for e in range(begin, behind):
-            free = free or (w.places[column[e]] >= 0 and w.blurred[e] == 0)
+            free = free or (w.places[column[e]] >= 0 and not is_blurred(e, w))
         if free:
-            size = ratio(c[i], sizes[i] + CLOSE * w.scales[i])
+            size = ratio(c[i], w.floors[i], sizes[i] + CLOSE * w.scales[i])
             total += size * size
     return sqrt(total)
 
@@ -155,7 +149,7 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
     meet(p, t, y, w.c, w.J, w.sizes)
     judge(y, w.J, w.sizes, w)
     missed = norm(w.c, first, end, w)
-    unblur(w)
+    w.blurs[:] = w.doubted
     if missed <= CLOSE:
         polish(p, t, y, first, end, w)
         return
@@ -240,7 +234,7 @@ def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
     """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a
     number is not finite."""
     meet(p, t, y, w.c, w.J, w.sizes)
-    unblur(w)
+    w.blurs[:] = w.doubted
     fill(0, end, w)
     count = w.count
     for r in range(end):

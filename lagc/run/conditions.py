@@ -5,7 +5,7 @@ from __future__ import annotations
 from _thread import RLock
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeAlias
 
 from lagc.once import once
 from lagc.render.kernels.assembly import sizes_of_start, with_quaternions
@@ -15,12 +15,15 @@ from lagc.run.problem import OK
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
 
 
+Evaluate: TypeAlias = Callable[[float, Sequence[float]], tuple[list[float], list[float], list[float]]]
+
+
 class Conditions:
     """The conditions of a consistent start.
 
     `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
-    parameter of each unit.  `units[i]` is the number of the unit of unknown i; `angles` are the
+    parameter of each unit; `elsewhere(p)` is `evaluate` of other `parameters`.  `units[i]` is the number of the unit of unknown i; `angles` are the
     coordinates that are angles.
     """
 
@@ -33,8 +36,10 @@ class Conditions:
         angles: Sequence[int],
         ends: Sequence[int],
         columns: Sequence[int],
-        evaluate: Callable[[float, Sequence[float]], tuple[list[float], list[float], list[float]]],
+        evaluate: Evaluate,
         measures: Callable[[], tuple[list[float], list[float]]],
+        parameters: Sequence[float] = (),
+        elsewhere: Callable[[Sequence[float]], Evaluate] | None = None,
     ):
         self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
         self.units, self.angles = tuple(units), tuple(angles)
@@ -42,6 +47,7 @@ class Conditions:
         self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions)
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.evaluate, self.measures = evaluate, measures
+        self.parameters, self.elsewhere = list(parameters), elsewhere
         self.lock = RLock()
 
     def columns_of(self, i: int) -> list[int]:
@@ -52,20 +58,21 @@ class Conditions:
     def kernels(self) -> dict[str, Any]:
         """The kernels of the search, with the sizes, tables and functions of these conditions."""
         found: dict[str, Any] = {
-            **self.sizes,
+            **self.sizes, "NP": len(self.parameters),
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "column": self.columns, "fn_conditions": self._conditions, "fn_measures": self._measures,
         }  # fmt: skip
-        exec(code(tuple([self.sizes[name] > 0 for name in SWITCHES])), found)
+        exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)
         return found
 
-    def _conditions(self, p: None, t: float, y: list[float], c: list[float], jacobian: list[float],
+    def _conditions(self, p: list[float], t: float, y: list[float], c: list[float], jacobian: list[float],
                     sizes: list[float]) -> None:  # fmt: skip
-        found = self.evaluate(t, y[: self.nq + self.nv])
+        evaluate = self.elsewhere(p) if self.elsewhere and p is not self.parameters else self.evaluate
+        found = evaluate(t, y[: self.nq + self.nv])
         c[: self.own], jacobian[: len(found[1])], sizes[: self.own] = found
 
-    def _measures(self, p: None, rates: list[float], largest: list[float]) -> None:
+    def _measures(self, p: list[float], rates: list[float], largest: list[float]) -> None:
         s, most = self.measures()
         rates[: len(s)], largest[: len(most)] = s, most
 
@@ -84,7 +91,7 @@ class Consistency:
         self.conditions, self.t = conditions, t
         self.kernels, self.n = conditions.kernels, conditions.n
         self.room = self.kernels["StartWork"]()
-        self.status: int = self.kernels["prepare"](None, t, x, levels, self.room)
+        self.status: int = self.kernels["prepare"](conditions.parameters, t, x, levels, self.room)
         self.has_begun = self.status == OK  # else `culprit` is what of the guess has no value or no direction
         if not self.has_begun:
             self.room.y[:] = self.room.home
@@ -95,19 +102,21 @@ class Consistency:
     def run(self) -> int:
         """OK, INCONSISTENT or NOT_FINITE."""
         if self.has_begun:
-            self.status = self.kernels["reach_start"](None, self.t, self.room)
+            self.status = self.kernels["reach_start"](self.conditions.parameters, self.t, self.room)
         return self.status
 
     def solve(self, first: int, end: int) -> bool:
         """Whether attempts first..end-1 alone lead to a start, what is free moving."""
-        found: bool = self.has_begun and self.kernels["find"](None, self.t, first, end, self.room)
+        found: bool = self.has_begun and self.kernels["find"](
+            self.conditions.parameters, self.t, first, end, self.room
+        )
         return found
 
     def evaluate(self, y: Sequence[float]) -> tuple[list[float], list[float], list[float]]:
         """Residuals, derivatives and sizes of the terms of all conditions."""
         m = len(self.conditions.ends)
         found = [0.0] * m, [0.0] * len(self.conditions.columns), [0.0] * m
-        self.kernels["meet"](None, self.t, y, *found)
+        self.kernels["meet"](self.conditions.parameters, self.t, y, *found)
         return found
 
     @property

@@ -12,7 +12,7 @@ from lagc import cache as store
 from lagc.cache.sources import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start")
-SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION")
+SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP")
 
 
 @cache
