@@ -39,7 +39,7 @@ def begin(system: System, request: Request) -> Start:
         anchors = [*(m.anchor for m in start.missed), *start.anchors]
         raise NoStart(_conflict(start), anchors, start.x, system)
     for i, value in enumerate(start.x):
-        if not abs(value) <= 1e300:
+        if not isfinite(value):
             fault = Fault("LAG0611", f"the start value of {state_name(system, i)} is not a finite number")
             raise NoStart(
                 fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system

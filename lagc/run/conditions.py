@@ -23,8 +23,8 @@ class Conditions:
 
     `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
-    parameter of each unit; `elsewhere(p)` is `evaluate` of other `parameters`.  `units[i]` is the number of the unit of unknown i; `angles` are the
-    coordinates that are angles.
+    parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
+    number of the unit of unknown i; `angles` are the coordinates that are angles.
     """
 
     def __init__(

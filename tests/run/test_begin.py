@@ -143,6 +143,26 @@ def test_given_parameters_are_those_of_a_run() -> None:
     assert faults(l=2.0, k=1.0) == [("LAG0601", "error")]
 
 
+@pytest.mark.parametrize("size", [1e299, 1e300, 1.1e300, -3e304, 3e307])
+def test_what_is_finite_is_a_start(size: float) -> None:
+    """Up to a few times less than the end of doubles, stated or found; beyond, the row or the energy is told that has no value."""
+    form = """\
+model M
+  coordinate Length x(start = {x!r} [m]{rate}), y;
+  body b = Particle(mass = 1, at = {{x, y, 0}});
+  constraint c: {row};
+end M;
+"""
+
+    def codes(row: str, rate: str = "") -> list[str]:
+        text = form.format(x=size, rate=rate, row=row)
+        return [f.code for f in compiler.check(Source("m.lag", text), compiler.Choice())]
+
+    assert codes("y = 2*x") == codes("x = 2*y") == []
+    assert codes("x^2 + y^2 = 1 [m2]") == ["LAG0610"]
+    assert codes("y = 2*x", ", rate = 1e200 [m/s]") == ["LAG0613"]
+
+
 def test_the_exit_code_of_check_is_that_of_sim(
     tmp_path: object, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
