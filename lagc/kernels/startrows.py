@@ -48,10 +48,12 @@ def weight_of(w: StartWork, i: int) -> Real:
 
 
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """What the residual of each row at y is judged against: w.scales, its terms and what a slight part of how
+    """What the residuals of w.rows at y are judged against: w.scales, its terms and what a slight part of how
     large its unknowns may be changes it by: these are not known better.  And what of it is rounding of the
     parameters, w.floors."""
-    for i in range(NE):
+    rows = w.ended
+    for r in range(rows):
+        i = w.rows[r]
         slight = 0.0
         w.floors[i] = w.doubts[i]
         first = row_begin(i)

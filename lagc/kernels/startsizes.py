@@ -47,8 +47,8 @@ def doubt(p: Params, t: Real, w: StartWork) -> None:
 
 
 def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
-    """w.blurs: how far the derivatives w.J at y change where positions, of these `sizes`, or parameters change
-    in their last places."""
+    """w.blurs: how far the derivatives w.J at y change where positions, of these `sizes`, or parameters
+    change in their last places."""
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
