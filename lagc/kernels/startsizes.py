@@ -29,8 +29,8 @@ def less(change: Real, most: Real) -> Real:
 
 
 def doubt(p: Params, t: Real, w: StartWork) -> None:
-    """What last places of the parameters change at the guess: residuals, w.doubts, and derivatives, w.doubted;
-    the less of either way, for on one side there may be a jump."""
+    """What last places of the parameters change at the guess: residuals, w.doubts, and derivatives,
+    w.doubted; the less of either way, for on one side there may be a jump."""
     for i in range(NE):
         w.doubts[i] = inf if NP > 0 else 0.0
     for k in range(NJ):

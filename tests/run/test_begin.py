@@ -145,7 +145,7 @@ def test_given_parameters_are_those_of_a_run() -> None:
 
 @pytest.mark.parametrize("size", [1e299, 1e300, 1.1e300, -3e304, 3e307])
 def test_what_is_finite_is_a_start(size: float) -> None:
-    """Up to a few times less than the end of doubles, stated or found; beyond, the row or the energy is told that has no value."""
+    """Stated or found; where it is too large for a row, or an energy, this is told to have no value."""
     form = """\
 model M
   coordinate Length x(start = {x!r} [m]{rate}), y;
