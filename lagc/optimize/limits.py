@@ -15,8 +15,9 @@ FLAT = 1.0 + 1e-9  # rounding of a flat body's moments, of which one is the sum 
 
 
 def bounded(model: Model) -> Model:
-    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative, and
-    no moment is more than the sum of the two others, as each is a sum of squares of two coordinates.  Where declared bounds see to that already, there are none."""
+    """`model` with the bounds that its bodies ask for: neither a mass nor a moment of inertia is negative,
+    and no moment is more than the two others together, as each is a sum of squares of two coordinates.
+    Where declared bounds see to that already, there are none."""
     asked = list(_inertias(model))
     direct = {limit.value for limit in asked}
     parameters = tuple([
