@@ -14,9 +14,11 @@ from typing import Any
 
 import pytest
 
-from lagc import cache, load
+from lagc import cache, library, load, records
 from lagc.cache import folders, upkeep
 from lagc.cli.main import main
+from lagc.compiler import Choice, Compilation
+from lagc.optimize.program import Field
 
 POSIX = os.name == "posix"
 KEY = cache.key("a")
@@ -447,3 +449,26 @@ def test_hashes_are_blake2b() -> None:
         assert cache.digest(data) == hashlib.blake2b(data, digest_size=32).hexdigest()
     hashed = folders.sealed("n", BODY)[: folders.HEAD].split()[1].decode()
     assert hashed == hashlib.blake2b(b"n\n" + BODY, digest_size=32).hexdigest()
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_an_artifact_comes_back_as_it_was(root: Path, target: str) -> None:
+    """Every number and text of it, of its own type: what is kept knows no others."""
+    names = sorted(library.library_models())
+    for name in random.Random(7).sample(names, 3):
+        compilation = Compilation(library.read(name), Choice())
+        made = compilation.artifact(target)
+        kept_ = compilation.cached_artifact(target)
+        assert kept_ is not None and repr(kept_.interface) == repr(made.interface)
+        assert kept_.interface == made.interface and kept_.unused == made.unused
+        assert kept_.sources == made.sources and kept_.code == made.code
+        for field in (getattr(kept_.interface, each) for each in records.names(type(kept_.interface))):
+            assert plain(field), field
+
+
+def plain(value: Any) -> bool:
+    if isinstance(value, tuple | dict):
+        return all(map(plain, value.values() if isinstance(value, dict) else value))
+    if isinstance(value, Field):
+        return all(plain(getattr(value, name)) for name in records.names(Field))
+    return type(value) in (str, int, float, bool, type(None))
