@@ -152,6 +152,9 @@ def stretch(w: StartWork) -> None:
         for i in range(NU):
             if turn == 0 and w.reach[i] == 0.0 and w.levels[i] > UNSTATED and w.common[unit[i]] == 0.0:
                 w.reach[i] = inf
+    for i in range(NU):
+        if angle[i] == 1 and w.home[i] == 0.0 and w.reach[i] < SLIGHT:  # turns are of the size of a radian
+            w.reach[i] = inf
 
 
 def common_sizes(w: StartWork) -> None:
