@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 
 
 def deliver(found: Run, options: argparse.Namespace) -> int:
-    """Write, draw and print `found`, also where the run failed; the exit code."""
+    """Write, draw and print `found`, also where the run failed; the exit code.  Of a run that was interrupted
+    at its start there is nothing to be kept, and a file that is there stays."""
     rest()
-    picture = _picture(found, options)
+    begun = len(found) > 1 or not found.interrupted
+    picture = _picture(found, options) if begun else ""
     with SIGNALS.patience():
-        written = not options.output or _save(found, options)
+        written = not (options.output and begun) or _save(found, options)
         drawn = not picture or _draw(found, picture, options)
     if options.json:
         print_json(found.to_dict())
@@ -29,7 +31,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
         from lagc.cli.summary import summary
 
         show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
-    if options.plot == "" and not picture:
+    if options.plot == "" and begun and not picture:
         from lagc.view.plot import show as show_picture
 
         show_picture(found)

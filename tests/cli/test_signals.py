@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from lagc.cli.main import main
+
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="signals")
 KILLS = int(os.environ.get("LAGC_KILLS", "10"))
 ROOT = str(Path(__file__).parents[2])
@@ -146,6 +148,20 @@ def test_a_run_that_is_ended_keeps_what_was_computed(name: str, tmp_path: Path) 
     assert process.returncode == 128 + number
     assert "interrupted at t =" in shown and "Traceback" not in said
     assert len(out.read_text().splitlines()) > 2
+
+
+def test_a_run_that_ends_at_its_start_leaves_the_file_that_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def end(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("lagc.cli.progress.Bar.__call__", end)
+    monkeypatch.chdir(tmp_path)
+    Path("run.csv").write_bytes(OLD)
+    words = "sim simple_pendulum -q --backend numpy --points 2 --stop 1000 -o run.csv --plot run.svg"
+    assert main(words.split()) == 130
+    assert Path("run.csv").read_bytes() == OLD and os.listdir() == ["run.csv"]
 
 
 def test_a_signal_that_was_ignored_stays_ignored(tmp_path: Path) -> None:
