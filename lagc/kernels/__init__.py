@@ -11,7 +11,7 @@ from typing import NewType
 Status = NewType("Status", int)  # what a call ends with: see `statuses`
 FILES = (
     "statuses", "limits", "trigonometry",
-    "records", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
+    "records", "binding", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening", "step", "recording",
     "startrecords", "leastnorm", "startrows", "startsizes", "starttable", "startalone", "startsteps",
     "startfind", "startchoice", "startsearch", "start",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from math import fabs, inf
 
+from lagc.kernels.binding import is_bound
 from lagc.kernels.kinds import not_finite
 from lagc.kernels.limits import LEFT_OVER
 from lagc.kernels.model import fn_limits
 from lagc.kernels.records import (
     BAD_ATOL,
+    BAD_BINDING,
     BAD_FIRST_STEP,
     BAD_MAX_STEP,
     BAD_MAX_STEPS,
@@ -20,7 +22,7 @@ from lagc.kernels.records import (
     Options,
     State,
 )
-from lagc.kernels.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NX
+from lagc.kernels.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NPREPARED, NX
 from lagc.kernels.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.tableau import METHODS
 from lagc.kernels.tables import bounded, bounds, derived_bounds
@@ -49,7 +51,8 @@ def bad_option(o: Options) -> int:
 
 
 def bad_parameter(p: Params) -> int:
-    """The parameter that is not finite or out of its bounds, or the value made of some that is, or -1."""
+    """The parameter that is not finite or out of its bounds, or the value made of some that is, or that they
+    were changed since `bind`, or -1."""
     for k in range(NP):
         if not fabs(p[k]) < inf:
             return BAD_PARAMETER + k
@@ -64,6 +67,9 @@ def bad_parameter(p: Params) -> int:
         for k in range(NLIMITS):
             if not (derived[k] >= derived_bounds[k][0] and derived[k] <= derived_bounds[k][1]):
                 return BAD_PARAMETER + NP + k
+    if NPREPARED > 0:
+        if not is_bound(p):
+            return BAD_BINDING
     return -1
 
 

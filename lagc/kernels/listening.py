@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from math import fabs, sqrt
 
+from lagc.kernels.binding import bind
 from lagc.kernels.limits import APART, CROSSING, NEARLY
 from lagc.kernels.method import has_parts, last, method_error, method_parts, method_stages
 from lagc.kernels.projection import nudge, tangents
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NH, NKIND, NP, NQ, NV, NX, TWO
+from lagc.kernels.sizes import NH, NKIND, NP, NPREPARED, NQ, NV, NX, TWO
 from lagc.kernels.statuses import failed
 from lagc.kernels.tables import kind
 from lagc.kernels.weights import weigh_errors
@@ -36,6 +37,8 @@ def shaken(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
     other[:] = p
     for j in range(NP):
         other[j] *= shake((n + j + 1) * turn)
+    if NPREPARED > 0:
+        bind(other)
     return s.t * shake(turn)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from lagc.kernels.sizes import NC, NG, NJ, NKIND, NLIMITS, NM, NQ, NR, NREACH, NU, NV, NWORK, NX
+from lagc.kernels.sizes import NC, NG, NJ, NKIND, NLIMITS, NM, NPREPARED, NQ, NR, NREACH, NU, NV, NWORK, NX
 from lagc.kernels.words import Out, Params, Real, Vec
 
 
 # fmt: off
+def fn_bind(p: Params, prepared: Out[NPREPARED]) -> None: ...
 def fn_rhs(p: Params, t: Real, x: Vec[NX], xdot: Out[NX], lam: Out[NC], health: Out[Any]) -> None: ...
 def fn_system(p: Params, t: Real, x: Vec[NX], qdot: Out[NQ], M: Out[NM], r: Out[NV], G: Out[NG],
               gamma: Out[NC]) -> None: ...

@@ -33,6 +33,7 @@ BAD_MAX_STEP = Code(6)
 BAD_TIME = Code(7)  # s->t, t1, t, times, or n and *done
 BAD_BUDGET = Code(8)
 BAD_LEVEL = Code(9)
+BAD_BINDING = Code(10)  # lagc_bind was not called, or a parameter was changed since
 BAD_PARAMETER = Code(16)
 
 # Where a rate, or the dense output, is to be found.

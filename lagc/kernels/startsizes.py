@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from math import fabs, inf
 
+from lagc.kernels.binding import bind
 from lagc.kernels.limits import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
-from lagc.kernels.sizes import NE, NJ, NP, NQ, NQUAT, NU
+from lagc.kernels.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, meet, row_begin
 from lagc.kernels.tables import angle, column, ends, quaternion, unit
@@ -19,6 +20,8 @@ def shake_parameters(p: Params, way: Real, other: Params) -> None:
     other[:] = p
     for k in range(NP):
         other[k] *= 1.0 + way if k % 2 == 0 else 1.0 - way
+    if NPREPARED > 0:
+        bind(other)
 
 
 def less(change: Real, most: Real) -> Real:

@@ -59,21 +59,8 @@ class _Balance:
         return block.function(function.name, function.inputs, function.outputs, about, schedule)
 
     def _plain(self, o: Operation) -> int:
-        block = self.block
         operands = [self.references[k] for k in o.operands]
-        if o.op == "const":
-            assert isinstance(o.payload, float | int)
-            found = block.const(o.payload)
-        elif o.op == "load":
-            assert isinstance(o.payload, tuple)
-            found = block.load(*o.payload)
-        elif o.op == "div":
-            found = block.div(*operands)
-        elif o.op == "abs":
-            found = block.abs(*operands)
-        else:
-            found = block.apply(o.op, *operands)
-        return self._timed(found, operands, _CYCLES[o.op])
+        return self._timed(self.block.again(o, operands), operands, _CYCLES[o.op])
 
     def _timed(self, found: int, operands: Sequence[int], cycles: int) -> int:
         start = max([self._when(a) for a in operands], default=0)

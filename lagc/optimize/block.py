@@ -14,6 +14,8 @@ from lagc.optimize.program import Function, Operation, Store
 
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
 
+_ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
+
 _Payload: TypeAlias = "float | tuple[str, int] | None"
 Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
 Schedule: TypeAlias = "Callable[[Sequence[Row], Sequence[int]], list[int]]"
@@ -109,6 +111,25 @@ class Block:
 
     def is_zero(self, a: int) -> bool:
         return a == self.zero or a == ~self.zero
+
+    def again(self, o: Operation, operands: Sequence[int]) -> int:
+        """The same operation on other operands."""
+        if o.op == "const":
+            assert isinstance(o.payload, float | int)
+            return self.const(o.payload)
+        if o.op == "load":
+            assert isinstance(o.payload, tuple)
+            return self.load(*o.payload)
+        if o.op == "neg":
+            return ~operands[0]
+        if o.op in _ARITHMETIC:
+            found: int = getattr(self, o.op)(*operands)
+            return found
+        return self.apply(o.op, *operands)
+
+    def row(self, a: int) -> Row:
+        """The operation that makes value number `a`."""
+        return self._rows[a]
 
     # -- the result -----------------------------------------------------------
 

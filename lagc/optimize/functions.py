@@ -62,7 +62,7 @@ def displace(places: Places) -> Function | None:
         return None
     d = [graph.symbol("displacement", name) for name in equations.v_names]
     dq = tangent(graph, equations.qdot, dict(zip(equations.v, d)))
-    more = Places(equations, {**places.arrays, **{node: ("d", k) for k, node in enumerate(d)}})
+    more = replace(places, arrays={**places.arrays, **{node: ("d", k) for k, node in enumerate(d)}})
     return _function(more, "displace", (*STATE, "d"), (("dq", dq),), "dq = N(t,q) d")
 
 
@@ -179,7 +179,7 @@ def reaches(places: Places) -> Function:
         parts += [part * pace for part in terms(graph, row.residual)]
         of_rates.append(reach(_of_speeds(places, row), parts))
     found += _beside_others(places, holonomic, of_rates)
-    more = Places(equations, {**places.arrays, **{node: ("c", k) for k, node in size.items()}})
+    more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in size.items()}})
     return _function(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
 
 
@@ -313,4 +313,4 @@ def _function(
     lengths = tuple([(a, sparse[a].length if a in sparse else len(dense[a])) for a, _ in outputs])
     stored = [(a, sparse[a].entries if a in sparse else range(len(dense[a]))) for a, _ in outputs]
     nodes = [node for a, _ in outputs for node in (sparse[a].entries.values() if a in sparse else dense[a])]
-    return replace(cheapest(places.graph, nodes, make, seldom), cleared=tuple(sparse))
+    return replace(cheapest(places, nodes, make, seldom), cleared=tuple(sparse))

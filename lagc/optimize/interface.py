@@ -37,6 +37,7 @@ def interface(
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
     *,
+    read: tuple[int, ...] = (),
     work: bool,
     straight: bool,
     work_size: int,
@@ -51,6 +52,7 @@ def interface(
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     places = [span for _, span in equations.initial_conditions]
     slopes = condition_slopes(equations)
+    bind = functions.get("bind")
     found = Interface(
         model=model.name,
         scene=model.scene,
@@ -84,6 +86,9 @@ def interface(
         solve="straight" if straight else "looped",
         work_size=work_size,
         operations=operations,
+        preparation=bind.cost if bind else 0,
+        prepared=bind.outputs[0][1] if bind else 0,
+        read=read,
         functions=tuple(functions),
         effects=tuple([e.name for e in model.effects if e.used]),
         simulate=dict(model.simulate),

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
 from lagc.mechanics.equations import EquationsOfMotion, Row
-from lagc.optimize.balance import balanced
 from lagc.optimize.block import Block
 from lagc.optimize.interface import place
 from lagc.optimize.ldlt import (
@@ -53,8 +52,7 @@ def rhs(places: Places, entries: Mapping[Entry, Node], plan: Elimination, work: 
     right = [*applied_forces(equations), *(row.gamma for row in equations.rows)]
     power = [equations.power] if work else []
     nodes = [*entries.values(), *right, *equations.qdot]
-    found = cheapest(equations.graph, nodes, lambda chosen: _rhs(places, entries, plan, chosen, power))
-    return balanced(found) if plan.multipliers else found
+    return cheapest(places, nodes, lambda chosen: _rhs(places, entries, plan, chosen, power))
 
 
 def _rhs(
@@ -100,7 +98,7 @@ def assemble(places: Places, entries: Mapping[Entry, Node], plan: Elimination) -
         _store_all(block, "w", lower(places, block, nodes)[1])
         return block.function("assemble", STATE, (("w", work_size(plan)),), "entries of [M G^T; G 0] into w")
 
-    return cheapest(places.graph, list(entries.values()), make)
+    return cheapest(places, list(entries.values()), make)
 
 
 def factorize(plan: Elimination) -> Function:

@@ -8,10 +8,12 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
+from lagc.optimize.balance import balanced
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.ldlt import Elimination, Entry, flops
 from lagc.optimize.limits import bounded
 from lagc.optimize.massless import with_pivots
+from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places
@@ -35,12 +37,14 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     at = places(equations, parameters)
     entries = kkt.kkt_entries(equations)
     plan = _straight(equations, entries)
-    found = _functions(at, entries, plan, work)
+    preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
+    found, read = preparation.finished(_functions(at, entries, plan, work, preparation))
     return Program(
         interface(
             equations,
             parameters,
             found,
+            read=read,
             work=work,
             straight=plan is not None,
             work_size=kkt.work_size(plan) if plan and equations.rows else 0,
@@ -73,7 +77,11 @@ def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> El
 
 
 def _functions(
-    at: Places, entries: Mapping[Entry, Node], plan: Elimination | None, work: bool
+    at: Places,
+    entries: Mapping[Entry, Node],
+    plan: Elimination | None,
+    work: bool,
+    preparation: Preparation,
 ) -> dict[str, Function]:
     constrained = bool(at.equations.rows)
     made: list[Function | None] = []
@@ -90,7 +98,10 @@ def _functions(
     made += [functions.energies(at), functions.power(at), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     made.append(functions.limits(at))
-    return {f.name: f for f in made if f is not None}
+    found = {f.name: preparation.separated(f) for f in made if f is not None}
+    if plan is not None and constrained:
+        found["rhs"] = balanced(found["rhs"])
+    return found
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function], plan: Elimination | None) -> int:

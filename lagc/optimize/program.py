@@ -73,6 +73,18 @@ class Function:
             assert 0 <= store.value < len(self.operations)
 
 
+def uses(function: Function) -> list[int]:
+    """How often each value is used on the way to a store; 0: it need not be computed."""
+    found = [0] * len(function.operations)
+    for store in function.stores:
+        found[store.value] += 1
+    for k in range(len(found) - 1, -1, -1):
+        if found[k]:
+            for operand in function.operations[k].operands:
+                found[operand] += 1
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Field:
     """A parameter or input as the generated code knows it."""
@@ -92,7 +104,8 @@ class Interface:
     """What a run, a file header and a cache need to know of a compiled model; plain data.
 
     State x = (q, v, z): nq coordinates, nv speeds, nz work integrals (0 or 1: z' = power).
-    Multipliers: nc rows, the first nh holonomic.  Parameter array p: `parameters`, then `inputs`.
+    Multipliers: nc rows, the first nh holonomic.  Parameter array p: `parameters`, then `inputs`, then what
+    `bind` prepared of the parameters.
     """
 
     model: str
@@ -139,6 +152,9 @@ class Interface:
     )
     driven: bool = False  # and so do constraints
     limits: tuple[Field, ...] = ()  # values made of parameters that have bounds
+    preparation: int = 0  # operations of `bind`
+    prepared: int = 0  # numbers that it makes
+    read: tuple[int, ...] = ()  # the parameters that it reads: copies of them are the last of these
 
     @property
     def nx(self) -> int:
@@ -171,6 +187,8 @@ class Program:
     """The interface and its functions.
 
     (absent ones do not exist for the model):
+      bind        (p)             -> prepared[]   what depends on parameters alone, behind which p goes on:
+                                     values, then copies of the parameters that they are made of
       rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only, not refined
       system      (p,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
                                      M packed by rows of the lower triangle, r = tau - h,

@@ -10,9 +10,11 @@ from lagc.expr.walk import reachable
 from lagc.meaning.model import Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
+from lagc.optimize.coefficients import Coefficients
 from lagc.optimize.expand import expanded
 from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
+from lagc.optimize.preparation import FIXED, dependence
 from lagc.optimize.program import Function
 from lagc.records import dataclass
 
@@ -32,6 +34,7 @@ class Places:
 
     equations: EquationsOfMotion
     arrays: dict[Node, tuple[str, int]]
+    constants: tuple[Node, ...]  # the symbols of parameters
 
     @property
     def graph(self) -> Graph:
@@ -46,22 +49,26 @@ def places(equations: EquationsOfMotion, parameters: Sequence[Parameter]) -> Pla
         ("p", given), ("x", [*equations.q, *equations.v]), ("a", equations.a), ("lam", equations.lam),
     ):  # fmt: skip
         found.update((symbol, (array, k)) for k, symbol in enumerate(symbols))
-    return Places(equations, found)
+    return Places(equations, found, tuple([p.symbol for p in parameters]))
 
 
 def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:
     """The values of `nodes` in `block`, and the lowering for more.  Symbols are loaded from
     their places."""
-    small = len(reachable(nodes)) <= _LARGEST_PLAN
-    if small:
-        nodes = factored(places.graph, nodes)
+    graph = places.graph
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
-    lowering = Lowering(block, known, plan(nodes) if small else None)
+    if len(reachable(nodes)) > _LARGEST_PLAN:
+        lowering = Lowering(block, known)
+        return lowering, lowering(nodes)
+    found = Coefficients(graph, nodes, places.constants)
+    nodes, meaning = factored(graph, found.nodes), factored(graph, list(found.meaning.values()))
+    lowering = Lowering(block, known, plan([*meaning, *nodes]))
+    lowering.known.update(zip(found.meaning, lowering(meaning)))
     return lowering, lowering(nodes)
 
 
 def cheapest(
-    graph: Graph, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function], seldom: bool = False
+    places: Places, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function], seldom: bool = False
 ) -> Function:
     """`make(nodes)`, or the same of the nodes multiplied out where that is cheaper.
 
@@ -70,13 +77,15 @@ def cheapest(
     plain = make(nodes)
     if len(reachable(nodes)) > (_LARGEST_SELDOM if seldom else _LARGEST_TRIAL):
         return plain
-    out = expanded(graph, nodes)
+    out = expanded(places.graph, nodes)
     if all(a is b for a, b in zip(nodes, out)):
         return plain
     other = make(out)
-    return other if weight(other) < weight(plain) else plain
+    constants = len(places.constants)
+    return other if weight(other, constants) < weight(plain, constants) else plain
 
 
-def weight(function: Function) -> int:
-    """About the time a function takes, in additions."""
-    return sum([_WEIGHTS[o.op] for o in function.operations])
+def weight(function: Function, parameters: int) -> int:
+    """About the time a function takes, in additions, without what depends on parameters alone."""
+    made_of = dependence(function, parameters)
+    return sum([_WEIGHTS[o.op] for o, kind in zip(function.operations, made_of) if kind != FIXED])

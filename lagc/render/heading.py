@@ -5,7 +5,7 @@ from __future__ import annotations
 from lagc.optimize.program import Interface
 from lagc.render.names import comment
 
-ABI_VERSION = 3
+ABI_VERSION = 4
 SPDX = "SPDX-License-Identifier: MIT-0"
 LICENCE = (
     "This file belongs to whoever generated it: use, change and pass it on without any condition.",

@@ -9,7 +9,7 @@ from lagc.render.names import Names, prefix
 
 # Arrays of any Program, so that a name does not depend on which functions a model happens to have.
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
-          "phi", "psi", "e", "y", "c", "J", "sizes", "largest")  # fmt: skip
+          "phi", "psi", "prepared", "e", "y", "c", "J", "sizes", "largest")  # fmt: skip
 
 
 def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int], str]:
@@ -24,6 +24,7 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
         found["x", index] = names.give(name)
     if interface.nz:
         found["x", interface.nq + interface.nv] = names.give("work")
+    given = len(interface.parameters) + len(interface.inputs)
     for index, field in enumerate((*interface.parameters, *interface.inputs)):
         found["p", index] = names.give(field.name)
     for function in program.functions.values():
@@ -31,6 +32,8 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
             key = operation.payload
             if operation.op == "load" and isinstance(key, tuple) and key[0] != "t" and key not in found:
                 array, index = key
-                # c0 is a condition
-                found[key] = names.give(f"size{index}") if array == "c" else f"{array}{index}"
+                if array == "p":
+                    found[key] = names.give(f"prepared{index - given}")
+                else:  # c0 is a condition
+                    found[key] = names.give(f"size{index}") if array == "c" else f"{array}{index}"
     return found

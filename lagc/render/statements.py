@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from lagc.expr.operators import COMPARISONS, INFIX, TRUTHS
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, uses
 from lagc.records import dataclass
 
 # How tightly an expression binds, in C and in Python alike.
@@ -64,18 +64,6 @@ def lines(function: Function, dialect: Dialect, locals_: Mapping[tuple[str, int]
     entry is read more than once.
     """
     return _Body(function, dialect, locals_).run()
-
-
-def uses(function: Function) -> list[int]:
-    """How often each value is used on the way to a store; 0: it need not be computed."""
-    found = [0] * len(function.operations)
-    for store in function.stores:
-        found[store.value] += 1
-    for k in range(len(found) - 1, -1, -1):
-        if found[k]:
-            for operand in function.operations[k].operands:
-                found[operand] += 1
-    return found
 
 
 def loads(function: Function, used: list[int] | None = None) -> list[tuple[str, int]]:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from lagc.optimize.program import Program
+from lagc.optimize.program import Program, uses
 from lagc.render.kernels.assembly import Chosen, chosen
 from lagc.render.kernels.shipped import parts
-from lagc.render.statements import uses
 
 
 def turning(program: Program) -> Chosen:

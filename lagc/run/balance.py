@@ -154,5 +154,5 @@ def _noise(system: System, t: float, x: Sequence[float]) -> float:
     found = [system.energies(t, x)]
     for way in (1, -1):
         with directed(way):
-            found.append(system.energies(t, x))
+            found.append(system.bind(system.parameters).energies(t, x))
     return max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])

@@ -58,7 +58,7 @@ class Conditions:
     def kernels(self) -> dict[str, Any]:
         """The kernels of the search, with the sizes, tables and functions of these conditions."""
         found: dict[str, Any] = {
-            **self.sizes, "NP": len(self.parameters),
+            **self.sizes, "NP": len(self.parameters), "NALL": len(self.parameters),
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "column": self.columns, "fn_conditions": self._conditions, "fn_measures": self._measures,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from lagc.run.problem import System, Vector
@@ -11,20 +12,30 @@ class Counted:
     """`system` with its functions, and how often rates or energies were asked of it."""
 
     def __init__(self, system: System):
-        self.system, self.evaluations = system, 0
+        self.system, self._counts = system, [0]
+
+    @property
+    def evaluations(self) -> int:
+        return self._counts[0]
+
+    def bind(self, values: Sequence[float]) -> Counted:
+        """The system with other parameters; what it does counts here."""
+        found = Counted(self.system.bind(values))
+        found._counts = self._counts
+        return found
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.system, name)
 
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
-        self.evaluations += 1
+        self._counts[0] += 1
         return self.system.rhs(t, x, xdot, lam)
 
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         status = self.system.rounded(t, x, xdot, lam, way)
-        self.evaluations += status is not None
+        self._counts[0] += status is not None
         return status
 
     def energies(self, t: float, x: Vector) -> list[float]:
-        self.evaluations += 1
+        self._counts[0] += 1
         return self.system.energies(t, x)

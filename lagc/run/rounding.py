@@ -2,8 +2,9 @@
 
 First a quick look at four of the recorded states, from above; where that may matter, a close one at a
 dozen.  The equations are evaluated again with each state changed in its last place, and arithmetic
-rounded up and down (backward errors: N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, SIAM
-2002, ch. 1; rounding modes as a probe: W. Kahan, *How futile are mindless assessments of roundoff*, 2006):
+rounded up and down, that on parameters too (backward errors: N. J. Higham, *Accuracy and Stability of
+Numerical Algorithms*, SIAM 2002, ch. 1; rounding modes as a probe: W. Kahan, *How futile are mindless
+assessments of roundoff*, 2006):
 what comes out as usual one way, as a sum that happens to be rounded so, does not the other.  What changes
 stands for all along the motion, as an ill-conditioned mass matrix is wrong in the same way at every step.
 """
@@ -91,7 +92,8 @@ def rounded_rates(
 
     def work() -> list[list[float] | None]:
         with directed(way):
-            return [rates_at(system, t, x) for t, x in zip(times, states)]
+            bound = system.bind(system.parameters)
+            return [rates_at(bound, t, x) for t, x in zip(times, states)]
 
     return apart(work)
 
@@ -146,7 +148,7 @@ def _looks(system: System, trajectory: Trajectory) -> list[Look]:
             x = trajectory.states[k]
             moved = [a * (1.0 + (way if i % 2 else -way) * ULP) for i, a in enumerate(x)]
             with directed(way):
-                found.append(rates_at(system, trajectory.times[k], moved))
+                found.append(rates_at(system.bind(system.parameters), trajectory.times[k], moved))
         told = [f for f in found if f is not None]
         if len(told) == 3:
             changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(*told)]

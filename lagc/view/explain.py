@@ -72,6 +72,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "pruned": _pruned(equations, program),
         "operations": {
             "right_hand_side": interface.operations,
+            "preparation": interface.preparation,
             "solve": interface.solve,
             "functions": {name: function.cost for name, function in program.functions.items()},
         },
@@ -286,6 +287,8 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     operations = facts["operations"]
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
     lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    if operations["preparation"]:
+        lines.append(f"once, of the parameters alone: {operations['preparation']}")
     if verbose:
         lines += [f"{name}: {cost}" for name, cost in operations["functions"].items()]
     return _section("operations", lines)

@@ -69,6 +69,9 @@ int main(int n, char **word)
     int i, status = 0, first = word[1][1] == 'h' ? 2 : 5;
     @_state s;
     p = @_default_params();
+#ifdef @@_NPREPARED
+    @_bind(&p);
+#endif
     for (i = 0; i < @@_NQ + @@_NV && first + i < n; i++)
         x0[i] = strtod(word[first + i], NULL);
     if (first == 2) {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, Program
 
 FUNCTIONS = {
     "neg": lambda a: -a,
@@ -54,3 +54,14 @@ def interpret(function: Function, inputs: Mapping[str, Sequence[float]]) -> dict
     for s in function.stores:
         found[s.array][s.index] = values[s.value]
     return found
+
+
+def ask(program: Program, name: str, inputs: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
+    """A function of `program`; p are parameters and inputs, which are bound here."""
+    return interpret(program.functions[name], {**inputs, "p": bound(program, inputs["p"])})
+
+
+def bound(program: Program, p: Sequence[float]) -> list[float]:
+    """p with what is prepared of it."""
+    bind = program.functions.get("bind")
+    return [*p, *(interpret(bind, {"p": p})["prepared"] if bind is not None else ())]

@@ -9,7 +9,7 @@ import pytest
 
 from lagc.optimize.conditions import condition_rows
 from lagc.optimize.optimize import optimize
-from tests.optimize.interpret import interpret
+from tests.optimize.interpret import ask
 from tests.oracle.lagrange import Expressions
 from tests.run.started import compilation_of
 
@@ -32,7 +32,7 @@ def test_derivatives_are_exact(name: str) -> None:
     with mp.workdps(50):
         x = [dice.uniform(0.3, 1.0) for _ in unknowns]
         p = [f.value or 0.0 for f in (*interface.parameters, *interface.inputs)]
-        found = interpret(program.functions["conditions"], {"p": p, "t": [0.25], "x": x})
+        found = ask(program, "conditions", {"p": p, "t": [0.25], "x": x})
         given = {s.symbol: mp.mpf(s.value or 0.0) for s in equations.model.parameters}
         given.update((u.symbol, mp.mpf(u.default)) for u in equations.model.inputs)
         given[equations.time] = mp.mpf(0.25)

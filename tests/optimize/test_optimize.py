@@ -21,7 +21,7 @@ from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
 from tests.mechanics import models
 from tests.mechanics.builder import Builder
-from tests.optimize.interpret import interpret
+from tests.optimize.interpret import ask
 
 
 def double_pendulum(relative: bool = False) -> Model:
@@ -41,14 +41,14 @@ def compiled(model: Model, work: bool = False) -> Program:
     return optimize(derive(model), work=work)
 
 
-@pytest.mark.parametrize(("relative", "bound"), [(False, 43), (True, 57)])
+@pytest.mark.parametrize(("relative", "bound"), [(False, 33), (True, 47)])
 def test_operations_of_the_double_pendulum(relative: Any, bound: int) -> None:
     """By hand: 4 sines and cosines, 3 products and sums for each of sin and cos of the difference,
-    the 2x2 solve in 12 with its health, the rest masses and forces."""
+    the 2x2 solve in 12 with its health, the rest forces.  Masses and lengths alone cost nothing."""
     rhs = compiled(double_pendulum(relative)).functions["rhs"]
     assert rhs.cost <= bound
     assert sum(o.op in ("sin", "cos") for o in rhs.operations) == 4
-    assert sum(o.op == "div" for o in rhs.operations) == 2
+    assert sum(o.op == "div" for o in rhs.operations) == 1 + relative
 
 
 def test_the_pendulum_has_no_trace_of_what_is_not_in_it() -> None:
@@ -63,13 +63,15 @@ def test_the_pendulum_has_no_trace_of_what_is_not_in_it() -> None:
     assert [p.name for p in interface.parameters] == ["m", "l", "g"]
     assert "parameter `drag` reaches nothing" in interface.notes
     assert (interface.nz, interface.nc) == (0, 0)
-    assert list(program.functions) == ["rhs", "system", "energies", "start"]
+    assert list(program.functions) == ["bind", "rhs", "system", "energies", "start"]
     rhs = program.functions["rhs"]
     assert [o.op for o in rhs.operations].count("sin") == 1
     assert "cos" not in [o.op for o in rhs.operations]
-    assert {o.payload for o in rhs.operations if o.op == "load" and o.payload[0] == "p"} == {
-        ("p", 0), ("p", 1), ("p", 2),
-    }  # fmt: skip
+    loaded = {
+        f: {o.payload for o in program.functions[f].operations if o.op == "load"} for f in ("bind", "rhs")
+    }
+    assert loaded["bind"] == {("p", 0), ("p", 1), ("p", 2)}
+    assert loaded["rhs"] == {("x", 0), ("x", 1), ("p", 3)}  # m g l / (m l^2)
 
 
 def test_a_coordinate_that_nothing_uses_is_left_out() -> None:
@@ -85,7 +87,7 @@ def test_a_coordinate_that_nothing_uses_is_left_out() -> None:
     assert interface.v_names == ("der(x)",)
     assert interface.quaternions == ()
     assert interface.dropped == ("idle", "o")
-    found = interpret(program.functions["rhs"], {"p": [2.0, 3.0], "t": [0.0], "x": [0.5, 0.1]})
+    found = ask(program, "rhs", {"p": [2.0, 3.0], "t": [0.0], "x": [0.5, 0.1]})
     assert found["xdot"] == pytest.approx([0.1, -0.75], rel=1e-15)
 
 
@@ -128,7 +130,7 @@ def test_a_massless_coordinate_tied_to_a_mass_is_solved() -> None:
     b.potential("pull", -1.0 * y)
     b.constraint("gear", y - 2.0 * x)
     program = compiled(b.model())
-    found = interpret(program.functions["rhs"], {"p": [4.0], "t": [0.0], "x": [0.0, 0.0, 0.0, 0.0]})
+    found = ask(program, "rhs", {"p": [4.0], "t": [0.0], "x": [0.0, 0.0, 0.0, 0.0]})
     assert found["xdot"][2:] == pytest.approx([0.5, 1.0], rel=1e-15)  # m a = 2 * (force 1 on y)
 
 
@@ -138,8 +140,8 @@ def test_work_is_the_last_state_and_its_rate_the_power() -> None:
     assert (interface.nz, interface.nx) == (1, 3)
     assert dict(program.functions["start"].outputs) == {"x": 3}
     arrays = {"p": [f.value for f in interface.parameters], "t": [0.0], "x": [1.0, 2.0, 0.0]}
-    xdot = interpret(program.functions["rhs"], arrays)["xdot"]
-    power = interpret(program.functions["power"], {**arrays, "a": [xdot[1]], "lam": []})["e"]
+    xdot = ask(program, "rhs", arrays)["xdot"]
+    power = ask(program, "power", {**arrays, "a": [xdot[1]], "lam": []})["e"]
     assert xdot[2] == pytest.approx(power[0], rel=1e-14)
     assert xdot[2] < 0.0  # drag
 
@@ -153,7 +155,7 @@ def test_displace_is_the_linear_part_of_the_rates_of_the_coordinates(make: Any) 
     x = [float(a) for a in rng.normal(size=interface.nx)]
     d = [float(a) for a in rng.normal(size=interface.nv)]
     p = [f.value for f in interface.parameters]
-    found = interpret(program.functions["displace"], {"p": p, "t": [0.3], "x": x, "d": d})["dq"]
+    found = ask(program, "displace", {"p": p, "t": [0.3], "x": x, "d": d})["dq"]
     values = dict(zip((*equations.q, *equations.v), x))
     values[equations.time] = 0.3
     values.update((q.symbol, q.value) for q in equations.model.parameters)
@@ -170,10 +172,10 @@ def test_scales_are_the_sizes_of_the_terms() -> None:
     program = compiled(models.string_pendulum())
     names = [f.name for f in program.interface.parameters]
     p = [{"m": 1.0, "l": 0.5, "g": 9.81}[name] for name in names]
-    (scale,) = interpret(program.functions["scales"], {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0]})["s"]
+    (scale,) = ask(program, "scales", {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0]})["s"]
     assert scale == pytest.approx(0.5 + 0.5, rel=1e-14)
     given = {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0], "c": [3.0, 5.0]}
-    found = interpret(program.functions["reaches"], given)["s"]
+    found = ask(program, "reaches", given)["s"]
     assert found == pytest.approx([3.0 * (0.6 + 0.8), 5.0 * (0.6 + 0.8) + 5.0 * (0.5 + 0.5)], rel=1e-14)
 
 
@@ -183,9 +185,8 @@ def test_conditions_of_the_start_and_their_derivatives() -> None:
     rate = b.graph.symbol("rate", "y", order=1)
     b.particle("p", b.parameter("m"), (x, y, 0.0))
     b.initially(x * x + y * rate - 1.0)
-    found = interpret(
-        compiled(b.model()).functions["conditions"], {"p": [1.0], "t": [0.0], "x": [2.0, 3.0, 4.0, 5.0]}
-    )
+    given = {"p": [1.0], "t": [0.0], "x": [2.0, 3.0, 4.0, 5.0]}
+    found = ask(compiled(b.model()), "conditions", given)
     assert found == {"c": [18.0], "J": [4.0, 5.0, 3.0], "sizes": [20.0]}
 
 
@@ -196,7 +197,7 @@ def test_a_long_chain_is_solved_in_a_loop_with_operations_in_proportion_to_n_squ
         assert program.interface.solve == "looped"
         assert "rhs" not in program.functions
         costs.append(program.functions["system"].cost)
-    assert costs[1] < 4.2 * costs[0]
+    assert costs[1] < 4.5 * costs[0]  # common factors of the longer one are not looked for
     assert costs[1] < 4 * 50 * 50
 
 
@@ -206,7 +207,7 @@ def test_the_looped_system_gives_the_accelerations() -> None:
     equations = derive(models.chain(n))
     program = optimize(equations)
     x = [0.1 * (k % 5) for k in range(n)] + [0.3 * (k % 3) for k in range(n)]
-    found = interpret(program.functions["system"], {
+    found = ask(program, "system", {
         "p": [f.value for f in program.interface.parameters], "t": [0.0], "x": x,
     })  # fmt: skip
     values = dict(zip((*equations.q, *equations.v), x))

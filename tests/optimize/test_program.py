@@ -17,7 +17,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
 from tests.mechanics import models
-from tests.optimize.interpret import interpret
+from tests.optimize.interpret import bound, interpret
 
 MODELS = {
     "pendulum": models.pendulum,
@@ -51,7 +51,7 @@ class State:
         by_name = {p.name: self.values[p.symbol] for p in model.parameters}
         by_name.update((u.name, self.values[u.symbol]) for u in model.inputs)
         self.arrays: dict[str, list[float]] = {
-            "p": [by_name[f.name] for f in (*interface.parameters, *interface.inputs)],
+            "p": bound(program, [by_name[f.name] for f in (*interface.parameters, *interface.inputs)]),
             "t": [self.values[equations.time]],
             "x": [self.values[s] for s in (*equations.q, *equations.v)] + [0.0] * interface.nz,
         }

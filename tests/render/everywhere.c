@@ -93,11 +93,15 @@ static void motion(const model_params *p, const double *x, const model_options *
 
 int main(void)
 {
-    const model_params p = model_default_params();
+    model_params p = model_default_params();
     model_options o = model_default_options();
     double x[MODEL_NX];
     if (model_work_size() != sizeof work || model_state_size() != sizeof(model_state))
         return 1;
+#ifdef MODEL_NPREPARED
+    model_bind(&p);
+    show("bind", 0, p.prepared, MODEL_NPREPARED);
+#endif
     model_start(&p, x);
 #ifdef STARTED
     show("consistent", model_consistent(&p, 0.0, x, NULL, &start_work), x, MODEL_NX);

@@ -27,6 +27,9 @@ int main(int count, char **words)
     NAME(_state) *s = calloc(1, NAME(_state_size)());
     REAL x[SIZE(_NX)];
     int i, status;
+#ifdef PREPARED
+    NAME(_bind)(&p);
+#endif
     o.rtol = parse(words[2]);
     o.method = atoi(words[3]);
     for (i = 0; i < SIZE(_NX) && i + 4 < count; i++)

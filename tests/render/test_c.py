@@ -147,13 +147,16 @@ static model_work work;
 
 int main(void)
 {
-    const model_params p = model_default_params();
+    model_params p = model_default_params();
     const model_options o = model_default_options();
     model_state s;
     double x[MODEL_NX], xdot[MODEL_NX], M[MODEL_NV * MODEL_NV], r[MODEL_NV], e[3], states[3 * MODEL_NX];
     const double times[3] = {0.05, 0.07, 0.1};
     size_t done = 0;
     model_status status;
+#ifdef MODEL_NPREPARED
+    model_bind(&p);
+#endif
     model_start(&p, x);
     status = model_rhs(&p, 0.0, x, xdot, NULL, &work);
     model_mass_matrix(&p, 0.0, x, M, &work);

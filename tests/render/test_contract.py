@@ -77,9 +77,15 @@ static @_options o;
 static @_state s, before;
 static double x0[@@_NX], states[4 * @@_NX];
 
-static void anew(void)
+static void own(void)
 {
     p = @_default_params();
+    @_bind(&p);
+}
+
+static void anew(void)
+{
+    own();
     o = @_default_options();
     o.max_steps = 2000;
     memcpy(s.x, x0, sizeof x0);
@@ -118,7 +124,7 @@ int main(void)
     double x[@@_NX], times[3] = {0.1, 0.2, 0.3};
     size_t done = 0;
     int i;
-    p = @_default_params();
+    own();
     @_start(&p, x0);
 @consistent@
     anew();
@@ -177,13 +183,16 @@ CONSISTENT = """
         s.culprit = @_consistent(&p, 0.0, x0, NULL, &c) == @@_INVALID ? c.culprit : -2;
         told("length", @@_INVALID);
         p = @_default_params();
+        s.culprit = @_consistent(&p, 0.0, x0, NULL, &c) == @@_INVALID ? c.culprit : -2;
+        told("unbound", @@_INVALID);
+        own();
         if (@_consistent(&p, 0.0, x0, NULL, &c) != @@_OK)
             return 1;
     }
 """
 NUMBER: dict[str, int] = {name: value for name, value in vars(statuses).items() if name.isupper()}
 OK, INVALID, NOT_FINITE = NUMBER["OK"], NUMBER["INVALID"], NUMBER["NOT_FINITE"]
-BAD_TIME, BAD_BUDGET, BAD_LEVEL, BAD_PARAMETER = 7, 8, 9, 16
+BAD_TIME, BAD_BUDGET, BAD_LEVEL, BAD_BINDING, BAD_PARAMETER = 7, 8, 9, 10, 16
 
 
 @cache
@@ -206,6 +215,9 @@ def text_of_main(name: str) -> str:
         cases.append(f'    anew(); o.{option} = {number}; tried("option{k}");')
     for k, (parameter, value) in enumerate(WRONG_PARAMETERS):
         cases.append(f'    anew(); p.{parameter} = {literal(value)}; tried("parameter{k}");')
+    cases.append('    anew(); p = @_default_params(); tried("unbound");')
+    cases.append('    anew(); p.m *= 0.5; tried("unbound"); @_bind(&p); tried("good");')
+    cases.append('    anew(); p.u = 0.1; tried("good");')
     for value in WRONG_TIMES:
         cases.append(f'    anew(); before = s; told("time", @_step(&p, &s, {literal(value)}, &o, &w));')
         cases.append(f'    told("time", @_advance(&p, &s, {literal(value)}, &o, &w));')
@@ -242,7 +254,8 @@ def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) 
     assert ran.returncode == 0, ran.stderr
     lines = [line.split() for line in ran.stdout.splitlines() if not line.startswith("text")]
     expected = {"time": BAD_TIME, "now": BAD_TIME, "grid": BAD_TIME, "clock": BAD_TIME, "budget": BAD_BUDGET,
-                "level": BAD_LEVEL, "length": BAD_PARAMETER + PARAMETERS.index("l")}  # fmt: skip
+                "level": BAD_LEVEL, "unbound": BAD_BINDING,
+                "length": BAD_PARAMETER + PARAMETERS.index("l")}  # fmt: skip
     expected.update({f"option{k}": OPTIONS.index(o) for k, (o, _) in enumerate(WRONG_OPTIONS)})
     for k, (parameter, _) in enumerate(WRONG_PARAMETERS):
         expected[f"parameter{k}"] = BAD_PARAMETER + PARAMETERS.index(parameter)
@@ -283,7 +296,8 @@ def attempts(m: Any, p: list[float], options: Any) -> list[Any]:
     x = m.start() if not hasattr(m, "consistent") else m.consistent()
     run = None if options.method not in METHODS else m.Integrator(m.equations(), m.Options(), 0.0, x)
     if run is not None:
-        run.options, run.problem.p = options, p
+        run.options, run.problem.p[: len(p)] = options, p
+        run.problem.bind()
     found = [lambda: m.check(p, options), lambda: m.integrate(0.0, x, [0.1, 0.2], p, options)]
     return [*found, lambda: run.step(0.2), lambda: run.advance(0.2)] if run is not None else found
 
@@ -305,6 +319,13 @@ def test_python_tells_nonsense_from_sense(name: str) -> None:
         for call in attempts(m, p, m.Options()):
             with pytest.raises(ValueError, match=f"parameter '{parameter}' "):
                 call()
+    run = m.Integrator(m.equations(), m.Options(), 0.0, x)
+    run.problem.p[PARAMETERS.index("m")] *= 0.5
+    for call in (run.step, run.advance):
+        with pytest.raises(ValueError, match="not bound"):
+            call(0.1)
+    run.problem.bind()
+    assert run.step(0.1) == m.OK
     for t in WRONG_TIMES:
         run = m.Integrator(m.equations(), m.Options(), 0.0, x)
         given = (lambda t: m.integrate(0.0, x, [0.1, t]), lambda t: m.integrate(t, x, [0.1]))

@@ -78,7 +78,9 @@ def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None
         return getattr(lib, f"{prefix}_{word}")
 
     get("work_size").restype = ctypes.c_size_t
-    cp, work = doubles(p), ctypes.create_string_buffer(get("work_size")())
+    cp, work = doubles([*p, *[0.0] * interface.prepared]), ctypes.create_string_buffer(get("work_size")())
+    get("bind")(cp)
+    assert bits(cp) == bits(python.equations(p).p)
     for x in states(python, 20):
         t, cx = 0.3, doubles(x)
         model = python.equations(p)

@@ -32,6 +32,7 @@ def built(name: str, real: Arithmetic, folder: Path) -> Path:
     if real == QUAD:
         more, libraries = ["-DQUAD"], ["-lquadmath", "-lm"]
     words = [f"-DPREFIX={own}", f"-DUPPER={own.upper()}", f"-DREAL={real.name}", "-include", folder / header]
+    words += ["-DPREPARED"] if program.interface.prepared else []
     source = folder / header.replace(".h", ".c")
     # the driver prints doubles
     call("gcc", "-std=c99", "-O1", *WARNINGS, *more, "-c", source, "-o", folder / "model.o")

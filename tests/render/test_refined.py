@@ -67,5 +67,5 @@ def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bo
             assert all(abs(a - b) <= 1e-11 * largest for a, b in zip(ours, theirs))
         out, lam = doubles([0.0] * nx), doubles([0.0] * nc)
         rhs = getattr(lib, f"{prefix}_rhs")
-        assert rhs(doubles(p), ctypes.c_double(0.3), doubles(x), out, lam, room) == 0
+        assert rhs(doubles(plain.equations(p).p), ctypes.c_double(0.3), doubles(x), out, lam, room) == 0
         assert bits(out) == bits(better[0]) and bits(lam) == bits(better[1])

@@ -76,7 +76,8 @@ class InPython:
         self.run = system.model.module["Integrator"](self.work, options, t, x)
 
     def _with_p(self) -> None:
-        self.work.p = self.p
+        self.work.p[: len(self.p)] = self.p
+        self.work.bind()
 
     def step(self, t1: float) -> int:
         self._with_p()
@@ -115,7 +116,7 @@ class InC:
         self.library = library(system.model.sources)
         self.prefix, self.nx, self.nc = prefix(system.interface.model), system.nx, system.nc
         self.work = system.model.work() if work is None else work
-        self.p = (c_double * max(len(system.parameters), 1))(*system.parameters)
+        self.p, self.prepared = list(system.parameters), system.interface.prepared
         self.room = ctypes.create_string_buffer(self._call("state_size", c_size_t))
         self.state = system.model.state.from_buffer(self.room)
         o, method = options, METHODS.index(options.method)
@@ -129,21 +130,37 @@ class InC:
         function.restype = result
         return function(*given)
 
+    def _bound(self) -> Any:
+        p = (c_double * max(len(self.p) + self.prepared, 1))(*self.p)
+        if self.prepared:
+            self._call("bind", None, p)
+        return p
+
     def step(self, t1: float) -> int:
         return int(
-            self._call("step", c_int, self.p, self.room, c_double(t1), ctypes.byref(self.options), self.work)
+            self._call(
+                "step", c_int, self._bound(), self.room, c_double(t1), ctypes.byref(self.options), self.work
+            )
         )
 
     def advance(self, t1: float) -> int:
         return int(
             self._call(
-                "advance", c_int, self.p, self.room, c_double(t1), ctypes.byref(self.options), self.work
+                "advance",
+                c_int,
+                self._bound(),
+                self.room,
+                c_double(t1),
+                ctypes.byref(self.options),
+                self.work,
             )
         )
 
     def dense(self, t: float) -> list[float]:
         x = (c_double * self.nx)()
-        self._call("dense", c_int, self.p, self.room, c_double(t), ctypes.byref(self.options), x, self.work)
+        self._call(
+            "dense", c_int, self._bound(), self.room, c_double(t), ctypes.byref(self.options), x, self.work
+        )
         return x[:]
 
     def record(self, times: list[float], budget: int) -> list[list[float]]:
@@ -151,14 +168,16 @@ class InC:
         n, done = len(times), c_size_t(0)
         grid, states = (c_double * n)(*times), (c_double * (n * self.nx))()
         where = (grid, c_size_t(n), states, ctypes.byref(done))
-        given = (self.p, self.room, ctypes.byref(self.options), *where, c_long(budget), self.work)
+        given = (self._bound(), self.room, ctypes.byref(self.options), *where, c_long(budget), self.work)
         while self._call("record", c_int, *given):
             pass
         return [states[k : k + self.nx] for k in range(0, n * self.nx, self.nx)]
 
     def disturb(self, x: list[float]) -> None:
         rates, lam = (c_double * self.nx)(), (c_double * max(self.nc, 1))()
-        self._call("rhs", c_int, self.p, c_double(0.3), (c_double * self.nx)(*x), rates, lam, self.work)
+        self._call(
+            "rhs", c_int, self._bound(), c_double(0.3), (c_double * self.nx)(*x), rates, lam, self.work
+        )
 
     def put(self, t: float, x: list[float]) -> None:
         self.state.t = t

@@ -29,7 +29,7 @@ def module(program: Program) -> Any:
 def of_system(system: Any) -> Any:
     """The module of a model of these sizes, with the methods of `system` in place of the kernels that solve
     the equations of motion and of the model's functions.  What errors of rounding do to them is not asked."""
-    found = module(Program(replace(system.interface, solve="dense"), {}))
+    found = module(Program(replace(system.interface, solve="dense", prepared=0, read=()), {}))
 
     def rhs_at(p: Vector, t: float, x: Vector, xdot: list[float], lam: list[float], w: Any) -> int:
         status: int = system.rhs(t, x, xdot, lam)

@@ -63,6 +63,9 @@ int main(void)
     p = {name}_default_params();
     o = {name}_default_options();
     o.rtol = o.atol = 1e-6;
+#ifdef {NAME}_NPREPARED
+    {name}_bind(&p);
+#endif
     {name}_start(&p, x0);
     for (i = 0; i < THREADS; i++)
         pthread_create(threads + i, NULL, move, (void *)(size_t)i);

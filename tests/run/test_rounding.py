@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from _thread import allocate_lock, start_new_thread
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, sin
 from random import Random
 from time import sleep
@@ -239,6 +239,9 @@ def test_every_evaluation_is_counted() -> None:
         def energies(self, t: float, x: Vector) -> list[float]:
             self.calls += 1
             return super().energies(t, x)
+
+        def bind(self, values: Sequence[float]) -> Any:
+            return self
 
     for accuracy in (1e-6, 1e-13):  # without a close look, and with one
         system: Any = Noted()

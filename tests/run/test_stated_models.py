@@ -274,6 +274,9 @@ int main(void)
     {p}_state s;
     double x[{P}_NX];
     int i;
+#ifdef {P}_NPREPARED
+    {p}_bind(&p);
+#endif
     {p}_start(&p, x);
     if ({p}_consistent(&p, 0.0, x, NULL, c) != {P}_OK)
         return 1;

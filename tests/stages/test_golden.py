@@ -14,7 +14,7 @@ from lagc.cli.main import main
 from lagc.diagnostics.faults import Source
 from lagc.frontend.format import format_source
 from lagc.render.c.functions import function_text
-from lagc.render.c.header import members
+from lagc.render.c.header import places
 from lagc.render.c.render import render as render_c
 from lagc.render.locals import local_names
 from lagc.render.numpy.render import render as render_numpy
@@ -46,7 +46,7 @@ def test_stages(name: str, capsys: pytest.CaptureFixture[str]) -> None:
         assert main([command, name]) == 0
         compare(f"{name}/{command}.txt", capsys.readouterr().out)
     program = of_model(name)
-    fields = dict(enumerate(members(program.interface)))
+    fields = places(program.interface)
     own = local_names(program, ())
     compare(f"{name}/program.c", "\n".join(function_text(f, own, fields) for f in program.functions.values()))
 

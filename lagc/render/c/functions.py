@@ -6,11 +6,11 @@ import re
 from collections.abc import Iterable, Mapping
 
 from lagc.expr.operators import spelling
-from lagc.optimize.program import Function, Program
+from lagc.optimize.program import Function, Program, uses
 from lagc.render.c.parts import LONGEST, SHARED, divided
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.names import comment
-from lagc.render.statements import AND, OR, Dialect, lines, uses
+from lagc.render.statements import AND, OR, Dialect, lines
 
 CALLS = spelling("c")
 

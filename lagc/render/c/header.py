@@ -39,7 +39,7 @@ _USE = """\
 /* In short (the functions are explained below):
  *     static lagc_work w;                     zeros; one for each thread
  *     lagc_params p = lagc_default_params();
- *     lagc_options o = lagc_default_options();
+{bind} *     lagc_options o = lagc_default_options();
  *     static lagc_state s;                    one for each trajectory
  *     lagc_real x[LAGC_NX];
  *     lagc_start(&p, x);
@@ -57,9 +57,16 @@ _CONSISTENT = """\
 """
 
 
-def use(consistency: bool) -> str:
+_BIND = """\
+ *     p.... = ...;                            as you like
+ *     lagc_bind(&p);                          once they are set; again where a parameter, no input, changes
+"""
+
+
+def use(consistency: bool, prepared: bool) -> str:
     """From the parameters to a motion in a few lines."""
-    return _USE.replace("{consistent}", _CONSISTENT if consistency else "")
+    text = _USE.replace("{bind}", _BIND if prepared else "")
+    return text.replace("{consistent}", _CONSISTENT if consistency else "")
 
 
 def constants(interface: Interface) -> str:
@@ -80,6 +87,7 @@ _SIZES = {
     "NKIND": "kinds of coordinates and speeds: those of one unit", "NWORK": "entries of the factors",
     "NY": "outputs y", "NQUAT": "unit quaternions in q",
 }  # fmt: skip
+_PREPARED = {"NPREPARED": "numbers that are prepared of the parameters"}
 _OF_START = {
     "NU": "unknowns of the start: q, v, stated rates that are no speeds",
     "NE": "conditions of the start",
@@ -89,7 +97,8 @@ _OF_START = {
 def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     """Name, value and what it is."""
     values = {**sizes_of(interface), "NY": len(interface.outputs)}
-    notes = {**_SIZES, **(_OF_START if interface.needs_consistency else {})}
+    prepared = _PREPARED if interface.prepared else {}
+    notes = {**_SIZES, **prepared, **(_OF_START if interface.needs_consistency else {})}
     return [(name, values[name], note) for name, note in notes.items()]
 
 
@@ -120,9 +129,15 @@ def _indices(interface: Interface) -> Iterable[str]:
 
 def members(interface: Interface) -> list[str]:
     """The struct member of each parameter, then of each input."""
-    names = Names(prefixes=("LAGC_", f"{prefix(interface.model).upper()}_"))  # no macro's name
+    names = Names(("prepared",), prefixes=("LAGC_", f"{prefix(interface.model).upper()}_"))  # no macro's name
     found = [names.give(f.name) for f in (*interface.parameters, *interface.inputs)]
     return found or ["none"]
+
+
+def places(interface: Interface) -> dict[int, str]:
+    """Where in the struct each entry of p is: behind these, what is prepared."""
+    prepared = (f"prepared[{k}]" for k in range(interface.prepared))
+    return dict(enumerate([*members(interface), *prepared]))
 
 
 def parameters(interface: Interface) -> str:
@@ -136,6 +151,10 @@ def parameters(interface: Interface) -> str:
         if k == len(interface.parameters):
             text.append("    /* inputs */")
         text.append(f"    lagc_real {name}; /* {_note(name, field)} */")
+    if interface.prepared:
+        text.append(
+            "    lagc_real prepared[LAGC_NPREPARED]; /* of the parameters by lagc_bind, not by callers */"
+        )
     return "\n".join([*text, "} lagc_params;"]) + "\n"
 
 

@@ -14,7 +14,7 @@ SHARED = "lagc_shared"
 
 _DECLARATION = re.compile(r"const (lagc_real|int) (\w+) = (.*);$")
 _TURN = re.compile(r"lagc_real (\w+)\[2\]; lagc_sine_cosine\((.*), \1\);$")  # both values share one name
-_ENTRY = re.compile(r"(\w+)(\[\d+\]|->\w+)$")
+_ENTRY = re.compile(r"(\w+)(->\w+)?(\[\d+\])?$")
 _WORD = re.compile(r"(?<!->)(?<!\w)[A-Za-z_]\w*")  # no member of the parameters
 
 

@@ -40,7 +40,7 @@ def _header(runtime: Runtime, file: str) -> str:
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
-        header.use(runtime.searches),
+        header.use(runtime.searches, interface.prepared > 0),
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
@@ -56,7 +56,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
     program, real = runtime.program, runtime.real
     interface = program.interface
     names = local_names(program, ())
-    fields = dict(enumerate(header.members(interface)))
+    fields = header.places(interface)
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
         _CONTRACTION,

@@ -41,6 +41,7 @@ class Runtime:
         interface, functions = program.interface, program.functions
         self.searches = complete and interface.needs_consistency
         roots = [name for name in ROOTS if complete or name != "check"]
+        roots += ["bind"] if interface.prepared else []
         roots += ["consistent"] if self.searches else []
         roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
         roots += OF_VERBS[2:] if interface.nc and "scales" in functions else []

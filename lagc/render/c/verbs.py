@@ -108,14 +108,18 @@ _AFRESH = "    w->lost = 0; /* whatever was found before */\n"
 def _default_params(interface: Interface, real: Arithmetic) -> Verb:
     fields = [*interface.parameters, *interface.inputs]
     text = "    lagc_params p;\n"
+    if interface.prepared:
+        text += f"    int i;\n    for (i = 0; i < LAGC_NPREPARED; i++)\n        p.prepared[i] = {real.nan};\n"
     for name, field in zip(members(interface), fields):
-        value = "NAN" if field.value is None or math.isnan(field.value) else real.literal(double(field.value))
+        there = field.value is not None and not math.isnan(field.value)
+        value = real.literal(double(field.value or 0.0)) if there else real.nan
         text += f"    p.{name} = {value};\n"
     if not fields:
         text += "    p.none = 0;\n"
     missing = any(f.value is None for f in fields)
     return Verb(
-        "The values of the model." + (" NAN where it gives none: set these." if missing else ""),
+        "The values of the model." + (" NAN where it gives none: set these." if missing else "")
+        + (" They are not bound yet: see lagc_bind." if interface.prepared else ""),
         "lagc_params lagc_default_params(void)", text + "    return p;\n")  # fmt: skip
 
 

@@ -21,6 +21,7 @@ class Arithmetic:
     column: int  # of by_type
     infinity: str
     header: str
+    nan: str = "NAN"
 
     def literal(self, value: float | Fraction | str) -> str:
         """The value, so that reading it gives the same bits as rounding it once.  What stands for zero where
@@ -40,6 +41,6 @@ class Arithmetic:
 
 DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "<math.h>")
 SINGLE = Arithmetic("float", "f", "{}f", 0, "HUGE_VALF", "<math.h>")
-QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", "<quadmath.h>")
+QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", "<quadmath.h>", 'nanq("")')
 
 TYPES = {"double": DOUBLE, "float": SINGLE, "quad": QUAD}  # names of people

@@ -14,6 +14,7 @@ CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "NKEPT": 13, "ND": 
 # Sizes that have no name in generated C: expressions of others.
 DERIVED = {
     "NM": "NV * (NV + 1) // 2", "NG": "NC * NV", "NR": "NV + NC", "NREACH": "NC + NH", "NROW": "NU + 1",
+    "NALL": "NP + NPREPARED",
     "NSETU": "NSETS * NU",
 }  # fmt: skip
 _NAME = re.compile("[A-Z]+")
@@ -95,7 +96,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
-        "NLIMITS": len(interface.limits),
+        "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
     }  # fmt: skip
     return _derived({**own, **start, **own})  # work integrals are no part of a start
 
@@ -136,6 +137,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     )
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
         "angle": [int(i in interface.angles) for i in range(len(interface.start_levels))],
         "ends": ends, "column": columns or [0],

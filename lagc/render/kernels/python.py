@@ -108,7 +108,7 @@ class Zipped(ast.NodeTransformer):
             zero = ast.Constant(0.0 if name == "vector" else 0)
             return ast.BinOp(ast.List([zero], ast.Load()), ast.Mult(), node.args[0])
         if name == "params":
-            return ast.parse("[0.0] * NP", mode="eval").body
+            return ast.parse("[0.0] * NALL", mode="eval").body
         if name == "size":
             return node.args[0]
         if name == "whole":

@@ -21,13 +21,14 @@ OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
-PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NY", "NWORK")
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
     """Sizes, tables, statuses and options, records, kernels and the classes that call them."""
     search = SEARCH if complete and program.interface.needs_consistency else ()
-    use = _needed(program.interface, (*ROOTS, *search), complete)
+    checks = ("is_bound",) if complete and program.interface.prepared else ()
+    use = _needed(program.interface, (*ROOTS, *search, *checks), complete)
     return [_constants(program.interface, use, given), *support(), _work(program), *kernels(use),
             EQUATIONS, STATES]  # fmt: skip
 
@@ -40,7 +41,7 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
-    more = OF_ROWS if interface.nc else ()
+    more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
     return chosen(parts(), switches_of(interface, complete), (*roots, *more))
 
 
@@ -99,7 +100,8 @@ def _record(name: str, doc: str, members: Sequence[Sequence[Any]]) -> str:
 def _zero(kind: Sequence[str]) -> str:
     if kind[0] == "Mat":
         return f"[[0.0] * {kind[2]} for _ in range({kind[1]})]"
-    plain = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NP", "Real": "0.0"}
+    plain = {"Vec": f"[0.0] * {kind[-1]}", "IVec": f"[0] * {kind[-1]}", "Params": "[0.0] * NALL",
+             "Real": "0.0"}  # fmt: skip
     return plain.get(kind[0], "False" if kind[0] == "bool" else "0")
 
 

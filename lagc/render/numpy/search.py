@@ -28,5 +28,6 @@ def text(switches: dict[str, bool]) -> str:
     from lagc.render.numpy.functions import ARITHMETIC
     from lagc.render.numpy.runtime import kernels, numbers
 
-    use = chosen(parts(), switches, ROOTS)
+    # conditions are asked with parameters alone
+    use = chosen(parts(), {**switches, "NPREPARED": False}, ROOTS)
     return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])

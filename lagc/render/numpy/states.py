@@ -5,11 +5,21 @@ What calls the kernels; names that stand nowhere here are theirs.
 
 EQUATIONS = '''\
 class Equations:
-    """The equations of motion with parameters `p`, and room to work in, `work`.  For one thread at a time."""
+    """The equations of motion with parameters and inputs, the first NP of `p`, and room to work in, `work`.
+    For one thread at a time."""
 
     def __init__(self, p):
-        self.p, self.work = p, Work()
+        if len(p) != NP:
+            raise ValueError(f"p has {len(p)} entries, not {NP}")
+        self.p, self.work = [*p, *[0.0] * (NALL - NP)], Work()
         self.work.culprit = -1
+        self.bind()
+
+    def bind(self):
+        """Prepare what depends on parameters alone: to be called after one in `p` was changed; inputs may
+        change at any time."""
+        if NALL > NP:
+            bind(self.p)
 
     @property
     def culprit(self):
@@ -55,8 +65,6 @@ class Equations:
         bounds, limits = globals().get("BOUNDS"), globals().get("LIMITS", {})
         if bounds is None:
             return
-        if len(self.p) != len(bounds):
-            raise ValueError(f"p has {len(self.p)} entries, not {len(bounds)}")
         for (name, (low, high)), value in zip(bounds.items(), self.p):
             if not (abs(value) < inf and low <= value <= high):
                 raise ValueError(f"the parameter {name!r} is finite, from {low!r} to {high!r}: not {value!r}")
@@ -66,6 +74,8 @@ class Equations:
         for (name, (low, high)), value in zip(limits.items(), derived):
             if not low <= value <= high:
                 raise ValueError(f"the value {name!r} is from {low!r} to {high!r}: not {value!r}")
+        if NALL > NP and not is_bound(self.p):
+            raise ValueError("a parameter was changed, and not bound: see `Equations.bind`")
 '''
 
 STATES = '''\
@@ -84,8 +94,9 @@ class Integrator(State):
     """A state on its way.  `t`, `x`: now; `t_old`, `x_old`, `h_old`: the start and size of the last step.
 
     Between two calls of `step`, `advance` and `at` the caller may change `t`, `x` (also in place), the
-    options, and parameters and inputs (`problem.p`): the next step begins with what is there then, at the
-    cost of one evaluation where t, x or p is another, and with the size of step that was found before.
+    options, and inputs and parameters (`problem.p`; `problem.bind()` after parameters): the next step begins
+    with what is there then, at the cost of one evaluation where t, x or p is another, and with the size of
+    step that was found before.
     One problem, `Equations`, may serve several of these in turn.  A call raises ValueError, before anything
     is done, where an option, a time or a parameter makes no sense.
     """

@@ -88,7 +88,7 @@ def consistent(x=None, t=0.0, p=None, levels=None):
         raise ValueError(f"the time {t!r} is not finite")
     if levels is not None and not (len(levels) == NU and set(levels) <= set(range(FIXED + 1))):
         raise ValueError(f"levels are {NU} numbers from {UNSTATED} to {FIXED}: not {levels!r}")
-    guess = start(model.p) if x is None else _floats(x)
+    guess = start(p) if x is None else _floats(x)
     room = StartWork()
     status = prepare(model.p, float(t), guess, levels, room)
     if status == OK:
@@ -160,7 +160,12 @@ def rhs_many(t, x, p=None):
     if STRAIGHT:
         columns, health = [0.0] * NX, [1.0, 0.0]
         with numpy.errstate(all="ignore"):
-            _vectorised(fn_rhs)(list(p.T), t, list(x.T), columns, [0.0] * NC, health)
+            given = list(p.T)
+            if NALL > NP:
+                prepared = [0.0] * (NALL - NP)
+                _vectorised(fn_bind)(given, prepared)
+                given += prepared
+            _vectorised(fn_rhs)(given, t, list(x.T), columns, [0.0] * NC, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)

@@ -58,6 +58,7 @@ class CompiledSystem(ABC):
         self.nq, self.nv, self.nz, self.nx = interface.nq, interface.nv, interface.nz, interface.nx
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
         self._values = tuple(values)
+        self.lock = RLock()
         self._own = _Own(desk, compiled, *given)
 
     @property

@@ -30,7 +30,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
-    **dict.fromkeys(("solve", "begin", "conditions", "measures", "limits"), None),
+    **dict.fromkeys(("solve", "begin", "bind", "conditions", "measures", "limits"), None),
 }
 
 
@@ -88,7 +88,19 @@ class CSystem(CompiledSystem):
     def __init__(self, model: CModel, values: Sequence[float]):
         super().__init__(model, values, _Desk)
         self.model = model
-        self._p = (c_double * max(len(values), 1))(*values)
+
+    @once
+    def _p(self) -> Any:
+        """lagc_params, bound."""
+        return self._bound(0)
+
+    def _bound(self, way: int) -> Any:
+        """The same with arithmetic rounded up or down."""
+        p = (c_double * max(len(self._values) + self.interface.prepared, 1))(*self._values)
+        if self.interface.prepared:
+            bind = self.model.functions["bind"]
+            (_rounded(bind, way) if way else bind)(p)
+        return p
 
     @property
     def culprit(self) -> int:
@@ -109,7 +121,7 @@ class CSystem(CompiledSystem):
             return None
         desk = self._at(x)
         rhs = _rounded(desk.rhs, way)
-        status: int = rhs(self._p, c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
+        status: int = rhs(self._bound(way), c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
         xdot[:] = desk.xdot[:]
         lam[:] = desk.lam[: self.nc]
         return status
@@ -164,16 +176,17 @@ class CSystem(CompiledSystem):
                          options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
+        p = self._p
         if way:
             from lagc.run.directed import turns
 
-            ways = turns(way)
+            p, ways = self._bound(way), turns(way)
 
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
             kernel = _rounded(call["record"], next(ways)) if way else call["record"]
             status: int = kernel(
-                self._p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
+                p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
             return status

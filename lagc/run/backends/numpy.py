@@ -46,8 +46,8 @@ class _Desk:
 
     __slots__ = ("equations", "functions", "rhs")
 
-    def __init__(self, model: NumpyModel, p: list[float]):
-        self.equations: Any = model.module["Equations"](p)
+    def __init__(self, model: NumpyModel, values: Sequence[float]):
+        self.equations: Any = model.module["Equations"](values)
         self.functions: dict[str, tuple[Any, tuple[str, ...]]] = {}
         self.rhs: Any = self.equations.rhs
 
@@ -56,13 +56,18 @@ class NumpySystem(CompiledSystem):
     backend = "numpy"
 
     def __init__(self, model: NumpyModel, values: Sequence[float]):
-        self._p = list(values)
-        super().__init__(model, values, _Desk, self._p)
+        super().__init__(model, values, _Desk, tuple(values))
         self.model = model
+
+    @once
+    def _p(self) -> list[float]:
+        """The array p, bound."""
+        p: list[float] = self.equations().p
+        return p
 
     def equations(self) -> Any:
         """The equations for one trajectory, which remember which rows depended on others."""
-        return self.model.module["Equations"](self._p[:])
+        return self.model.module["Equations"](self._values)
 
     @property
     def culprit(self) -> int:

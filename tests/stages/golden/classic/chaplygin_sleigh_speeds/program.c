@@ -1,56 +1,81 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[10] = m;
+    const lagc_real a_ = p->a;
+    prepared[12] = a_;
+    const lagc_real t0 = m * a_;
+    prepared[0] = t0;
+    const lagc_real I_ = p->I_;
+    prepared[11] = I_;
+    const lagc_real t1 = a_ * t0;
+    const lagc_real t2 = I_ + t1;
+    prepared[6] = t2;
+    const lagc_real t3 = 1.0 / t2;
+    prepared[5] = t3;
+    const lagc_real t4 = t0 * t3;
+    prepared[1] = t4;
+    const lagc_real t5 = m - t0 * t4;
+    const lagc_real t6 = 1.0 / t5;
+    prepared[2] = t6;
+    prepared[3] = 1.0 / t6;
+    prepared[4] = 1.0 / m;
+    prepared[7] = t5 / m;
+    prepared[8] = t1 * 0.5 + I_ * 0.5;
+    prepared[9] = m * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
-    const lagc_real a_ = p->a;
-    const lagc_real m = p->m;
-    const lagc_real t0 = a_ * m;
-    const lagc_real t1 = p->I_ + a_ * t0;
-    const lagc_real t2 = 1.0 / t1;
-    const lagc_real t3 = t0 * t2;
-    const lagc_real t4 = m - t0 * t3;
-    const lagc_real t5 = 1.0 / t4;
     const lagc_real u = x[3];
     const lagc_real w_ = x[5];
     /* der(theta) */
     xdot[2] = w_;
-    const lagc_real t6 = u * w_;
-    const lagc_real t7 = t0 * t6;
-    const lagc_real t8 = 1.0 / t5;
-    const lagc_real t9 = m * t6;
+    const lagc_real t0 = u * w_;
+    const lagc_real prepared0 = p->prepared[0];
+    const lagc_real t1 = prepared0 * t0;
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real m = p->m;
+    const lagc_real t2 = m * t0;
     const lagc_real theta = x[2];
     lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
-    const lagc_real t10 = sc0[1];
-    const lagc_real t11 = sc0[0];
-    const lagc_real t12 = t5 * (t3 * t7 - t9);
-    const lagc_real t13 = 1.0 / m;
-    const lagc_real t14 = t12 * t8;
+    const lagc_real t3 = sc0[1];
+    const lagc_real t4 = sc0[0];
+    const lagc_real prepared2 = p->prepared[2];
+    const lagc_real t5 = (t1 * prepared1 - t2) * prepared2;
     const lagc_real s_ = x[4];
-    const lagc_real t15 = (s_ + w_ * a_) * (w_ * m);
-    const lagc_real t16 = t12 - t5 * t14;
+    const lagc_real prepared3 = p->prepared[3];
+    const lagc_real t6 = t5 * prepared3;
+    const lagc_real t7 = w_ * (s_ * m + w_ * prepared0);
+    const lagc_real t8 = t5 - prepared2 * t6;
     /* der(s) */
-    xdot[4] = t16;
-    const lagc_real t17 = t15 * t13;
+    xdot[4] = t8;
+    const lagc_real prepared4 = p->prepared[4];
+    const lagc_real t9 = t7 * prepared4;
     /* der(u) */
-    xdot[3] = t17;
-    const lagc_real t18 = t2 * t7 + t3 * t16;
-    const lagc_real t19 = m * t17;
-    const lagc_real t20 = t15 - t19;
-    const lagc_real t21 = t1 * t18;
-    const lagc_real t22 = m * t16;
-    const lagc_real t23 = t21 - (t7 + t0 * t16);
-    const lagc_real t24 = t0 * t18 - (t22 + (t9 + t14));
-    const lagc_real t25 = t5 * (t9 * t9 + t22 * t22) + (t13 * (t15 * t15 + t19 * t19) + 1e-300);
-    health[0] = t4 / m;
-    const lagc_real t26 = t24 * (t5 * t24) + (t23 * (t2 * t23) + (t20 * (t13 * t20) + t16 * (t8 * t16)));
-    health[1] = t26 / (t2 * (t7 * t7 + t21 * t21) + t25);
+    xdot[3] = t9;
+    const lagc_real prepared5 = p->prepared[5];
+    const lagc_real t10 = t1 * prepared5 + prepared1 * t8;
+    const lagc_real t11 = m * t9;
+    const lagc_real t12 = t7 - t11;
+    const lagc_real t13 = t10 * p->prepared[6];
+    const lagc_real t14 = m * t8;
+    const lagc_real t15 = t13 - (t1 + prepared0 * t8);
+    const lagc_real t16 = prepared0 * t10 - (t14 + (t2 + t6));
+    const lagc_real t17 = t15 * (prepared5 * t15) + (t12 * (prepared4 * t12) + t8 * (prepared3 * t8));
+    const lagc_real t18 = prepared2 * (t2 * t2 + t14 * t14) + (prepared4 * (t7 * t7 + t11 * t11) + 1e-300);
+    health[1] = (t16 * (prepared2 * t16) + t17) / (prepared5 * (t1 * t1 + t13 * t13) + t18);
     /* der(x) */
-    xdot[0] = u * t10 - s_ * t11;
+    xdot[0] = u * t3 - s_ * t4;
     /* der(y) */
-    xdot[1] = u * t11 + t10 * s_;
+    xdot[1] = u * t4 + t3 * s_;
     /* der(w) */
-    xdot[5] = -t18;
+    xdot[5] = -t10;
     /* edge, chaplygin_sleigh_speeds.lag:23 */
-    lam[0] = -t14;
+    lam[0] = -t6;
+    health[0] = p->prepared[7];
     (void)(t);
 }
 
@@ -64,7 +89,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real s_ = x[4];
     const lagc_real t1 = sc0[0];
     qdot[0] = u * t0 - s_ * t1;
-    qdot[1] = u * t1 + s_ * t0;
+    qdot[1] = u * t1 + t0 * s_;
     const lagc_real w_ = x[5];
     qdot[2] = w_;
     const lagc_real m = p->m;
@@ -75,14 +100,13 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     G[0] = 0.0;
     G[2] = 0.0;
     gamma[0] = 0.0;
-    const lagc_real a_ = p->a;
-    const lagc_real t2 = m * a_;
-    M[4] = t2;
-    M[5] = p->I_ + a_ * t2;
-    r[0] = (s_ + a_ * w_) * (m * w_);
-    const lagc_real t3 = u * w_;
-    r[1] = -(m * t3);
-    r[2] = -(t2 * t3);
+    const lagc_real prepared0 = p->prepared[0];
+    M[4] = prepared0;
+    M[5] = p->prepared[6];
+    r[0] = w_ * (s_ * m + w_ * prepared0);
+    const lagc_real t2 = u * w_;
+    r[1] = -(m * t2);
+    r[2] = -(prepared0 * t2);
     G[1] = 1.0;
     (void)(t);
 }
@@ -93,10 +117,8 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real m = p->m;
     w[0] = m;
     w[1] = m;
-    const lagc_real a_ = p->a;
-    const lagc_real t0 = m * a_;
-    w[2] = t0;
-    w[3] = p->I_ + a_ * t0;
+    w[2] = p->prepared[0];
+    w[3] = p->prepared[6];
     w[4] = 1.0;
     (void)(t);
     (void)(x);
@@ -173,7 +195,7 @@ static void lagc_fn_displace(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real d1 = d[1];
     const lagc_real t1 = sc0[0];
     dq[0] = d0 * t0 - d1 * t1;
-    dq[1] = d0 * t1 + d1 * t0;
+    dq[1] = d0 * t1 + t0 * d1;
     dq[2] = d[2];
     (void)(p);
     (void)(t);
@@ -236,14 +258,13 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
     const lagc_real w_ = x[5];
-    const lagc_real u = x[3];
     const lagc_real s_ = x[4];
-    const lagc_real t0 = p->a * w_;
-    const lagc_real t1 = w_ * (p->I_ * w_) * 0.5 + p->m * (0.5 * (u * u + (s_ * s_ + t0 * t0)) + s_ * t0);
+    const lagc_real u = x[3];
+    const lagc_real t0 = w_ * (w_ * p->prepared[8] + s_ * p->prepared[0]) + (s_ * s_ + u * u) * p->prepared[9];
     /* kinetic energy */
-    e[0] = t1;
+    e[0] = t0;
     /* energy of the balance */
-    e[2] = t1;
+    e[2] = t0;
     /* potential energy */
     e[1] = 0.0;
     (void)(t);
@@ -255,11 +276,10 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     /* side */
     y[0] = lam[0];
     const lagc_real w_ = x[5];
-    const lagc_real u = x[3];
     const lagc_real s_ = x[4];
-    const lagc_real t0 = p->a * w_;
+    const lagc_real u = x[3];
     /* E */
-    y[1] = w_ * (p->I_ * w_) * 0.5 + p->m * (0.5 * (u * u + (s_ * s_ + t0 * t0)) + s_ * t0);
+    y[1] = w_ * (w_ * p->prepared[8] + s_ * p->prepared[0]) + (s_ * s_ + u * u) * p->prepared[9];
     (void)(t);
     (void)(a);
 }

@@ -1,3 +1,12 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[2] = m;
+    prepared[0] = 1.0 / m;
+    prepared[1] = m * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -7,14 +16,14 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[1] = x[3];
     const lagc_real the_x2 = x[1];
     const lagc_real the_x1 = x[0];
-    const lagc_real t0 = p->c * (the_x2 - the_x1);
+    const lagc_real t0 = (the_x2 - the_x1) * p->c;
     const lagc_real k = p->k;
-    health[0] = 1.0;
-    const lagc_real t1 = 1.0 / p->m;
+    const lagc_real prepared0 = p->prepared[0];
     /* der(der(x1)) */
-    xdot[2] = (t0 - k * the_x1) * t1;
+    xdot[2] = (t0 - the_x1 * k) * prepared0;
     /* der(der(x2)) */
-    xdot[3] = -((k * the_x2 + t0) * t1);
+    xdot[3] = -(prepared0 * (t0 + the_x2 * k));
+    health[0] = 1.0;
     health[1] = 0.0;
     (void)(t);
     (void)(lam);
@@ -31,10 +40,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[1] = 0.0;
     const lagc_real the_x2 = x[1];
     const lagc_real the_x1 = x[0];
-    const lagc_real t0 = p->c * (the_x2 - the_x1);
+    const lagc_real t0 = (the_x2 - the_x1) * p->c;
     const lagc_real k = p->k;
-    r[0] = t0 - k * the_x1;
-    r[1] = -(k * the_x2 + t0);
+    r[0] = t0 - the_x1 * k;
+    r[1] = -(t0 + the_x2 * k);
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -45,13 +54,13 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real der_x1 = x[2];
     const lagc_real der_x2 = x[3];
-    const lagc_real t0 = p->m * (der_x1 * der_x1 + der_x2 * der_x2) * 0.5;
+    const lagc_real t0 = (der_x1 * der_x1 + der_x2 * der_x2) * p->prepared[1];
     /* kinetic energy */
     e[0] = t0;
     const lagc_real the_x1 = x[0];
     const lagc_real the_x2 = x[1];
     const lagc_real t1 = the_x2 - the_x1;
-    const lagc_real t2 = 0.5 * (p->k * (the_x1 * the_x1 + the_x2 * the_x2) + t1 * (p->c * t1));
+    const lagc_real t2 = 0.5 * ((the_x1 * the_x1 + the_x2 * the_x2) * p->k + p->c * (t1 * t1));
     /* potential energy */
     e[1] = t2;
     /* energy of the balance */
@@ -67,9 +76,9 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t0 = the_x2 - the_x1;
     const lagc_real der_x1 = x[2];
     const lagc_real der_x2 = x[3];
-    const lagc_real t1 = p->k * (the_x1 * the_x1 + the_x2 * the_x2) + p->m * (der_x1 * der_x1 + der_x2 * der_x2);
+    const lagc_real t1 = (the_x1 * the_x1 + the_x2 * the_x2) * p->k + (der_x1 * der_x1 + der_x2 * der_x2) * p->m;
     /* E */
-    y[0] = (t0 * (p->c * t0) + t1) * 0.5;
+    y[0] = (p->c * (t0 * t0) + t1) * 0.5;
     (void)(t);
     (void)(a);
     (void)(lam);

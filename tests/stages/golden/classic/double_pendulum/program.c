@@ -1,3 +1,42 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real l2 = p->l2;
+    prepared[18] = l2;
+    const lagc_real m2 = p->m2;
+    prepared[16] = m2;
+    const lagc_real t0 = l2 * m2;
+    const lagc_real t1 = l2 * t0;
+    prepared[3] = t1;
+    const lagc_real m1 = p->m1;
+    prepared[15] = m1;
+    const lagc_real t2 = m2 + m1;
+    const lagc_real l1 = p->l1;
+    prepared[17] = l1;
+    const lagc_real t3 = t2 * (l1 * l1);
+    prepared[5] = t3;
+    const lagc_real t4 = t1 * t3;
+    prepared[0] = t4;
+    prepared[1] = t0 * l1;
+    const lagc_real field_g = p->field_g;
+    prepared[19] = field_g;
+    prepared[2] = t2 * (l1 * field_g);
+    prepared[4] = t0 * field_g;
+    prepared[6] = 1.0 / t4;
+    const lagc_real t5 = m1 * l1;
+    const lagc_real t6 = l1 * t5 * 0.5;
+    prepared[7] = t6;
+    prepared[8] = m2 * 0.5;
+    const lagc_real t7 = field_g * t5;
+    prepared[9] = t7;
+    prepared[10] = m2 * field_g;
+    prepared[11] = t1 * 0.5;
+    const lagc_real t8 = m2 * l1;
+    prepared[12] = t6 + 0.5 * (l1 * t8);
+    prepared[13] = l2 * t8;
+    prepared[14] = t7 + field_g * t8;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -7,34 +46,26 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real der_theta2 = x[3];
     /* der(theta2) */
     xdot[1] = der_theta2;
-    const lagc_real l2 = p->l2;
-    const lagc_real m2 = p->m2;
-    const lagc_real t0 = m2 * l2;
-    const lagc_real t1 = l2 * t0;
-    const lagc_real t2 = p->m1 + m2;
-    const lagc_real l1 = p->l1;
-    const lagc_real t3 = t2 * (l1 * l1);
-    const lagc_real t4 = t1 * t3;
     const lagc_real theta1 = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t5 = sc0[0];
+    const lagc_real t0 = sc0[0];
     const lagc_real theta2 = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t6 = sc1[0];
-    const lagc_real t7 = sc0[1];
-    const lagc_real t8 = sc1[1];
-    const lagc_real t9 = t0 * (l1 * (t5 * t6 + t7 * t8));
-    const lagc_real t10 = t4 - t9 * t9;
-    const lagc_real t11 = 1.0 / t10;
-    const lagc_real t12 = t7 * t6 - t5 * t8;
-    const lagc_real field_g = p->field_g;
-    const lagc_real t13 = l1 * (t0 * (t12 * (der_theta2 * der_theta2)) - t2 * (field_g * t5));
-    const lagc_real t14 = t0 * (t12 * (der_theta1 * (l1 * der_theta1)) + field_g * t6);
+    const lagc_real t1 = sc1[0];
+    const lagc_real t2 = sc0[1];
+    const lagc_real t3 = sc1[1];
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real t4 = (t0 * t1 + t2 * t3) * prepared1;
+    const lagc_real t5 = p->prepared[0] - t4 * t4;
+    const lagc_real t6 = 1.0 / t5;
+    const lagc_real t7 = t1 * t2 - t0 * t3;
+    const lagc_real t8 = prepared1 * (t7 * (der_theta2 * der_theta2)) - t0 * p->prepared[2];
+    const lagc_real t9 = t1 * p->prepared[4] + prepared1 * (t7 * (der_theta1 * der_theta1));
     /* der(der(theta1)) */
-    xdot[2] = t11 * (t1 * t13 + t9 * t14);
+    xdot[2] = t6 * (t8 * p->prepared[3] + t4 * t9);
     /* der(der(theta2)) */
-    xdot[3] = -(t11 * (t3 * t14 + t9 * t13));
-    health[0] = t10 / t4;
+    xdot[3] = -(t6 * (t9 * p->prepared[5] + t4 * t8));
+    health[0] = t5 * p->prepared[6];
     health[1] = 0.0;
     (void)(t);
     (void)(lam);
@@ -47,26 +78,21 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[0] = der_theta1;
     const lagc_real der_theta2 = x[3];
     qdot[1] = der_theta2;
-    const lagc_real m2 = p->m2;
-    const lagc_real t0 = p->m1 + m2;
-    const lagc_real l1 = p->l1;
-    M[0] = t0 * (l1 * l1);
-    const lagc_real l2 = p->l2;
-    const lagc_real t1 = m2 * l2;
+    M[0] = p->prepared[5];
     const lagc_real theta1 = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t2 = sc0[0];
+    const lagc_real t0 = sc0[0];
     const lagc_real theta2 = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t3 = sc1[0];
-    const lagc_real t4 = sc0[1];
-    const lagc_real t5 = sc1[1];
-    M[1] = t1 * (l1 * (t2 * t3 + t4 * t5));
-    M[2] = l2 * t1;
-    const lagc_real t6 = t4 * t3 - t2 * t5;
-    const lagc_real field_g = p->field_g;
-    r[0] = l1 * (t1 * (t6 * (der_theta2 * der_theta2)) - t0 * (field_g * t2));
-    r[1] = -(t1 * (t6 * (der_theta1 * (l1 * der_theta1)) + field_g * t3));
+    const lagc_real t1 = sc1[0];
+    const lagc_real t2 = sc0[1];
+    const lagc_real t3 = sc1[1];
+    const lagc_real prepared1 = p->prepared[1];
+    M[1] = (t0 * t1 + t2 * t3) * prepared1;
+    M[2] = p->prepared[3];
+    const lagc_real t4 = t1 * t2 - t0 * t3;
+    r[0] = prepared1 * (t4 * (der_theta2 * der_theta2)) - t0 * p->prepared[2];
+    r[1] = -(t1 * p->prepared[4] + prepared1 * (t4 * (der_theta1 * der_theta1)));
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -75,53 +101,45 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 /* energies */
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
-    const lagc_real l1 = p->l1;
-    const lagc_real t0 = l1 * x[2];
-    const lagc_real m1 = p->m1;
-    const lagc_real m2 = p->m2;
+    const lagc_real der_theta1 = x[2];
     const lagc_real theta1 = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t1 = sc0[1];
+    const lagc_real t0 = sc0[1];
+    const lagc_real l1 = p->l1;
+    const lagc_real t1 = t0 * l1;
     const lagc_real der_theta2 = x[3];
-    const lagc_real l2 = p->l2;
     const lagc_real theta2 = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t2 = l2 * sc1[1];
-    const lagc_real t3 = t1 * t0 + der_theta2 * t2;
-    const lagc_real t4 = sc0[0] * t0 + sc1[0] * (l2 * der_theta2);
-    const lagc_real t5 = t0 * (m1 * t0) * 0.5 + 0.5 * (m2 * (t3 * t3 + t4 * t4));
+    const lagc_real l2 = p->l2;
+    const lagc_real t2 = sc1[1] * l2;
+    const lagc_real t3 = der_theta1 * t1 + der_theta2 * t2;
+    const lagc_real t4 = l1 * (der_theta1 * sc0[0]) + l2 * (der_theta2 * sc1[0]);
+    const lagc_real t5 = der_theta1 * der_theta1 * p->prepared[7] + (t3 * t3 + t4 * t4) * p->prepared[8];
     /* kinetic energy */
     e[0] = t5;
-    const lagc_real t6 = l1 * t1;
-    const lagc_real t7 = p->field_g * (m1 * t6 + m2 * (t6 + t2));
+    const lagc_real t6 = t0 * p->prepared[9] + (t1 + t2) * p->prepared[10];
     /* potential energy */
-    e[1] = -t7;
+    e[1] = -t6;
     /* energy of the balance */
-    e[2] = t5 - t7;
+    e[2] = t5 - t6;
     (void)(t);
 }
 
 /* outputs of the model */
 static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
+    const lagc_real der_theta2 = x[3];
     const lagc_real der_theta1 = x[2];
-    const lagc_real l1 = p->l1;
-    const lagc_real t0 = l1 * der_theta1;
-    const lagc_real field_g = p->field_g;
     const lagc_real theta1 = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t1 = sc0[1];
-    const lagc_real t2 = field_g * t1;
     const lagc_real theta2 = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t3 = sc1[1];
-    const lagc_real l2 = p->l2;
-    const lagc_real der_theta2 = x[3];
-    const lagc_real t4 = l2 * der_theta2;
-    const lagc_real t5 = l1 * (der_theta1 * ((sc0[0] * sc1[0] + t1 * t3) * t4 + t0 * 0.5) - t2);
-    const lagc_real t6 = p->m2 * (t5 + l2 * (der_theta2 * t4 * 0.5 - field_g * t3));
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc1[1];
+    const lagc_real t2 = p->prepared[13] * (der_theta2 * (sc0[0] * sc1[0] + t0 * t1));
+    const lagc_real t3 = der_theta1 * (der_theta1 * p->prepared[12] + t2) - t0 * p->prepared[14];
     /* E */
-    y[0] = (der_theta1 * t0 * 0.5 - t2) * (p->m1 * l1) + t6;
+    y[0] = der_theta2 * der_theta2 * p->prepared[11] + t3 - t1 * p->prepared[4];
     (void)(t);
     (void)(a);
     (void)(lam);

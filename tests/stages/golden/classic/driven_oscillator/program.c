@@ -1,3 +1,15 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[3] = m;
+    prepared[0] = 1.0 / m;
+    prepared[1] = m * 0.5;
+    const lagc_real k = p->k;
+    prepared[4] = k;
+    prepared[2] = k * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -6,10 +18,10 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[0] = der_x;
     const lagc_real u = p->u;
     lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
-    const lagc_real t0 = p->F0 * sc0[1];
+    const lagc_real t0 = sc0[1] * p->F0;
     const lagc_real c_ = p->c;
     /* der(der(x)) */
-    xdot[1] = (u + (t0 - p->k * x[0] - c_ * der_x)) / p->m;
+    xdot[1] = (u + (t0 - x[0] * p->k - der_x * c_)) * p->prepared[0];
     xdot[2] = der_x * (u + t0) - c_ * (der_x * der_x);
     health[0] = 1.0;
     health[1] = 0.0;
@@ -23,7 +35,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[0] = der_x;
     M[0] = p->m;
     lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
-    r[0] = p->u + (p->F0 * sc0[1] - p->k * x[0] - p->c * der_x);
+    r[0] = p->u + (sc0[1] * p->F0 - x[0] * p->k - der_x * p->c);
     (void)(G);
     (void)(gamma);
 }
@@ -32,15 +44,15 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
     const lagc_real der_x = x[1];
-    const lagc_real t0 = 0.5 * (der_x * (p->m * der_x));
+    const lagc_real t0 = der_x * der_x * p->prepared[1];
     /* kinetic energy */
     e[0] = t0;
     const lagc_real x_ = x[0];
-    const lagc_real t1 = x_ * (p->k * x_) * 0.5;
+    const lagc_real t1 = x_ * x_ * p->prepared[2];
     /* potential energy */
     e[1] = t1;
     /* energy of the balance */
-    e[2] = t1 + t0;
+    e[2] = t0 + t1;
     (void)(t);
 }
 
@@ -49,7 +61,7 @@ static void lagc_fn_power(const lagc_params *p, lagc_real t, const lagc_real *x,
 {
     const lagc_real der_x = x[1];
     lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
-    e[0] = der_x * (p->u + p->F0 * sc0[1] - p->c * der_x);
+    e[0] = der_x * (p->u + sc0[1] * p->F0 - der_x * p->c);
     (void)(a);
     (void)(lam);
 }
@@ -60,7 +72,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real x_ = x[0];
     const lagc_real der_x = x[1];
     /* E */
-    y[0] = (x_ * (p->k * x_) + der_x * (p->m * der_x)) * 0.5;
+    y[0] = (p->k * (x_ * x_) + p->m * (der_x * der_x)) * 0.5;
     (void)(t);
     (void)(a);
     (void)(lam);

@@ -1,3 +1,16 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[4] = m;
+    const lagc_real mu = p->mu;
+    prepared[5] = mu;
+    prepared[0] = m * mu;
+    prepared[1] = 1.0 / m;
+    prepared[2] = m * 0.5;
+    prepared[3] = 1.0 / mu;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -6,17 +19,16 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(y) */
     xdot[1] = x[3];
     const lagc_real x_ = x[0];
-    const lagc_real m = p->m;
-    const lagc_real t0 = m * p->mu;
+    const lagc_real prepared0 = p->prepared[0];
     const lagc_real y_ = x[1];
-    const lagc_real t1 = x_ * x_ + y_ * y_;
-    const lagc_real t2 = t1 * sqrt(t1);
-    health[0] = 1.0;
-    const lagc_real t3 = 1.0 / m;
+    const lagc_real t0 = x_ * x_ + y_ * y_;
+    const lagc_real t1 = t0 * sqrt(t0);
+    const lagc_real prepared1 = p->prepared[1];
     /* der(der(x)) */
-    xdot[2] = -(x_ * t0 / t2 * t3);
+    xdot[2] = -(x_ * prepared0 / t1 * prepared1);
     /* der(der(y)) */
-    xdot[3] = -(y_ * t0 / t2 * t3);
+    xdot[3] = -(prepared1 * (prepared0 * y_ / t1));
+    health[0] = 1.0;
     health[1] = 0.0;
     (void)(t);
     (void)(lam);
@@ -32,12 +44,12 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[2] = m;
     M[1] = 0.0;
     const lagc_real x_ = x[0];
-    const lagc_real t0 = m * p->mu;
+    const lagc_real prepared0 = p->prepared[0];
     const lagc_real y_ = x[1];
-    const lagc_real t1 = x_ * x_ + y_ * y_;
-    const lagc_real t2 = t1 * sqrt(t1);
-    r[0] = -(x_ * t0 / t2);
-    r[1] = -(y_ * t0 / t2);
+    const lagc_real t0 = x_ * x_ + y_ * y_;
+    const lagc_real t1 = t0 * sqrt(t0);
+    r[0] = -(x_ * prepared0 / t1);
+    r[1] = -(prepared0 * y_ / t1);
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -46,15 +58,14 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 /* energies */
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
-    const lagc_real m = p->m;
     const lagc_real der_x = x[2];
     const lagc_real der_y = x[3];
-    const lagc_real t0 = m * (der_x * der_x + der_y * der_y) * 0.5;
+    const lagc_real t0 = (der_x * der_x + der_y * der_y) * p->prepared[2];
     /* kinetic energy */
     e[0] = t0;
     const lagc_real x_ = x[0];
     const lagc_real y_ = x[1];
-    const lagc_real t1 = m * p->mu / sqrt(x_ * x_ + y_ * y_);
+    const lagc_real t1 = p->prepared[0] / sqrt(x_ * x_ + y_ * y_);
     /* potential energy */
     e[1] = -t1;
     /* energy of the balance */
@@ -65,22 +76,21 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 /* outputs of the model */
 static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
-    const lagc_real m = p->m;
     const lagc_real der_x = x[2];
     const lagc_real der_y = x[3];
-    const lagc_real mu = p->mu;
     const lagc_real x_ = x[0];
     const lagc_real y_ = x[1];
     const lagc_real t0 = sqrt(x_ * x_ + y_ * y_);
     /* E */
-    y[0] = m * (der_x * der_x + der_y * der_y) * 0.5 - m * mu / t0;
-    const lagc_real t1 = x_ * der_y - y_ * der_x;
+    y[0] = (der_x * der_x + der_y * der_y) * p->prepared[2] - p->prepared[0] / t0;
+    const lagc_real t1 = der_y * x_ - der_x * y_;
     /* L */
-    y[1] = m * t1;
+    y[1] = p->m * t1;
+    const lagc_real t2 = t1 * p->prepared[3];
     /* ex */
-    y[2] = der_y * t1 / mu - x_ / t0;
+    y[2] = der_y * t2 - x_ / t0;
     /* ey */
-    y[3] = -(der_x * t1 / mu + y_ / t0);
+    y[3] = -(y_ / t0 + der_x * t2);
     (void)(t);
     (void)(a);
     (void)(lam);

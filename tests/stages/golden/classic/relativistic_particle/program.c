@@ -1,17 +1,30 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[4] = m;
+    const lagc_real c_ = p->c;
+    prepared[5] = c_;
+    const lagc_real t0 = c_ * c_;
+    prepared[0] = m / t0;
+    prepared[1] = 1.0 / t0;
+    prepared[2] = m * t0;
+    const lagc_real k = p->k;
+    prepared[6] = k;
+    prepared[3] = k * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real der_x = x[1];
     /* der(x) */
     xdot[0] = der_x;
-    const lagc_real m = p->m;
     const lagc_real t0 = der_x * der_x;
-    const lagc_real c_ = p->c;
-    const lagc_real t1 = c_ * c_;
     health[0] = 1.0;
-    const lagc_real t2 = 1.0 - t0 / t1;
+    const lagc_real t1 = 1.0 - t0 * p->prepared[1];
     /* der(der(x)) */
-    xdot[1] = -(p->k * x[0] / ((m + m * t0 / (t1 * t2)) / sqrt(t2)));
+    xdot[1] = -(x[0] * p->k / ((t0 * p->prepared[0] / t1 + p->m) / sqrt(t1)));
     health[1] = 0.0;
     (void)(t);
     (void)(lam);
@@ -22,13 +35,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 {
     const lagc_real der_x = x[1];
     qdot[0] = der_x;
-    const lagc_real m = p->m;
     const lagc_real t0 = der_x * der_x;
-    const lagc_real c_ = p->c;
-    const lagc_real t1 = c_ * c_;
-    const lagc_real t2 = 1.0 - t0 / t1;
-    M[0] = (m + m * t0 / (t1 * t2)) / sqrt(t2);
-    r[0] = -(p->k * x[0]);
+    const lagc_real t1 = 1.0 - t0 * p->prepared[1];
+    M[0] = (t0 * p->prepared[0] / t1 + p->m) / sqrt(t1);
+    r[0] = -(x[0] * p->k);
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -37,22 +47,19 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 /* energies */
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
-    const lagc_real m = p->m;
-    const lagc_real c_ = p->c;
-    const lagc_real t0 = c_ * c_;
     const lagc_real der_x = x[1];
-    const lagc_real t1 = der_x * der_x;
-    const lagc_real t2 = sqrt(1.0 - t1 / t0);
-    const lagc_real t3 = m * (t0 * t2 + t1 / t2);
-    const lagc_real t4 = m * t0;
+    const lagc_real t0 = der_x * der_x;
+    const lagc_real t1 = sqrt(1.0 - t0 * p->prepared[1]);
+    const lagc_real prepared2 = p->prepared[2];
+    const lagc_real t2 = t1 * prepared2 + t0 * p->m / t1;
     /* kinetic energy */
-    e[0] = t3 - t4;
+    e[0] = t2 - prepared2;
     const lagc_real x_ = x[0];
-    const lagc_real t5 = x_ * (p->k * x_) * 0.5;
+    const lagc_real t3 = x_ * x_ * p->prepared[3];
     /* potential energy */
-    e[1] = t4 + t5;
+    e[1] = prepared2 + t3;
     /* energy of the balance */
-    e[2] = t5 + t3;
+    e[2] = t2 + t3;
     (void)(t);
 }
 
@@ -60,13 +67,11 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
     const lagc_real x_ = x[0];
-    const lagc_real c_ = p->c;
-    const lagc_real t0 = c_ * c_;
     const lagc_real der_x = x[1];
-    const lagc_real t1 = der_x * der_x;
-    const lagc_real t2 = sqrt(1.0 - t1 / t0);
+    const lagc_real t0 = der_x * der_x;
+    const lagc_real t1 = sqrt(1.0 - t0 * p->prepared[1]);
     /* E */
-    y[0] = x_ * (p->k * x_) * 0.5 + p->m * (t0 * t2 + t1 / t2);
+    y[0] = x_ * x_ * p->prepared[3] + (t1 * p->prepared[2] + t0 * p->m / t1);
     (void)(t);
     (void)(a);
     (void)(lam);

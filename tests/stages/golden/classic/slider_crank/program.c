@@ -1,3 +1,38 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real r_ = p->r;
+    prepared[13] = r_;
+    const lagc_real m2 = p->m2;
+    prepared[15] = m2;
+    const lagc_real l = p->l;
+    prepared[14] = l;
+    const lagc_real t0 = m2 * l;
+    prepared[0] = r_ * t0 * 0.5;
+    const lagc_real J1 = p->J1;
+    prepared[17] = J1;
+    const lagc_real t1 = m2 * (r_ * r_);
+    const lagc_real t2 = J1 + t1;
+    prepared[4] = t2;
+    prepared[1] = 1.0 / t2;
+    const lagc_real t3 = l * t0;
+    const lagc_real t4 = t3 * 0.3333333333333333;
+    prepared[2] = t4;
+    const lagc_real m3 = p->m3;
+    prepared[16] = m3;
+    prepared[3] = 1.0 / m3;
+    prepared[5] = 1.0 / t4;
+    const lagc_real t5 = fabs(r_);
+    prepared[8] = t5;
+    prepared[6] = t5 * 3.0;
+    const lagc_real t6 = fabs(l);
+    prepared[9] = t6;
+    prepared[7] = 3.0 * t6;
+    prepared[10] = t3 * 0.16666666666666666;
+    prepared[11] = 0.5 * m3;
+    prepared[12] = t1 * 0.5 + J1 * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -9,79 +44,75 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
     const lagc_real t2 = sc1[0];
     const lagc_real t3 = sc1[1];
+    const lagc_real prepared0 = p->prepared[0];
+    const lagc_real t4 = (t0 * t2 - t1 * t3) * prepared0;
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real t5 = prepared1 * t4;
+    const lagc_real prepared2 = p->prepared[2];
+    const lagc_real t6 = prepared2 - t4 * t5;
     const lagc_real r_ = p->r;
-    const lagc_real m2 = p->m2;
-    const lagc_real t4 = p->J1 + r_ * (r_ * m2);
+    const lagc_real t7 = t0 * r_;
+    const lagc_real t8 = 1.0 / t6;
+    const lagc_real t9 = t7 * prepared1;
     const lagc_real l = p->l;
-    const lagc_real t5 = m2 * l;
-    const lagc_real t6 = 1.0 / t4;
-    const lagc_real t7 = r_ * t5;
-    const lagc_real t8 = (t0 * t2 - t1 * t3) * (t7 * 0.5);
-    const lagc_real t9 = t6 * t8;
-    const lagc_real t10 = t5 * (l * 0.3333333333333333);
-    const lagc_real t11 = t10 - t8 * t9;
-    const lagc_real t12 = r_ * t0;
-    const lagc_real t13 = 1.0 / t11;
-    const lagc_real t14 = t12 * t6;
-    const lagc_real m3 = p->m3;
-    const lagc_real t15 = 1.0 / m3;
-    const lagc_real t16 = t2 * l;
-    const lagc_real t17 = t14 * t8 - t16;
-    const lagc_real t18 = r_ * t1;
-    const lagc_real t19 = t17 * t13;
-    const lagc_real t20 = t6 * t18;
-    const lagc_real t21 = t3 * l;
-    const lagc_real t22 = t21 + t20 * t8;
-    const lagc_real t23 = 1.0 / (t17 * t19 + (t15 + t12 * t14));
+    const lagc_real t10 = t2 * l;
+    const lagc_real t11 = t9 * t4 - t10;
+    const lagc_real t12 = r_ * t1;
+    const lagc_real t13 = t11 * t8;
+    const lagc_real t14 = prepared1 * t12;
+    const lagc_real prepared3 = p->prepared[3];
+    const lagc_real t15 = t3 * l;
+    const lagc_real t16 = t15 + t14 * t4;
+    const lagc_real t17 = 1.0 / (t11 * t13 + (t7 * t9 + prepared3));
+    const lagc_real t18 = t16 * t8;
     const lagc_real der_psi = x[4];
     /* der(psi) */
     xdot[1] = der_psi;
-    const lagc_real t24 = der_psi * der_psi;
-    const lagc_real t25 = t22 * t13;
+    const lagc_real t19 = der_psi * der_psi;
+    const lagc_real t20 = prepared0 * (t1 * t2 + t0 * t3);
+    const lagc_real t21 = t7 * t14 + t11 * t18;
     const lagc_real der_phi = x[3];
     /* der(phi) */
     xdot[0] = der_phi;
-    const lagc_real t26 = der_phi * (der_phi * r_);
-    const lagc_real t27 = t1 * t2 + t0 * t3;
-    const lagc_real t28 = t12 * t20 + t17 * t25;
-    const lagc_real t29 = t27 * (t7 * (0.5 * t24));
-    const lagc_real t30 = t28 * t23;
-    const lagc_real t31 = t27 * (t26 * (t5 * 0.5));
-    const lagc_real t32 = t18 * t20 + t22 * t25;
-    const lagc_real t33 = t9 * t29 - t31;
-    const lagc_real t34 = t21 * t24 + t1 * t26;
-    const lagc_real t35 = t28 * t30 - t32;
-    const lagc_real t36 = t0 * t26 - t16 * t24;
-    const lagc_real t37 = 1.0 / t35;
-    const lagc_real t38 = t34 - t14 * t29 - t19 * t33;
-    const lagc_real t39 = t37 * (t30 * t38 + (t25 * t33 + (t36 + t20 * t29)));
-    const lagc_real t40 = t30 * t39 - t23 * t38;
-    const lagc_real t41 = t13 * t33 + t25 * t39 - t19 * t40;
+    const lagc_real t22 = der_phi * der_phi;
+    const lagc_real t23 = t19 * t20;
+    const lagc_real t24 = t21 * t17;
+    const lagc_real t25 = t22 * t20;
+    const lagc_real t26 = t12 * t14 + t16 * t18;
+    const lagc_real t27 = t5 * t23 - t25;
+    const lagc_real t28 = t15 * t19 + t12 * t22;
+    const lagc_real t29 = t21 * t24 - t26;
+    const lagc_real t30 = t7 * t22 - t10 * t19;
+    const lagc_real t31 = 1.0 / t29;
+    const lagc_real t32 = t28 - t9 * t23 - t13 * t27;
+    const lagc_real t33 = t31 * (t24 * t32 + (t18 * t27 + (t30 + t14 * t23)));
+    const lagc_real t34 = t24 * t33 - t17 * t32;
+    const lagc_real t35 = t8 * t27 + t18 * t33 - t13 * t34;
     /* der(der(psi)) */
-    xdot[4] = t41;
-    const lagc_real t42 = t14 * t40 - (t6 * t29 + t20 * t39) - t9 * t41;
+    xdot[4] = t35;
+    const lagc_real t36 = t9 * t34 - (prepared1 * t23 + t14 * t33) - t5 * t35;
     /* der(der(phi)) */
-    xdot[3] = t42;
-    const lagc_real t43 = t15 * t40;
+    xdot[3] = t36;
+    const lagc_real t37 = prepared3 * t34;
     /* der(der(s)) */
-    xdot[5] = t43;
-    const lagc_real t44 = m3 * t43;
-    const lagc_real t45 = t4 * t42;
-    const lagc_real t46 = t10 * t41;
-    const lagc_real t47 = t40 - t44;
-    const lagc_real t48 = t12 * t40 - (t29 + t18 * t39) - t8 * t41 - t45;
-    const lagc_real t49 = t16 * t40 + (t21 * t39 - t31) - t46 - t8 * t42;
-    const lagc_real t50 = t12 * t42 + (t16 * t41 + (t34 + t43));
-    const lagc_real t51 = t36 + t21 * t41 - t18 * t42;
-    const lagc_real t52 = t44 * (t15 * t44) + (t23 * (t34 * t34) + 1e-300 - t37 * (t36 * t36));
-    const lagc_real t53 = t47 * (t15 * t47) + t48 * (t6 * t48) - t51 * (t37 * t51);
-    const lagc_real t54 = t6 * (t29 * t29 + t45 * t45) + (t13 * (t31 * t31 + t46 * t46) + t52);
-    health[1] = (t49 * (t13 * t49) + t50 * (t23 * t50) + t53) / t54;
-    health[0] = lagc_min(t11 / t10, -(t35 / t32));
+    xdot[5] = t37;
+    const lagc_real t38 = t37 * p->m3;
+    const lagc_real t39 = t36 * p->prepared[4];
+    const lagc_real t40 = prepared2 * t35;
+    const lagc_real t41 = t34 - t38;
+    const lagc_real t42 = t7 * t34 - (t23 + t12 * t33) - t4 * t35 - t39;
+    const lagc_real t43 = t10 * t34 + (t15 * t33 - t25) - t40 - t4 * t36;
+    const lagc_real t44 = t7 * t36 + (t10 * t35 + (t28 + t37));
+    const lagc_real t45 = t30 + t15 * t35 - t12 * t36;
+    const lagc_real t46 = t38 * (prepared3 * t38) + (t17 * (t28 * t28) + 1e-300 - t31 * (t30 * t30));
+    const lagc_real t47 = t41 * (prepared3 * t41) + t42 * (prepared1 * t42) - t45 * (t31 * t45);
+    const lagc_real t48 = prepared1 * (t23 * t23 + t39 * t39) + (t8 * (t25 * t25 + t40 * t40) + t46);
+    health[1] = (t43 * (t8 * t43) + t44 * (t17 * t44) + t47) / t48;
+    health[0] = lagc_min(t6 * p->prepared[5], -(t29 / t26));
     /* pin[1], slider_crank.lag:25 */
-    lam[0] = -t40;
+    lam[0] = -t34;
     /* pin[2], slider_crank.lag:25 */
-    lam[1] = -t39;
+    lam[1] = -t33;
     /* der(s) */
     xdot[2] = x[5];
     (void)(t);
@@ -95,9 +126,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real der_psi = x[4];
     qdot[1] = der_psi;
     qdot[2] = x[5];
-    const lagc_real m2 = p->m2;
-    const lagc_real r_ = p->r;
-    M[0] = p->J1 + m2 * (r_ * r_);
+    M[0] = p->prepared[4];
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real t0 = sc0[0];
@@ -106,57 +135,57 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t1 = sc1[0];
     const lagc_real t2 = sc0[1];
     const lagc_real t3 = sc1[1];
-    const lagc_real l = p->l;
-    const lagc_real t4 = l * m2;
-    const lagc_real t5 = r_ * t4;
-    M[1] = (t0 * t1 - t2 * t3) * t5 * 0.5;
-    M[2] = l * t4 * 0.3333333333333333;
+    const lagc_real prepared0 = p->prepared[0];
+    M[1] = (t0 * t1 - t2 * t3) * prepared0;
+    M[2] = p->prepared[2];
     M[3] = 0.0;
     M[4] = 0.0;
     r[2] = 0.0;
     G[5] = 0.0;
     M[5] = p->m3;
-    const lagc_real t6 = der_psi * der_psi;
-    const lagc_real t7 = t2 * t1 + t0 * t3;
-    r[0] = -(0.5 * (t5 * (t6 * t7)));
-    const lagc_real t8 = der_phi * (r_ * der_phi);
-    r[1] = -(0.5 * (t8 * (t4 * t7)));
-    G[0] = -(r_ * t0);
-    const lagc_real t9 = l * t1;
-    G[1] = -t9;
+    const lagc_real t4 = der_psi * der_psi;
+    const lagc_real t5 = prepared0 * (t1 * t2 + t0 * t3);
+    r[0] = -(t4 * t5);
+    const lagc_real t6 = der_phi * der_phi;
+    r[1] = -(t5 * t6);
+    const lagc_real r_ = p->r;
+    const lagc_real t7 = t0 * r_;
+    G[0] = -t7;
+    const lagc_real l = p->l;
+    const lagc_real t8 = t1 * l;
+    G[1] = -t8;
     G[2] = -1.0;
-    G[3] = r_ * t2;
-    const lagc_real t10 = l * t3;
+    const lagc_real t9 = t2 * r_;
+    G[3] = t9;
+    const lagc_real t10 = t3 * l;
     G[4] = -t10;
-    gamma[0] = t10 * t6 + t2 * t8;
-    gamma[1] = t0 * t8 - t9 * t6;
+    gamma[0] = t4 * t10 + t6 * t9;
+    gamma[1] = t6 * t7 - t4 * t8;
     (void)(t);
 }
 
 /* entries of [M G^T; G 0] into w */
 static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
 {
-    const lagc_real m2 = p->m2;
-    const lagc_real r_ = p->r;
-    w[0] = p->J1 + m2 * (r_ * r_);
-    const lagc_real l = p->l;
-    const lagc_real t0 = l * m2;
+    w[0] = p->prepared[4];
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t1 = sc0[0];
+    const lagc_real t0 = sc0[0];
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t2 = sc1[0];
-    const lagc_real t3 = sc0[1];
-    const lagc_real t4 = sc1[1];
-    w[1] = t0 * (r_ * (t1 * t2 - t3 * t4)) * 0.5;
-    w[2] = l * t0 * 0.3333333333333333;
+    const lagc_real t1 = sc1[0];
+    const lagc_real t2 = sc0[1];
+    const lagc_real t3 = sc1[1];
+    w[1] = (t0 * t1 - t2 * t3) * p->prepared[0];
+    w[2] = p->prepared[2];
     w[3] = p->m3;
-    w[4] = -(r_ * t1);
-    w[5] = -(l * t2);
+    const lagc_real r_ = p->r;
+    w[4] = -(t0 * r_);
+    const lagc_real l = p->l;
+    w[5] = -(t1 * l);
     w[6] = -1.0;
-    w[7] = r_ * t3;
-    w[8] = -(l * t4);
+    w[7] = t2 * r_;
+    w[8] = -(t3 * l);
     (void)(t);
 }
 
@@ -268,14 +297,14 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 /* holonomic residuals */
 static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
 {
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real l = p->l;
+    const lagc_real r_ = p->r;
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real l = p->l;
     /* pin[1], slider_crank.lag:25 */
-    phi[0] = r_ * sc0[1] + l * sc1[1] - x[2];
+    phi[0] = sc0[1] * r_ + sc1[1] * l - x[2];
     /* pin[2], slider_crank.lag:25 */
     phi[1] = r_ * sc0[0] - l * sc1[0];
     (void)(t);
@@ -286,27 +315,27 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real psi_ = x[1];
     lagc_real sc0[2]; lagc_sine_cosine(psi_, sc0);
-    const lagc_real t0 = p->l * x[4];
+    const lagc_real t0 = x[4] * p->l;
     const lagc_real phi_ = x[0];
     lagc_real sc1[2]; lagc_sine_cosine(phi_, sc1);
-    const lagc_real t1 = p->r * x[3];
+    const lagc_real t1 = x[3] * p->r;
     /* pin[1], slider_crank.lag:25 */
     psi[0] = -(x[5] + (sc0[0] * t0 + sc1[0] * t1));
     /* pin[2], slider_crank.lag:25 */
-    psi[1] = sc1[1] * t1 - sc0[1] * t0;
+    psi[1] = t1 * sc1[1] - t0 * sc0[1];
     (void)(t);
 }
 
 /* size of the terms of each constraint row */
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real l = p->l;
+    const lagc_real r_ = p->r;
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t0 = fabs(r_ * sc0[1]) + fabs(l * sc1[1]) + fabs(x[2]) * 2.0 + 1e-300;
+    const lagc_real l = p->l;
+    const lagc_real t0 = fabs(sc0[1] * r_) + fabs(sc1[1] * l) + fabs(x[2]) * 2.0 + 1e-300;
     const lagc_real t1 = fabs(l * sc1[0]) + (1e-300 + fabs(r_ * sc0[0]));
     const lagc_real t2 = lagc_max(t0, t1) * 1e-06;
     s[0] = lagc_max(t0, t2);
@@ -317,30 +346,30 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 /* size of the terms of each row's gamma */
 static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
-    const lagc_real psi_ = x[1];
-    lagc_real sc0[2]; lagc_sine_cosine(psi_, sc0);
-    const lagc_real t0 = fabs(x[4]);
-    const lagc_real t1 = t0 * (fabs(p->l) * t0);
     const lagc_real phi_ = x[0];
-    lagc_real sc1[2]; lagc_sine_cosine(phi_, sc1);
-    const lagc_real t2 = fabs(x[3]);
-    const lagc_real t3 = t2 * (fabs(p->r) * t2);
-    s[0] = (fabs(sc0[1]) * t1 + fabs(sc1[1]) * t3) * 3.0;
-    s[1] = (t1 * fabs(sc0[0]) + t3 * fabs(sc1[0])) * 3.0;
+    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real t0 = fabs(x[3]);
+    const lagc_real t1 = t0 * t0 * p->prepared[6];
+    const lagc_real psi_ = x[1];
+    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    const lagc_real t2 = fabs(x[4]);
+    const lagc_real t3 = t2 * t2 * p->prepared[7];
+    s[0] = fabs(sc0[1]) * t1 + fabs(sc1[1]) * t3;
+    s[1] = t1 * fabs(sc0[0]) + t3 * fabs(sc1[0]);
     (void)(t);
 }
 
 /* size of the terms of each row's gradient */
 static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
-    const lagc_real t0 = fabs(p->r);
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t1 = fabs(p->l);
+    const lagc_real prepared8 = p->prepared[8];
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    s[0] = 1.0 + (t0 * fabs(sc0[0]) + t1 * fabs(sc1[0]));
-    s[1] = t0 * fabs(sc0[1]) + t1 * fabs(sc1[1]);
+    const lagc_real prepared9 = p->prepared[9];
+    s[0] = 1.0 + (fabs(sc0[0]) * prepared8 + fabs(sc1[0]) * prepared9);
+    s[1] = prepared8 * fabs(sc0[1]) + prepared9 * fabs(sc1[1]);
     (void)(t);
 }
 
@@ -349,14 +378,14 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
 {
     const lagc_real t0 = c[1] + 1e-300;
     const lagc_real size0 = c[0];
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t1 = r_ * sc0[0];
-    const lagc_real l = p->l;
+    const lagc_real r_ = p->r;
+    const lagc_real t1 = sc0[0] * r_;
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t2 = l * sc1[0];
+    const lagc_real l = p->l;
+    const lagc_real t2 = sc1[0] * l;
     const lagc_real t3 = fabs(t1) + fabs(t2);
     const lagc_real t4 = t0 + size0 * t3;
     const lagc_real t5 = r_ * sc0[1];
@@ -369,8 +398,8 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real size2 = c[2];
     const lagc_real size3 = c[3];
     const lagc_real t10 = lagc_max(lagc_max(0.0, size2), size3 / t0);
-    const lagc_real t11 = size2 * t3 + (size3 + (fabs(t5 * t10) + (fabs(t6 * t10) + (1e-300 + fabs(x[2] * t10)))));
-    const lagc_real t12 = size2 * t7 + (fabs(t1 * t10) + (1e-300 + fabs(t2 * t10)));
+    const lagc_real t11 = t3 * size2 + (size3 + (fabs(t5 * t10) + (fabs(t6 * t10) + (1e-300 + fabs(t10 * x[2])))));
+    const lagc_real t12 = t7 * size2 + (fabs(t1 * t10) + (1e-300 + fabs(t2 * t10)));
     const lagc_real t13 = 1e-06 * lagc_max(t11, t12);
     s[2] = lagc_max(t11, t13);
     s[3] = lagc_max(t12, t13);
@@ -380,17 +409,16 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
 /* energies */
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
-    const lagc_real t0 = p->l * x[4];
-    const lagc_real m2 = p->m2;
+    const lagc_real der_psi = x[4];
     const lagc_real der_s = x[5];
     const lagc_real der_phi = x[3];
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = p->J1 * der_phi + (r_ * der_phi + t0 * (sc0[0] * sc1[0] - sc0[1] * sc1[1])) * (r_ * m2);
-    const lagc_real t2 = t0 * (m2 * t0) * 0.16666666666666666 + (der_s * (p->m3 * der_s) + der_phi * t1) * 0.5;
+    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc1[0] - sc0[1] * sc1[1]));
+    const lagc_real t1 = der_s * der_s * p->prepared[11] + der_phi * (der_phi * p->prepared[12] + t0);
+    const lagc_real t2 = der_psi * der_psi * p->prepared[10] + t1;
     /* kinetic energy */
     e[0] = t2;
     /* energy of the balance */
@@ -407,18 +435,17 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     y[0] = lam[0];
     /* Py */
     y[1] = lam[1];
-    const lagc_real t0 = p->l * x[4];
-    const lagc_real m2 = p->m2;
+    const lagc_real der_psi = x[4];
     const lagc_real der_s = x[5];
     const lagc_real der_phi = x[3];
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = p->J1 * der_phi + (r_ * der_phi + t0 * (sc0[0] * sc1[0] - sc0[1] * sc1[1])) * (r_ * m2);
+    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc1[0] - sc0[1] * sc1[1]));
+    const lagc_real t1 = der_s * der_s * p->prepared[11] + der_phi * (der_phi * p->prepared[12] + t0);
     /* E */
-    y[2] = t0 * (m2 * t0) * 0.16666666666666666 + (der_s * (p->m3 * der_s) + der_phi * t1) * 0.5;
+    y[2] = der_psi * der_psi * p->prepared[10] + t1;
     (void)(t);
     (void)(a);
 }
@@ -439,22 +466,22 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     /* der(phi) */
     x[3] = 50.0;
     /* der(psi) */
-    x[4] = 50.0 * (r_ / l);
+    x[4] = r_ / l * 50.0;
 }
 
 /* conditions of a consistent start */
 static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
 {
-    const lagc_real r_ = p->r;
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t0 = r_ * sc0[1];
+    const lagc_real r_ = p->r;
+    const lagc_real t0 = sc0[1] * r_;
     J[3] = t0;
     J[12] = t0;
-    const lagc_real l = p->l;
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = l * sc1[1];
+    const lagc_real l = p->l;
+    const lagc_real t1 = sc1[1] * l;
     const lagc_real s_ = x[2];
     c[0] = t0 + t1 - s_;
     const lagc_real t2 = r_ * sc0[0];
@@ -462,13 +489,13 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     c[1] = t2 - t3;
     const lagc_real der_s = x[5];
     const lagc_real der_psi = x[4];
-    const lagc_real t4 = der_psi * t3;
+    const lagc_real t4 = t3 * der_psi;
     J[11] = t4;
     const lagc_real der_phi = x[3];
-    const lagc_real t5 = der_phi * t2;
+    const lagc_real t5 = t2 * der_phi;
     c[2] = -(der_s + (t4 + t5));
-    const lagc_real t6 = der_phi * t0;
-    const lagc_real t7 = der_psi * t1;
+    const lagc_real t6 = t0 * der_phi;
+    const lagc_real t7 = t1 * der_psi;
     c[3] = t6 - t7;
     const lagc_real t8 = -t2;
     J[0] = t8;

@@ -1,3 +1,22 @@
+/* what depends on parameters alone, then these */
+static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
+{
+    const lagc_real m = p->m;
+    prepared[6] = m;
+    const lagc_real t0 = 1.0 / m;
+    prepared[0] = t0;
+    const lagc_real field_g = p->field_g;
+    prepared[8] = field_g;
+    const lagc_real t1 = m * field_g;
+    prepared[1] = t1;
+    prepared[2] = t0 * t1;
+    prepared[3] = t1 * t1;
+    const lagc_real l = p->l;
+    prepared[7] = l;
+    prepared[4] = fabs(l);
+    prepared[5] = m * 0.5;
+}
+
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
@@ -13,31 +32,32 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[1] = der_z;
     const lagc_real t2 = der_x * x_ + der_z * z;
     const lagc_real t3 = x_ / t1;
+    const lagc_real t4 = z / t1;
+    const lagc_real prepared0 = p->prepared[0];
+    const lagc_real t5 = t3 * prepared0;
+    const lagc_real t6 = prepared0 * t4;
+    const lagc_real t7 = (der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1;
     health[0] = 1.0;
-    const lagc_real m = p->m;
-    const lagc_real t4 = 1.0 / m;
-    const lagc_real t5 = z / t1;
-    const lagc_real t6 = t3 * t4;
-    const lagc_real t7 = t4 * t5;
-    const lagc_real t8 = (der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1;
-    const lagc_real t9 = 1.0 / (t3 * t6 + t5 * t7);
-    const lagc_real t10 = m * p->field_g;
-    const lagc_real t11 = t9 * (t7 * t10 - t8);
+    const lagc_real t8 = 1.0 / (t3 * t5 + t4 * t6);
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real t9 = t8 * (t6 * prepared1 - t7);
     /* string, string_pendulum.lag:21 */
-    lam[0] = t11;
-    const lagc_real t12 = t6 * t11;
+    lam[0] = t9;
+    const lagc_real t10 = t5 * t9;
     /* der(der(x)) */
-    xdot[2] = t12;
-    const lagc_real t13 = t7 * t11 - t4 * t10;
+    xdot[2] = t10;
+    const lagc_real t11 = t6 * t9 - p->prepared[2];
     /* der(der(z)) */
-    xdot[3] = t13;
-    const lagc_real t14 = m * t12;
-    const lagc_real t15 = m * t13;
-    const lagc_real t16 = t3 * t11 - t14;
-    const lagc_real t17 = t5 * t11 - t10 - t15;
-    const lagc_real t18 = t5 * t13 + (t8 + t3 * t12);
-    const lagc_real t19 = t4 * (t10 * t10 + t15 * t15) + (t14 * (t4 * t14) + (t9 * (t8 * t8) + 1e-300));
-    health[1] = (t18 * (t9 * t18) + (t16 * (t4 * t16) + t17 * (t4 * t17))) / t19;
+    xdot[3] = t11;
+    const lagc_real m = p->m;
+    const lagc_real t12 = t10 * m;
+    const lagc_real t13 = t11 * m;
+    const lagc_real t14 = t3 * t9 - t12;
+    const lagc_real t15 = t4 * t9 - prepared1 - t13;
+    const lagc_real t16 = t4 * t11 + (t7 + t3 * t10);
+    const lagc_real t17 = t12 * (prepared0 * t12) + (t8 * (t7 * t7) + 1e-300);
+    const lagc_real t18 = t16 * (t8 * t16) + (t14 * (prepared0 * t14) + t15 * (prepared0 * t15));
+    health[1] = t18 / (prepared0 * (t13 * t13 + p->prepared[3]) + t17);
     (void)(t);
 }
 
@@ -53,14 +73,14 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[2] = m;
     M[1] = 0.0;
     r[0] = 0.0;
-    r[1] = -(m * p->field_g);
+    r[1] = -p->prepared[1];
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     const lagc_real t0 = x_ * x_ + z * z;
     const lagc_real t1 = sqrt(t0);
     G[0] = x_ / t1;
     G[1] = z / t1;
-    const lagc_real t2 = x_ * der_x + z * der_z;
+    const lagc_real t2 = der_x * x_ + der_z * z;
     gamma[0] = -((der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1);
     (void)(t);
 }
@@ -160,7 +180,7 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real z = x[1];
     const lagc_real t1 = z * z;
     const lagc_real t2 = sqrt(t0 + t1);
-    s[0] = fabs(p->l) + fabs(t2) + fabs(t0 / t2) + fabs(t1 / t2) + 1e-300;
+    s[0] = fabs(t2) + (fabs(t0 / t2) + (fabs(t1 / t2) + 1e-300)) + p->prepared[4];
     (void)(t);
 }
 
@@ -173,7 +193,7 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
     const lagc_real t2 = fabs(x_);
     const lagc_real z = x[1];
     const lagc_real t3 = fabs(z);
-    const lagc_real t4 = t2 * t0 + t3 * t1;
+    const lagc_real t4 = t0 * t2 + t1 * t3;
     const lagc_real t5 = x_ * x_ + z * z;
     const lagc_real t6 = fabs(t5);
     const lagc_real t7 = fabs(sqrt(t5));
@@ -201,27 +221,26 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real z = x[1];
     const lagc_real t0 = sqrt(x_ * x_ + z * z);
     const lagc_real t1 = fabs(x_ / t0) + fabs(z / t0);
-    s[0] = 1e-300 + size1 * t1;
+    s[0] = size1 * t1 + 1e-300;
     const lagc_real size2 = c[2];
     const lagc_real t2 = lagc_max(0.0, size2 / (size1 + 1e-300));
-    s[1] = size2 * t1 + (fabs(p->l * t2) + (1e-300 + fabs(t0 * t2)));
+    s[1] = t1 * size2 + (fabs(t2 * p->l) + (1e-300 + fabs(t0 * t2)));
     (void)(t);
 }
 
 /* energies */
 static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
 {
-    const lagc_real m = p->m;
     const lagc_real der_x = x[2];
     const lagc_real der_z = x[3];
-    const lagc_real t0 = m * (der_x * der_x + der_z * der_z) * 0.5;
+    const lagc_real t0 = (der_x * der_x + der_z * der_z) * p->prepared[5];
     /* kinetic energy */
     e[0] = t0;
-    const lagc_real t1 = p->field_g * (m * x[1]);
+    const lagc_real t1 = x[1] * p->prepared[1];
     /* potential energy */
     e[1] = t1;
     /* energy of the balance */
-    e[2] = t1 + t0;
+    e[2] = t0 + t1;
     (void)(t);
 }
 
@@ -230,11 +249,10 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
 {
     /* tension */
     y[0] = -lam[0];
-    const lagc_real m = p->m;
     const lagc_real der_x = x[2];
     const lagc_real der_z = x[3];
     /* E */
-    y[1] = p->field_g * (m * x[1]) + m * (der_x * der_x + der_z * der_z) * 0.5;
+    y[1] = x[1] * p->prepared[1] + (der_x * der_x + der_z * der_z) * p->prepared[5];
     (void)(t);
     (void)(a);
 }
@@ -260,8 +278,7 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     const lagc_real z = x[1];
     const lagc_real t0 = x_ * x_ + z * z;
     const lagc_real t1 = sqrt(t0);
-    const lagc_real l = p->l;
-    c[0] = t1 - l;
+    c[0] = t1 - p->l;
     const lagc_real der_x = x[2];
     const lagc_real der_z = x[3];
     const lagc_real t2 = x_ * der_x + z * der_z;
@@ -275,7 +292,7 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     J[5] = t5;
     J[2] = (der_x - x_ * t2 / t0) / t1;
     J[3] = (der_z - z * t2 / t0) / t1;
-    sizes[0] = fabs(l) + fabs(t1);
+    sizes[0] = fabs(t1) + p->prepared[4];
     sizes[1] = fabs(t3);
     (void)(t);
 }
