@@ -24,7 +24,7 @@ from lagc.optimize.program import Function, Operation, Program, Store
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.numpy.functions import ARITHMETIC
-from tests.render.everywhere import LEVELS, clang, compilers, machines
+from tests.render.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.render.tools import STRICT, of_model, present
 
 ROOT = Path(__file__).parents[2]
@@ -133,6 +133,20 @@ def test_no_value_is_further_than_one_unit(tmp_path: Path) -> None:
     for line in lines:
         _, _, sine, cosine = line.split()
         assert float(sine) < 0.85 and float(cosine) < 0.85, line
+
+
+@pytest.mark.skipif(not wide(), reason="no gcc for x87 here")
+@pytest.mark.parametrize(
+    "words",
+    ["", "-O0", "-ffloat-store", "-std=c99 -D_GNU_SOURCE", "-fexcess-precision=fast -O3", "-mfpmath=sse+387"],
+)
+def test_wider_arithmetic_is_no_further_off_than_rounding_twice(words: str, tmp_path: Path) -> None:
+    """64 bits within, 53 where values are kept: half a unit more than in doubles alone."""
+    lines = digests(["gcc", "-std=gnu99", "-O2", "-mfpmath=387", *words.split(), "-DQUAD"], tmp_path, POINTS)
+    assert len(lines) == 16
+    for line in lines:
+        _, _, sine, cosine = line.split()
+        assert float(sine) < 1.35 and float(cosine) < 1.35, line
 
 
 def test_the_same_bits_under_every_compiler_and_in_python(tmp_path: Path) -> None:
