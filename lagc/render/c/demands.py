@@ -5,7 +5,8 @@ from __future__ import annotations
 from lagc.render.kernels.arithmetic import Arithmetic
 
 _REORDERED = """\
-/* Results are those of the operations as they are written.  To do without: define LAGC_ANY_ARITHMETIC. */
+/* Results are those of the operations as they are written, to the bit.  Whoever can do without defines
+ * LAGC_ANY_ARITHMETIC: wider arithmetic is as accurate; what -ffast-math leaves, nobody knows. */
 #ifndef LAGC_ANY_ARITHMETIC
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \\
     || defined(_M_FP_FAST) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ + 0 > 0)
@@ -18,7 +19,7 @@ _WIDER = """\
 #endif
 """
 _FUSED = """\
-/* a * b + c is two operations here, whatever the machine offers. */
+/* a * b + c is two operations, whatever the machine offers (clang's -ffp-contract=fast overrides this). */
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))

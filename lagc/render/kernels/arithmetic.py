@@ -57,11 +57,11 @@ class Arithmetic:
 
 
 def meant(value: float) -> str | Fraction:
-    """What a double stands for: digits, as they are written, where 15 are enough; else the quotient of whole
+    """What a double stands for: digits, as they are written, where 12 are enough; else the quotient of whole
     numbers that it is the nearest to, or such a multiple of pi, 1/pi or pi^2 next to it, where these are
     small; else digits, of which the last are rounding."""
     digits = repr(float(value))
-    if value == 0.0 or float(f"{value:.15g}") == value or abs(value) > MOST:
+    if value == 0.0 or float(f"{value:.12g}") == value or abs(value) > MOST:
         return digits
     quotient = _near(Fraction(value))
     if quotient.numerator / quotient.denominator == value:
