@@ -24,6 +24,7 @@ from lagc.optimize.program import Function, Operation, Program, Store
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.numpy.functions import ARITHMETIC
+from lagc.render.turning import turning
 from tests.render.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.render.tools import STRICT, of_model, present
 
@@ -48,7 +49,7 @@ def program() -> Program:
 @cache
 def kernel() -> str:
     """The printed C, and how its bits are asked for."""
-    text = "\n".join(runtime.sine_cosine(program())).replace("lagc_real", "double")
+    text = "\n".join(runtime.sine_cosine(turning(program()))).replace("lagc_real", "double")
     pragma = "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n"
     return f"#include <math.h>\n{pragma}{text}\n{Path(__file__).with_name('trigonometry.c').read_text()}"
 
@@ -56,7 +57,7 @@ def kernel() -> str:
 @cache
 def printed_python() -> Any:
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(program())]), space)
+    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(turning(program()))]), space)
     return space["sine_cosine"]
 
 
@@ -218,7 +219,10 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     assert done.returncode == 0, done.stderr[:2000]
     space: dict[str, Any] = {}
     exec(
-        "\n\n".join([ARITHMETIC, *functions.sine_cosine(program()), functions.function_text(f, names)]), space
+        "\n\n".join(
+            [ARITHMETIC, *functions.sine_cosine(turning(program())), functions.function_text(f, names)]
+        ),
+        space,
     )
     x = [random.Random(2).uniform(-4.0, 4.0) for _ in range(6)]
     ours, y = (ctypes.c_double * calls)(), [0.0] * calls
