@@ -61,6 +61,9 @@ int main(void)
     simple_pendulum_options o = simple_pendulum_default_options();
     const double x[SIMPLE_PENDULUM_NX] = {2.5};
     int k;
+#ifdef SIMPLE_PENDULUM_NPREPARED
+    simple_pendulum_bind(&p);
+#endif
     o.rtol = 1e-12;
     simple_pendulum_begin(&s, 0.0, x);
     for (k = 1; k <= 20; k++) {

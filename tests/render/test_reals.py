@@ -145,6 +145,9 @@ int main(void)
     if (p.none == p.none)
         return 1;
     p.none = 0;
+#ifdef BOUNDED_NPREPARED
+    bounded_bind(&p);
+#endif
     printf("%d\\n", bounded_check(&p, NULL, NULL) == BOUNDED_OK);
     return 0;
 }
