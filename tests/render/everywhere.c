@@ -108,9 +108,9 @@ int main(void)
 #endif
 #ifdef LIMITED
     {
-        double b[64];
+        double b[MODEL_NLIMITS];
         model_limits(&p, b);
-        show("limits", 0, b, 1);
+        show("limits", 0, b, MODEL_NLIMITS);
     }
 #endif
     functions(&p, 0.0, x);

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from lagc.optimize.program import Field, Interface
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
+from lagc.render.kernels.arithmetic import Arithmetic
 from lagc.render.kernels.assembly import sizes_of
 from lagc.render.names import Names, comment, prefix
 
@@ -69,6 +70,25 @@ def use(consistency: bool, prepared: bool) -> str:
     return text.replace("{consistent}", _CONSISTENT if consistency else "")
 
 
+_TYPES = {
+    "double": "",
+    "float": """\
+/* Numbers are floats, of 7 digits: tolerances are 1e-4 unless o.rtol says another. */
+""",
+    "__float128": """\
+/* Numbers are __float128, of 34 digits: for gcc, or g++ in GNU mode (-std=gnu++17), with -lquadmath -lm;
+ * tolerances are 1e-22 unless o.rtol says another.  What the model computes of numbers alone was computed in
+ * double precision: decimals of up to 12 digits, quotients of small whole numbers (1/3) and such multiples
+ * of pi (30 degrees) have all digits here, others 16.  Parameters may be set to more. */
+""",
+}
+
+
+def about(real: Arithmetic) -> str:
+    """What there is to know of a type that is not double."""
+    return _TYPES[real.name]
+
+
 def constants(interface: Interface) -> str:
     """Sizes as macros, so that the preprocessor knows them, then what the names stand for."""
     text = [
@@ -88,6 +108,7 @@ _SIZES = {
     "NY": "outputs y", "NQUAT": "unit quaternions in q",
 }  # fmt: skip
 _PREPARED = {"NPREPARED": "numbers that are prepared of the parameters"}
+_LIMITED = {"NLIMITS": "values made of parameters that have bounds"}
 _OF_START = {
     "NU": "unknowns of the start: q, v, stated rates that are no speeds",
     "NE": "conditions of the start",
@@ -98,7 +119,8 @@ def sizes(interface: Interface) -> list[tuple[str, int, str]]:
     """Name, value and what it is."""
     values = {**sizes_of(interface), "NY": len(interface.outputs)}
     prepared = _PREPARED if interface.prepared else {}
-    notes = {**_SIZES, **prepared, **(_OF_START if interface.needs_consistency else {})}
+    limited = _LIMITED if interface.limits else {}
+    notes = {**_SIZES, **prepared, **limited, **(_OF_START if interface.needs_consistency else {})}
     return [(name, values[name], note) for name, note in notes.items()]
 
 

@@ -41,6 +41,7 @@ def _header(runtime: Runtime, file: str) -> str:
     guard = "LAGC_H_"
     parts = [
         header.banner(interface, file) + f"#ifndef {guard}\n#define {guard}\n\n#include <stddef.h>\n",
+        header.about(runtime.real),
         header.use(runtime.searches, interface.prepared > 0),
         header.constants(interface).rstrip("\n") + "\n",
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',

@@ -90,7 +90,7 @@ _DIRECT = {
         "    lagc_fn_conditions(p, t, x, c, J, sizes);\n",
     ),
     "limits": Verb(
-        "The values made of parameters that have bounds, see `lagc_check`.",
+        "b[NLIMITS], the values made of parameters that have bounds: see `lagc_check`.",
         "void lagc_limits(const lagc_params *p, lagc_real *b)",
         "    lagc_fn_limits(p, b);\n",
     ),
