@@ -7,7 +7,7 @@ with the value 0 for the derivative of a step.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import OPERATORS
@@ -95,3 +95,13 @@ def gradient(
                 adjoint[argument] = share if held is None else graph.add(held, share)
     found = {w: adjoint[w] for w in wrt if w in adjoint}
     return {w: node for w, node in found.items() if not node.is_zero}
+
+
+def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:
+    """Weights of a reverse sweep: a node that is met twice has the sum of its weights."""
+    found: dict[Node, Node] = {}
+    for node, weight in pairs:
+        if not weight.is_zero:
+            held = found.get(node)
+            found[node] = weight if held is None else graph.add(held, weight)
+    return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import frexp
 from typing import TypeAlias, TypeVar
 
 from lagc.expr.graph import Node
@@ -61,3 +62,16 @@ def matmul(a: Matrix, b: Matrix) -> Matrix:
         (dot(a[1], columns[0]), dot(a[1], columns[1]), dot(a[1], columns[2])),
         (dot(a[2], columns[0]), dot(a[2], columns[1]), dot(a[2], columns[2])),
     )
+
+
+def axis_rates(axes: Matrix, w: Vector) -> dict[Node, Node]:
+    """d(axes)/dt for unit vectors that are the columns of `axes` and turn by w, in their own axes:
+    e_k' = w x e_k.  By component, those that are no constants."""
+    found: dict[Node, Node] = {}
+    for x, y, z in axes:
+        for node, rate in ((x, w[2] * y - w[1] * z), (y, w[0] * z - w[2] * x), (z, w[1] * x - w[0] * y)):
+            if node.op == "scale" and frexp(node.value)[0] in (0.5, -0.5):  # as it stands in products
+                node, rate = node.args[0], rate * (1.0 / node.value)
+            if node.op == "add":
+                found.setdefault(node, rate)
+    return found

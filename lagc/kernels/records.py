@@ -78,12 +78,13 @@ class Work:
     health: Vec[TWO]
     power: Vec[TWO]
     qdot: Vec[NQ]
-    M: Vec[NM]  # packed by rows of the lower triangle
-    force: Vec[NV]
-    low: Vec[NM]
-    column: Vec[NV]
-    G: Vec[NG]
-    gamma: Vec[NC]
+    if NM > 0:
+        M: Vec[NM]  # packed by rows of the lower triangle
+        force: Vec[NV]
+        low: Vec[NM]
+        column: Vec[NV]
+        G: Vec[NG]
+        gamma: Vec[NC]
     position_left: Real  # scaled residuals after a projection
     velocity_left: Real
     if NC > 0:

@@ -157,6 +157,17 @@ def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: 
     put_rates(p, t, x, xdot, lam, w)
 
 
+def judged(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
+    """What straight code alone tells; it does not tell which speed has no inertia."""
+    w.culprit = not_finite(x, NX)
+    if w.culprit < 0 and not w.health[0] >= SINGULAR:
+        w.culprit = size(NV)
+        return SINGULAR_MASS
+    if w.culprit < 0:
+        w.culprit = not_finite(xdot, NX)
+    return NOT_FINITE if w.culprit >= 0 else OK
+
+
 def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """xdot and lam at (t, x); straight where that can be trusted."""
     if STRAIGHT:
@@ -164,13 +175,17 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             if w.lost:
                 return rhs_dense(p, t, x, xdot, lam, w)
         fn_rhs(p, t, x, xdot, lam, w.health)
-        least = LEAST_PIVOT if NC > 0 else SINGULAR
-        if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
-            return rhs_dense(p, t, x, xdot, lam, w)
-        if NC > 0:
-            if w.health[1] > ROUNDING:
-                rhs_refined(p, t, x, xdot, lam, w)
-        if not_finite(xdot, NX) < 0:
-            return OK
-    # it tells why
-    return rhs_dense(p, t, x, xdot, lam, w)
+        if NM > 0:
+            least = LEAST_PIVOT if NC > 0 else SINGULAR
+            if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
+                return rhs_dense(p, t, x, xdot, lam, w)
+            if NC > 0:
+                if w.health[1] > ROUNDING:
+                    rhs_refined(p, t, x, xdot, lam, w)
+            if not_finite(xdot, NX) < 0:
+                return OK
+    if NM > 0:
+        # it tells why
+        return rhs_dense(p, t, x, xdot, lam, w)
+    else:
+        return judged(x, xdot, w)

@@ -11,6 +11,8 @@ from typing import TypeVar
 from lagc.expr.derivative import partials
 from lagc.expr.graph import Graph, Node
 from lagc.expr.symbol import QUANTITIES
+from lagc.expr.vectors import axis_rates
+from lagc.meaning.model import Frame
 
 T = TypeVar("T")
 
@@ -43,6 +45,11 @@ class Clock:
     def runs(self, symbol: Node, rate: Node) -> None:
         """d(symbol)/dt = rate."""
         self._rate[symbol] = rate
+
+    def turns(self, frame: Frame) -> None:
+        """The axes of a frame turn with it."""
+        for node, rate in axis_rates(frame.axes, frame.angular_velocity).items():
+            self._rate.setdefault(node, rate)
 
     def derivative(self, node: Node) -> Node:
         """d(node)/dt; inputs, multipliers and the like have none (check `mask` first)."""

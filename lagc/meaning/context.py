@@ -176,6 +176,5 @@ class Context:
 
 def _world(graph: Graph) -> Frame:
     one, zero = graph.one, graph.zero
-    return Frame(
-        "world", "", ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero), None
-    )
+    axes, still = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero)
+    return Frame("world", "", axes, still, still, None)

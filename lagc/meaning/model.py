@@ -143,13 +143,14 @@ class Speed:
 class Frame:
     """`axes[i][j]`: component i (world) of unit vector j, so x_world = axes . x_frame.
 
-    `angular_velocity` in the frame's own axes, in terms of rates.
+    `angular_velocity` in the frame's own axes, `spin` the same in those of the world, in terms of rates.
     """
 
     name: str
     parent: str
     axes: Matrix
     angular_velocity: Vector
+    spin: Vector
     span: Span | None
     effect: str | None = None
 
@@ -361,11 +362,17 @@ class Model:
         for kind in {node.record.kind for node in reachable(self.nodes()) if node.op == "symbol"}:
             assert kind in known, f"{kind} stands outside of the outputs"
 
+    @property
+    def turning(self) -> list[Frame]:
+        """The frames, also those that only a body has."""
+        found = [*self.frames, *(body.frame for body in self.bodies if body.frame is not None)]
+        return list(dict.fromkeys(found))
+
     def nodes(self) -> list[Node]:
         """Every expression that decides the motion: all but the outputs."""
         found: list[Node] = []
         for frame in self.frames:
-            found += [x for row in frame.axes for x in row] + list(frame.angular_velocity)
+            found += [x for row in frame.axes for x in row] + [*frame.angular_velocity, *frame.spin]
         for body in self.bodies:
             found += [body.mass, *body.position, *body.velocity]
             found += [x for row in body.inertia or () for x in row]

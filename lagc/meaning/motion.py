@@ -88,8 +88,8 @@ def material_velocity(context: Context, of: Argument, at: Argument) -> vectors.V
     place, there = vector_of(at.value, at.span, "a point")
     expect(there, M, at.span, "a point")
     if body.frame is not None:
-        spin = vectors.matvec(body.frame.axes, body.frame.angular_velocity)
-        return vectors.add(body.velocity, vectors.cross(spin, vectors.sub(place, body.position)))
+        arm = vectors.sub(place, body.position)
+        return vectors.add(body.velocity, vectors.cross(body.frame.spin, arm))
     if place != body.position:
         raise Wrong(
             "LAG0221",
@@ -121,9 +121,8 @@ def _angular_velocity(context: Context, span: Span, of: Argument) -> Value:
         raise Wrong(
             "LAG0221", f"a frame or a solid has an angular velocity, this is {kind(of.value)}", of.span
         )
-    found = vectors.matvec(frame.axes, frame.angular_velocity)
-    context.mentioned_velocities.append((found, span))
-    return vector_value(found, TURN)
+    context.mentioned_velocities.append((frame.spin, span))
+    return vector_value(frame.spin, TURN)
 
 
 # -- quantities that only a run knows ------------------------------------------------------------

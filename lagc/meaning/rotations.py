@@ -83,12 +83,16 @@ def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Fr
     )
     rate = derivative(context, node, angle.span)
     spin = (rate if k == 0 else zero, rate if k == 1 else zero, rate if k == 2 else zero)
-    return _turned(parent, turns[k], spin)
+    return _turned(context, parent, turns[k], spin)
 
 
-def _turned(parent: Frame, turn: Matrix, spin: Vector) -> Frame:
+def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame:
+    """`own`: what the turn brings to the angular velocity, in the new axes."""
+    axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
-    return Frame("", parent.name, matmul(parent.axes, turn), add(carried, spin), None)
+    found = Frame("", parent.name, axes, add(carried, own), add(parent.spin, matvec(axes, own)), None)
+    context.clock.turns(found)
+    return found
 
 
 def _about(context: Context, parent: Frame, axis: Vector, angle: Argument) -> Frame:
@@ -107,8 +111,8 @@ def _about(context: Context, parent: Frame, axis: Vector, angle: Argument) -> Fr
     turn: Matrix = (rows[0], rows[1], rows[2])
     rates = [derivative(context, component, angle.span) for component in axis]
     if all(rate.is_zero for rate in rates):
-        return _turned(parent, turn, scale(derivative(context, node, angle.span), axis))
-    return _turned(parent, turn, _spin(context, turn, angle.span))
+        return _turned(context, parent, turn, scale(derivative(context, node, angle.span), axis))
+    return _turned(context, parent, turn, _spin(context, turn, angle.span))
 
 
 def _spin(context: Context, turn: Matrix, span: Span) -> Vector:
@@ -123,7 +127,7 @@ def _spin(context: Context, turn: Matrix, span: Span) -> Vector:
 
 
 def _oriented(context: Context, parent: Frame, o: Orientation) -> Frame:
-    return _turned(parent, quaternion_turn(context, o.symbols), o.rate_symbols)
+    return _turned(context, parent, quaternion_turn(context, o.symbols), o.rate_symbols)
 
 
 def quaternion_turn(context: Context, symbols: tuple[Node, Node, Node, Node]) -> Matrix:

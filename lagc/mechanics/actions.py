@@ -1,7 +1,7 @@
 """Given actions: what each brings to the generalized forces, and its power.
 
 A potential brings -N^T dV/dq; a force F at a point of velocity u brings F . du/dv_j; a torque T on a
-frame brings (T in the frame's axes) . dw/dv_j; a Rayleigh function D(rates) brings -dD/d(rate_i)
+frame brings T . dw/dv_j; a Rayleigh function D(rates) brings -dD/d(rate_i)
 on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeterms`.
 """
 
@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import gradient, tangent
+from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, matvec, transpose
+from lagc.expr.vectors import Vector, scale
 from lagc.expr.walk import depends
-from lagc.meaning.model import Action, Dissipation, Force, Frame, Lagrangian, Potential, Torque
+from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
-from lagc.mechanics.states import States, seeds
+from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 
@@ -23,11 +23,13 @@ from lagc.records import dataclass
 class Acting:
     """An action's contribution.
 
+    `loads`: its weights on velocities, both in v, whose sum of products is its virtual power;
     `relative_power` is its power with every drive held, forces . rates, in v; `stored` the
     energy of a conservative one.
     """
 
     contribution: Contribution
+    loads: dict[Node, Node]
     relative_power: Node
     stored: Node
 
@@ -43,29 +45,25 @@ def _act(states: States, action: Action) -> Acting:
     if isinstance(action, Force):
         return _applied(states, action, "force", [(action.velocity, action.vector)])
     if isinstance(action, Torque):
-        pairs = [_on_frame(action.frame, action.vector, 1.0)]
+        pairs = [(action.frame.spin, action.vector)]
         if action.reaction is not None:
-            pairs.append(_on_frame(action.reaction, action.vector, -1.0))
+            pairs.append((action.reaction.spin, scale(-1.0, action.vector)))
         return _applied(states, action, "torque", pairs)
     if isinstance(action, Dissipation):
         return _dissipation(states, action)
     return _free_term(states, action)
 
 
-def _on_frame(frame: Frame, torque: Vector, sign: float) -> tuple[Vector, Vector]:
-    x, y, z = matvec(transpose(frame.axes), torque)
-    return frame.angular_velocity, (x * sign, y * sign, z * sign)
-
-
 def _potential(states: States, name: str, effect: str | None, energy: Node, kind: str) -> Acting:
     graph, model = states.graph, states.model
     slopes = gradient(graph, {energy: graph.one}, states.q)
-    power = -tangent(graph, [energy], dict(zip(states.q, states.qdot)))[0]
+    power = -tangent(graph, [energy], states.motion)[0]
     driven = depends([energy], [given.symbol for given in model.inputs])
     conservative = not driven and not _jumps_in_time(states, energy)
     forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
-    return Acting(Contribution(name, kind, effect, forces, power, conservative), power, stored)
+    contribution = Contribution(name, kind, effect, forces, power, conservative)
+    return Acting(contribution, {power: graph.one}, power, stored)
 
 
 def _jumps_in_time(states: States, energy: Node) -> bool:
@@ -87,9 +85,9 @@ def _applied(
     still = states.at_rest(velocities)
     power = graph.sum(w * x for w, x in zip(weights, moved))
     drive = graph.sum(w * x for w, x in zip(weights, still))
-    forces = states.to_speeds(seeds(graph, zip(moved, weights)))
-    contribution = Contribution(action.name, kind, action.effect, forces, power, False)
-    return Acting(contribution, power - drive, graph.zero)
+    loads = seeds(graph, zip(moved, weights))
+    contribution = Contribution(action.name, kind, action.effect, states.to_speeds(loads), power, False)
+    return Acting(contribution, loads, power - drive, graph.zero)
 
 
 def _dissipation(states: States, action: Dissipation) -> Acting:
@@ -101,9 +99,10 @@ def _dissipation(states: States, action: Dissipation) -> Acting:
     still = states.at_rest(list(slopes))
     power = graph.sum(w * x for w, x in zip(weights, moved))
     drive = graph.sum(w * x for w, x in zip(weights, still))
-    forces = states.to_speeds(seeds(graph, zip(moved, weights)))
+    loads = seeds(graph, zip(moved, weights))
+    forces = states.to_speeds(loads)
     contribution = Contribution(action.name, "dissipation", action.effect, forces, power, False)
-    return Acting(contribution, power - drive, graph.zero)
+    return Acting(contribution, loads, power - drive, graph.zero)
 
 
 def _free_term(states: States, action: Lagrangian) -> Acting:
@@ -111,4 +110,4 @@ def _free_term(states: States, action: Lagrangian) -> Acting:
     if not action.is_kinetic and not depends(states.in_rates([action.function]), list(states.rates)):
         return _potential(states, action.name, action.effect, -action.function, "lagrangian")
     zero = states.graph.zero
-    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), zero, zero)
+    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), {}, zero, zero)

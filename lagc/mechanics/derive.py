@@ -6,15 +6,16 @@ from collections.abc import Hashable, Mapping, Sequence
 from typing import TypeVar
 
 from lagc.diagnostics.faults import Fault
+from lagc.expr.derivative import seeds
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import ENTIRE, smooth_as
 from lagc.meaning.model import Model, Potential
-from lagc.mechanics.actions import act
+from lagc.mechanics.actions import Acting, act
 from lagc.mechanics.constraints import Classified, classify
 from lagc.mechanics.energy import energies
 from lagc.mechanics.equations import Contribution, EquationsOfMotion, Row
 from lagc.mechanics.freeterms import free_terms, with_rates
-from lagc.mechanics.inertia import bias_forces, mass_matrix, moving_parts
+from lagc.mechanics.inertia import inertial_loads, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 
@@ -36,8 +37,8 @@ def derive(model: Model) -> EquationsOfMotion:
     acting = act(states)
     classified, dropped = _constrained(states)
     totals = energies(states, parts, acting, free, classified)
-    matrix = _sum(graph, [mass_matrix(states, parts), free.mass_matrix])
-    bias = _sum(graph, [bias_forces(states, parts), free.bias])
+    inertial = inertial_loads(states, parts)
+    bias = _sum(graph, [states.to_speeds(inertial), free.bias])
     given = _sum(graph, [x.contribution.forces for x in acting])
     zero = graph.zero
     kept = tuple([x.row for x in classified])
@@ -53,8 +54,10 @@ def derive(model: Model) -> EquationsOfMotion:
         v_units=states.v_units,
         qdot=states.qdot,
         quaternions=states.quaternions,
-        mass_matrix=matrix,
+        inertias=tuple(parts),
+        further_inertia=free.mass_matrix,
         bias_forces=tuple([bias.get(i, zero) for i in range(len(states.v))]),
+        loads=_loads(states, acting, inertial, free.bias),
         given_forces=tuple([given.get(i, zero) for i in range(len(states.v))]),
         rows=kept,
         contributions=contributions,
@@ -119,6 +122,15 @@ def _warnings(
         *feeding_dissipations(states, rows, contributions),
         *feeding_loads(states, rows, contributions),
     )
+
+
+def _loads(
+    states: States, acting: Sequence[Acting], inertial: Mapping[Node, Node], bias: Mapping[int, Node]
+) -> dict[Node, Node]:
+    """What is given less what inertia asks for, on velocities."""
+    asked = [*inertial.items(), *((states.v[j], node) for j, node in bias.items())]
+    given = [pair for x in acting for pair in x.loads.items()]
+    return seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
 
 
 def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:

@@ -21,7 +21,7 @@ from lagc.expr.vectors import dot
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
-from lagc.mechanics.inertia import Moving
+from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 

@@ -11,11 +11,13 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 from __future__ import annotations
 
 from enum import Enum
+from functools import cached_property
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement
+from lagc.mechanics.moving import Moving, mass_matrix
 from lagc.records import dataclass
 
 
@@ -138,10 +140,11 @@ class EquationsOfMotion:
     v_units: tuple[str, ...]
     qdot: tuple[Node, ...]
     quaternions: tuple[int, ...]  # first q index of each unit quaternion
-    mass_matrix: dict[tuple[int, int], Node]  # (i, j) with i >= j, zeros left out; in q and t (in v
-    #                                           too where a free Lagrangian is not quadratic)
+    inertias: tuple[Moving, ...]  # the velocities that carry inertia
+    further_inertia: dict[tuple[int, int], Node]  # what free Lagrangians bring to M
     bias_forces: tuple[Node, ...]
     given_forces: tuple[Node, ...]
+    loads: dict[Node, Node]  # weights on velocities: tau - h is what they bring to the speeds
     rows: tuple[Row, ...]  # holonomic first
     contributions: tuple[Contribution, ...]
     kinetic: Node
@@ -156,6 +159,22 @@ class EquationsOfMotion:
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
+
+    @cached_property
+    def mass_matrix(self) -> dict[tuple[int, int], Node]:
+        """(i, j) with i >= j, zeros left out; in q and t (in v too where a free Lagrangian is not
+        quadratic)."""
+        found = mass_matrix(self.graph, self.v, self.inertias)
+        for at, node in self.further_inertia.items():
+            found[at] = self.graph.add(found[at], node) if at in found else node
+        return {at: node for at, node in found.items() if not node.is_zero}
+
+    @cached_property
+    def massive(self) -> frozenset[int]:
+        """The speeds that move what has inertia: those with an entry on the diagonal of M."""
+        moved = symbols([x for part in self.inertias for x in part.carried])
+        own = {j for j, v in enumerate(self.v) if v in moved}
+        return frozenset(own | {i for i, j in self.further_inertia if i == j})
 
     @property
     def lam(self) -> tuple[Node, ...]:

@@ -11,12 +11,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import gradient, tangent
+from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import cross
 from lagc.expr.walk import depends
 from lagc.meaning.model import Coordinate, Lagrangian, Model
-from lagc.mechanics.states import States, position_symbols, quaternion_rate, seeds
+from lagc.mechanics.states import States, position_symbols, quaternion_rate
 from lagc.records import dataclass
 
 

@@ -13,7 +13,7 @@ from itertools import chain, combinations, groupby, islice
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, add, cross, dot, matvec, sub
+from lagc.expr.vectors import Vector, add, cross, dot, sub
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
 from lagc.mechanics.equations import Contribution, Row
@@ -149,7 +149,7 @@ def _is_plain(load: Load) -> bool:
     written = list(dict.fromkeys(vector for vector, _ in load.mentioned))
     if isinstance(load, Force):
         return written == [load.velocity]
-    return load.reaction is None and written == [matvec(load.frame.axes, load.frame.angular_velocity)]
+    return load.reaction is None and written == [load.frame.spin]
 
 
 def _is_split(pair: _Pair, motions: Sequence[Motion]) -> bool:
@@ -288,8 +288,7 @@ def _of_bodies(model: Model, load: Force) -> Iterator[_Velocity]:
     point = load.target.text if load.target else ""
     for body in model.bodies:
         if load.at is not None and body.frame is not None:
-            turn = matvec(body.frame.axes, body.frame.angular_velocity)
-            velocity = add(body.velocity, cross(turn, sub(load.at, body.position)))
+            velocity = add(body.velocity, cross(body.frame.spin, sub(load.at, body.position)))
             yield _Velocity(((1.0, None, velocity),), f"velocity({body.name}, at = {point})")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import gradient, tangent
+from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Node
 from lagc.expr.symbol import QUANTITIES, Symbol
 from lagc.expr.vectors import Matrix, Vector, add, cross, matvec
@@ -14,8 +14,8 @@ from lagc.mechanics.actions import Acting
 from lagc.mechanics.energy import Energies
 from lagc.mechanics.equations import OutputEquation
 from lagc.mechanics.freeterms import FreeTerms
-from lagc.mechanics.inertia import Moving
-from lagc.mechanics.states import States, rate_symbols, seeds
+from lagc.mechanics.moving import Moving
+from lagc.mechanics.states import States, rate_symbols
 
 _AXES = "xyz"
 

@@ -51,7 +51,10 @@ class _Reduced:
         return max(map(abs, row.values()), default=0.0) <= VANISHES * self.sizes[k]
 
     def add(self, row: dict[int, float], made: dict[int, float]) -> None:
-        self.bases.append((max(row, key=lambda j: abs(row[j])), row, made))
+        """Row `row`, where it is more than nothing, for the rows to come."""
+        pivot = max(row, key=lambda j: abs(row[j]))
+        if row[pivot]:
+            self.bases.append((pivot, row, made))
 
 
 def _tables(states: States, rows: Sequence[Row], vary: bool = True) -> Iterator[_Reduced]:

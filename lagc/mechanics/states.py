@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 
-from lagc.expr.derivative import gradient
+from lagc.expr.derivative import gradient, seeds
 from lagc.expr.graph import Graph, Node
+from lagc.expr.vectors import axis_rates
 from lagc.expr.walk import substitute
 from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
 from lagc.mechanics.equations import StartValue, StatedRate
@@ -45,8 +46,18 @@ class States:
 
     @cached_property
     def drift(self) -> dict[Node, Node]:
-        """Seeds of d/dt with the speeds held: q -> qdot, t -> 1."""
-        return {**dict(zip(self.q, self.qdot)), self.model.time: self.graph.one}
+        """Seeds of d/dt with the speeds held: q -> qdot, t -> 1, the axes of frames turn with them."""
+        return {**self.motion, self.model.time: self.graph.one}
+
+    @cached_property
+    def motion(self) -> dict[Node, Node]:
+        """The same with time held."""
+        found = dict(zip(self.q, self.qdot))
+        for frame in self.model.turning:
+            rates = axis_rates(frame.axes, frame.angular_velocity)
+            for node, rate in zip(rates, self.in_speeds(list(rates.values()))):
+                found.setdefault(node, rate)
+        return found
 
     @cached_property
     def flow(self) -> dict[Node, Node]:
@@ -90,16 +101,6 @@ class States:
         """Generalized forces on v of the forces slopes[q_i] on the q_i: N^T slopes."""
         pairs = [(qdot, slopes[q]) for q, qdot in zip(self.q, self.qdot) if q in slopes]
         return self.to_speeds(seeds(self.graph, pairs))
-
-
-def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:
-    """Weights of a reverse sweep: a node that is met twice has the sum of its weights."""
-    found: dict[Node, Node] = {}
-    for node, weight in pairs:
-        if not weight.is_zero:
-            held = found.get(node)
-            found[node] = weight if held is None else graph.add(held, weight)
-    return found
 
 
 def build_states(model: Model) -> States:

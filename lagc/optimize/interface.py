@@ -9,7 +9,7 @@ from lagc import cache
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.operators import CHOICE, CORNER, STEP, TRUTHS, smooth_as
-from lagc.expr.walk import symbols
+from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.conditions import condition_slopes
@@ -42,6 +42,7 @@ def interface(
     straight: bool,
     work_size: int,
     operations: int,
+    lifted: int,
     dropped: tuple[str, ...] = (),
     remarks: tuple[str, ...] = (),
 ) -> Interface:
@@ -86,6 +87,7 @@ def interface(
         solve="straight" if straight else "looped",
         work_size=work_size,
         operations=operations,
+        lifted=lifted,
         preparation=bind.cost if bind else 0,
         prepared=bind.outputs[0][1] if bind else 0,
         read=read,
@@ -95,8 +97,8 @@ def interface(
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
-        bends=_bends(functions["system"]),
-        timed=_timed(functions["system"]),
+        bends=_bends(equations),
+        timed=_timed(functions["system" if "system" in functions else "rhs"]),
         doubtful=_doubtful(model),
         driven="velocity" in functions and _timed(functions["velocity"]),
     )
@@ -104,15 +106,23 @@ def interface(
     return replace(found, model_hash=digest)
 
 
-def _bends(function: Function) -> bool:
+def _moving(equations: EquationsOfMotion) -> list[Node]:
+    """What decides the rates."""
+    found = [*equations.qdot, *equations.loads, *equations.loads.values()]
+    found += [x for part in equations.inertias for x in part.velocity]
+    found += [x for row in equations.rows for x in (*row.jacobian.values(), row.gamma)]
+    return [*found, *equations.further_inertia.values()]
+
+
+def _bends(equations: EquationsOfMotion) -> bool:
     """Whether an operation that may bend or jump takes what changes during a run."""
-    moving: list[bool] = []
-    for o in function.operations:
-        moves = isinstance(o.payload, tuple) and o.payload[0] in ("t", "x")
-        moving.append(moves or any(moving[k] for k in o.operands))
-        if moving[-1] and o.op in _BENDING:
-            return True
-    return False
+    changing = [equations.time, *equations.q, *equations.v]
+    return any(node.op in _BENDING for node in depends(_moving(equations), changing))
+
+
+def _timed(function: Function) -> bool:
+    """Whether what is computed depends on time itself."""
+    return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 
 def _doubtful(model: Model) -> bool:
@@ -121,11 +131,6 @@ def _doubtful(model: Model) -> bool:
     products = [row[k] for tensor in tensors for i, row in enumerate(tensor) for k in range(i)]
     free = any(isinstance(action, Lagrangian) for action in model.actions)
     return free or not all(product.is_zero for product in products)
-
-
-def _timed(function: Function) -> bool:
-    """Whether what is computed depends on time itself."""
-    return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
 
 
 def _warning(fault: Fault) -> str:

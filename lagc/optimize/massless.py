@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import rate_symbols
-from lagc.optimize.kkt import applied_forces, kkt_entries, order_of
+from lagc.optimize.elimination import eliminate
+from lagc.optimize.kkt import applied_forces
+from lagc.optimize.lift import plain
 from lagc.records import replace
 
 
@@ -19,20 +21,21 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
     as 0, whatever the units.  Raises Refused, LAG0501 for each speed that neither inertia nor rows
     determine.
     """
-    bare = [j for j in range(len(equations.v)) if (j, j) not in equations.mass_matrix]
-    if not bare or order_of(equations, kkt_entries(equations)) is not None:
+    bare = [j for j in range(len(equations.v)) if j not in equations.massive]
+    if not bare or eliminate(plain(equations).structure) is not None:
         return equations
     tied = _tied(equations, [j for j in range(len(equations.v)) if j not in bare])
     loose = [j for j in bare if j not in tied]
     found = _with_units(equations, loose)
-    if order_of(found, kkt_entries(found)) is not None:
+    if eliminate(plain(found).structure) is not None:
         return found
-    culprits = [j for j in loose if (j, j) not in found.mass_matrix] or bare
+    culprits = [j for j in loose if j not in found.massive] or bare
     raise Refused([_fault(equations, j) for j in culprits])
 
 
 def _with_units(equations: EquationsOfMotion, loose: Sequence[int]) -> EquationsOfMotion:
-    matrix, given = dict(equations.mass_matrix), list(equations.given_forces)
+    matrix, given = dict(equations.further_inertia), list(equations.given_forces)
+    loads = dict(equations.loads)
     forces, one = applied_forces(equations), equations.graph.one
     for j in loose:
         rows = [row for row in equations.rows if j in row.jacobian]
@@ -40,7 +43,8 @@ def _with_units(equations: EquationsOfMotion, loose: Sequence[int]) -> Equations
             slope = rows[0].jacobian[j]
             if len(rows[0].jacobian) == 1 and slope in (one, -one):
                 given[j], matrix[j, j] = slope * rows[0].gamma, one
-    return replace(equations, mass_matrix=matrix, given_forces=tuple(given))
+                loads[equations.v[j]] = given[j]
+    return replace(equations, further_inertia=matrix, given_forces=tuple(given), loads=loads)
 
 
 def _tied(equations: EquationsOfMotion, massive: list[int]) -> set[int]:

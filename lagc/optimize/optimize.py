@@ -5,21 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
+from lagc.optimize.forms import MOST_SPEEDS, solvers
 from lagc.optimize.interface import interface, used_parameters
-from lagc.optimize.ldlt import Elimination, Entry, flops
+from lagc.optimize.kkt import Solver
+from lagc.optimize.lift import plain
 from lagc.optimize.limits import bounded
 from lagc.optimize.massless import with_pivots
 from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
-from lagc.optimize.symbols import Places, places
+from lagc.optimize.symbols import Places, places, weight
 from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
+LARGEST_LIFTED = 100_000  # the same of one whose work grows with the size of the model
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 
 
@@ -35,10 +37,10 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
-    entries = kkt.kkt_entries(equations)
-    plan = _straight(equations, entries)
+    solver = _solver(at, work)
+    system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
-    found, read = preparation.finished(_functions(at, entries, plan, work, preparation))
+    found, read = preparation.finished(_functions(at, solver, work, preparation))
     return Program(
         interface(
             equations,
@@ -46,11 +48,12 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
             found,
             read=read,
             work=work,
-            straight=plan is not None,
-            work_size=kkt.work_size(plan) if plan and equations.rows else 0,
-            operations=_operations(equations, found, plan),
+            straight=solver is not None,
+            work_size=kkt.work_size(solver) if solver and equations.rows else 0,
+            operations=_operations(equations, found),
+            lifted=len(system.structure.definitions),
             dropped=left_out,
-            remarks=independent(equations),
+            remarks=independent(equations, system),
         ),
         found,
     )
@@ -62,34 +65,31 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
     return [*equations.qdot, *(s.value for s in equations.starts), *limits, *sources(equations)]
 
 
-def _straight(equations: EquationsOfMotion, entries: Mapping[Entry, Node]) -> Elimination | None:
-    """The elimination, where the right-hand side stays within `LARGEST` operations, or as many for each
-    unknown as where little is coupled."""
+def _solver(at: Places, work: bool) -> Solver | None:
+    """The form of the equations that takes the fewest operations, where a right-hand side stays within
+    `LARGEST` operations, or as many for each unknown as where little is coupled."""
+    equations = at.equations
     most = max(LARGEST, SPARSE * (len(equations.v) + len(equations.rows)))
-    if len(entries) > most:
-        return None
-    right = [*kkt.applied_forces(equations), *(row.gamma for row in equations.rows)]
-    size = len(reachable([*entries.values(), *right]))
-    if size > 2 * most:
-        return None
-    plan = kkt.order_of(equations, entries)
-    return plan if plan and size + flops(plan) <= most else None
+    forms = [
+        solver for solver in solvers(equations, LARGEST_LIFTED)
+        if solver.size <= (LARGEST_LIFTED if solver.plan.structure.definitions else most)
+    ]  # fmt: skip
+    if len(forms) < 2:
+        return forms[0] if forms else None
+    return min(forms, key=lambda solver: weight(kkt.rhs(at, solver, work), len(at.constants)))
 
 
 def _functions(
-    at: Places,
-    entries: Mapping[Entry, Node],
-    plan: Elimination | None,
-    work: bool,
-    preparation: Preparation,
+    at: Places, solver: Solver | None, work: bool, preparation: Preparation
 ) -> dict[str, Function]:
     constrained = bool(at.equations.rows)
     made: list[Function | None] = []
-    if plan is not None:
-        made.append(kkt.rhs(at, entries, plan, work))
-    made.append(functions.system(at, seldom=plan is not None))
-    if plan is not None and constrained:
-        made += [kkt.assemble(at, entries, plan), kkt.factorize(plan), kkt.solver(plan), kkt.refiner(plan)]
+    if solver is not None:
+        made.append(kkt.rhs(at, solver, work))
+    if solver is None or constrained or len(at.equations.v) <= MOST_SPEEDS:
+        made.append(functions.system(at, seldom=solver is not None))
+    if solver is not None and constrained:
+        made += [kkt.assemble(at, solver), kkt.factorize(solver), kkt.solve(solver), kkt.refiner(solver)]
     made.append(functions.displace(at))
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]
@@ -99,14 +99,14 @@ def _functions(
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     made.append(functions.limits(at))
     found = {f.name: preparation.separated(f) for f in made if f is not None}
-    if plan is not None and constrained:
+    if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])
     return found
 
 
-def _operations(equations: EquationsOfMotion, found: Mapping[str, Function], plan: Elimination | None) -> int:
+def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:
     """Of one right-hand side; the dense solve of a looped one counts n^3/3."""
-    if plan is not None:
+    if "rhs" in found:
         return found["rhs"].cost
     n = len(equations.v) + len(equations.rows)
     return found["system"].cost + n * n * n // 3 + 2 * n * n

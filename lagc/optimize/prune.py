@@ -9,6 +9,7 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import position_symbols
+from lagc.optimize.lift import Lifted
 from lagc.records import replace
 
 _MOST_NAMED = 8  # independent parts that a note lists
@@ -29,7 +30,7 @@ def prune(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[str, .
 def _kept(equations: EquationsOfMotion) -> tuple[list[int], list[int]]:
     """Indices of the q and v that stay."""
     reached = symbols(sources(equations))
-    moving = {j for entry in equations.mass_matrix for j in entry}
+    moving = set(equations.massive) | {j for at in equations.further_inertia for j in at}
     moving.update(j for row in equations.rows for j in row.jacobian)
     forces = zip(equations.bias_forces, equations.given_forces)
     moving.update(j for j, (h, tau) in enumerate(forces) if not (h.is_zero and tau.is_zero))
@@ -66,13 +67,22 @@ def _groups(equations: EquationsOfMotion) -> list[tuple[int, ...]]:
 def sources(equations: EquationsOfMotion) -> list[Node]:
     """All that a coordinate can matter for, its own rate aside."""
     found = [
-        *equations.mass_matrix.values(), *equations.bias_forces, *equations.given_forces,
+        *_inertial(equations), *equations.bias_forces, *equations.given_forces,
         equations.kinetic, equations.potential, equations.energy, equations.power,
         *(residual for residual, _ in equations.initial_conditions),
         *(o.expression for o in equations.outputs),
     ]  # fmt: skip
     for row in equations.rows:
         found += [row.residual, row.rate, row.gamma, *row.jacobian.values()]
+    return found
+
+
+def _inertial(equations: EquationsOfMotion) -> list[Node]:
+    """All that M is made of."""
+    found = list(equations.further_inertia.values())
+    for part in equations.inertias:
+        found += part.carried
+        found += [x for row in part.mass for x in row] if isinstance(part.mass, tuple) else [part.mass]
     return found
 
 
@@ -99,7 +109,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         stated_rates=tuple([s for s in equations.stated_rates if not gone & symbols([s.rate])]),
         bias_forces=tuple([equations.bias_forces[j] for j in v]),
         given_forces=tuple([equations.given_forces[j] for j in v]),
-        mass_matrix={(new_v[i], new_v[j]): node for (i, j), node in equations.mass_matrix.items()},
+        further_inertia={(new_v[i], new_v[j]): node for (i, j), node in equations.further_inertia.items()},
         rows=tuple([replace(row, jacobian=columns(row.jacobian)) for row in equations.rows]),
         contributions=tuple(
             [
@@ -110,15 +120,13 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     )
 
 
-def independent(equations: EquationsOfMotion) -> tuple[str, ...]:
-    """A note where the motion falls into parts that no inertia, force or constraint ties."""
-    parts = _Parts(len(equations.v))
-    for i, j in equations.mass_matrix:
+def independent(equations: EquationsOfMotion, system: Lifted) -> tuple[str, ...]:
+    """A note where the motion falls into parts that no inertia, force or constraint ties; `system` are
+    its equations in any form."""
+    parts = _Parts(system.structure.unknowns)
+    ties = [*system.entries.items(), *system.coefficients.items()]
+    for (i, j), _ in ties:
         parts.tie(i, j)
-    for row in equations.rows:
-        columns = sorted(row.jacobian)
-        for j in columns[1:]:
-            parts.tie(columns[0], j)
     number = {symbol: j for j, symbol in enumerate(equations.v)}
     for q, qdot in zip(equations.q, equations.qdot):
         near = sorted(number[s] for s in symbols([qdot]) if s in number)
@@ -128,13 +136,13 @@ def independent(equations: EquationsOfMotion) -> tuple[str, ...]:
             number[q] = near[0]
     if parts.count() == 1:
         return ()
+    for (i, _), node in ties:
+        _tie_to(parts, i, [node], number)
     for j, (h, tau) in enumerate(zip(equations.bias_forces, equations.given_forces)):
-        entries = [node for at, node in equations.mass_matrix.items() if at[0] == j]
-        _tie_to(parts, j, [h, tau, *entries], number)
-    for row in equations.rows:
-        if row.jacobian:
-            _tie_to(parts, min(row.jacobian), [row.residual, row.gamma], number)
-    groups = parts.groups()
+        _tie_to(parts, j, [h, tau], number)
+    for k, row in enumerate(equations.rows):
+        _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
+    groups = parts.groups(len(equations.v))
     if len(groups) < 2 or len(groups) > _MOST_NAMED:
         return ()
     names = equations.v_names
@@ -148,7 +156,7 @@ def _tie_to(parts: _Parts, j: int, nodes: list[Node], number: dict[Node, int]) -
 
 
 class _Parts:
-    """Disjoint sets of speeds."""
+    """Disjoint sets of unknowns."""
 
     def __init__(self, size: int) -> None:
         self._leader = list(range(size))
@@ -166,8 +174,9 @@ class _Parts:
     def count(self) -> int:
         return sum(self.find(j) == j for j in range(len(self._leader)))
 
-    def groups(self) -> list[list[int]]:
+    def groups(self, size: int) -> list[list[int]]:
+        """Of the first `size`."""
         found: dict[int, list[int]] = {}
-        for j in range(len(self._leader)):
+        for j in range(size):
             found.setdefault(self.find(j), []).append(j)
         return list(found.values())

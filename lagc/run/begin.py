@@ -96,7 +96,7 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
         message = (
             f"the mass matrix is singular at the start: nothing has inertia along {speed_name(system, k)}"
         )
-        fault, anchors = Fault("LAG0612", message), [("speed", interface.v_names[k])]
+        fault, anchors = Fault("LAG0612", message), [("speed", name) for name in interface.v_names[k : k + 1]]
     elif status == INCONSISTENT:
         message = f"the constraints contradict each other at the start: {row_name(system, k)}"
         fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another posture")

@@ -74,6 +74,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
             "right_hand_side": interface.operations,
             "preparation": interface.preparation,
             "solve": interface.solve,
+            "lifted": interface.lifted,
             "functions": {name: function.cost for name, function in program.functions.items()},
         },
         "notes": list(model.notes),
@@ -287,6 +288,9 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     operations = facts["operations"]
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
     lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    if operations["lifted"]:
+        lifted = f"{operations['lifted']} velocities that others are made of are unknowns of the solve"
+        lines.append(f"{lifted}: fewer operations than with the mass matrix")
     if operations["preparation"]:
         lines.append(f"once, of the parameters alone: {operations['preparation']}")
     if verbose:

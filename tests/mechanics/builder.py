@@ -56,7 +56,7 @@ class Builder:
         self.outputs: list[Output] = []
         one, zero = self.graph.one, self.graph.zero
         axes: Matrix = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
-        self.world = Frame("world", "", axes, (zero, zero, zero), None)
+        self.world = Frame("world", "", axes, (zero, zero, zero), (zero, zero, zero), None)
 
     # -- leaves ---------------------------------------------------------------
 
@@ -97,7 +97,7 @@ class Builder:
             (2.0 * (x * y + ew * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - ew * x)),
             (2.0 * (x * z - ew * y), 2.0 * (y * z + ew * x), 1.0 - 2.0 * (x * x + y * y)),
         )
-        frame = Frame(f"{name}.frame", "world", axes, w, SPAN)
+        frame = Frame(f"{name}.frame", "world", axes, w, matvec(axes, w), SPAN)
         self.frames.append(frame)
         return frame, o
 
@@ -142,7 +142,8 @@ class Builder:
         carried = matvec(transpose(turn), parent.angular_velocity)
         w = list(carried)
         w["xyz".index(axis)] = w["xyz".index(axis)] + self.der(angle)
-        frame = Frame(name, parent.name, matmul(parent.axes, turn), (w[0], w[1], w[2]), SPAN)
+        axes, own = matmul(parent.axes, turn), (w[0], w[1], w[2])
+        frame = Frame(name, parent.name, axes, own, matvec(axes, own), SPAN)
         self.frames.append(frame)
         return frame
 

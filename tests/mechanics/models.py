@@ -44,6 +44,18 @@ def chain(n: int) -> Model:
     return b.model()
 
 
+def entangled(n: int) -> Model:
+    """`n` coordinates whose kinetic energy ties each to each: a mass matrix without a zero."""
+    b = Builder("Entangled")
+    m, k = b.parameter("m", 1.0), b.parameter("k", 2.0)
+    x = [b.coordinate(f"x[{i + 1}]", 0.1 * (i % 7), unit="rad") for i in range(n)]
+    v = [b.der(q) for q in x]
+    own = b.graph.sum(0.5 * (k + b.graph.sin(q)) * rate * rate for q, rate in zip(x, v))
+    pairs = [b.graph.cos(x[i] - x[j]) * v[i] * v[j] * (1.0 / n) for i in range(n) for j in range(i)]
+    b.lagrangian("motion", m * (own + b.graph.sum(pairs)), is_kinetic=True)
+    return b.model()
+
+
 def string_pendulum() -> Model:
     b = Builder("StringPendulum")
     m, length, g = b.parameter("m", 1.0), b.parameter("l", 0.5), b.parameter("g", 9.81)

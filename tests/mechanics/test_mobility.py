@@ -232,13 +232,14 @@ def test_mobility_is_told(kind: int) -> None:
 
 
 def test_what_is_redundant_where_the_loop_is_closed_only_seems_so() -> None:
-    for made in (bennett, sarrus, cranks):
+    for made in (bennett, cranks):
         b, _ = made(random.Random(5))
         seems = analyse(derive(b.model())).seems
         assert seems.degrees_of_freedom and seems.redundant
-    b, _ = frames(random.Random(5))
-    seems = analyse(derive(b.model())).seems
-    assert not seems.degrees_of_freedom and not seems.redundant
+    for made in (frames, sarrus):  # two parallel hinges turn about two directions wherever they are
+        b, _ = made(random.Random(5))
+        seems = analyse(derive(b.model())).seems
+        assert not seems.degrees_of_freedom and not seems.redundant
 
 
 def parallelogram_flat() -> Analysis:

@@ -98,7 +98,10 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
     }  # fmt: skip
-    return _derived({**own, **start, **own})  # work integrals are no part of a start
+    found = _derived({**own, **start, **own})  # work integrals are no part of a start
+    if "system" not in interface.functions:
+        found["NM"] = 0
+    return found
 
 
 def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],

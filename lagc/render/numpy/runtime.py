@@ -17,6 +17,7 @@ MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
 # Kernels that every model has, and those for rows of constraints.
 ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense", "system_at")
+OF_SYSTEM = ("factor_dense", "system_at")  # where the dense system is there
 OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
@@ -42,7 +43,8 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
-    return chosen(parts(), switches_of(interface, complete), (*roots, *more))
+    there = [root for root in roots if root not in OF_SYSTEM or "system" in interface.functions]
+    return chosen(parts(), switches_of(interface, complete), (*there, *more))
 
 
 def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:

@@ -129,18 +129,16 @@ static void lagc_fn_factor(lagc_real *w, lagc_real *health)
 {
     const lagc_real w2 = w[2];
     const lagc_real t0 = 1.0 / w[3];
-    w[9] = t0;
+    w[8] = t0;
     const lagc_real t1 = w2 * t0;
     w[5] = t1;
-    const lagc_real w4 = w[4];
     const lagc_real w1 = w[1];
     const lagc_real t2 = w1 - w2 * t1;
     const lagc_real t3 = 1.0 / t2;
-    w[8] = t3;
-    const lagc_real t4 = w4 * t3;
-    w[6] = t4;
+    w[6] = t3;
+    w[9] = t3;
     w[7] = 1.0 / w[0];
-    w[10] = -(1.0 / (w4 * t4));
+    w[10] = -(1.0 / t3);
     health[0] = t2 / w1;
     health[1] = 0.0;
 }
@@ -154,9 +152,9 @@ static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
     const lagc_real t0 = r[1] - r2 * w5;
     const lagc_real w6 = w[6];
     const lagc_real t1 = w[10] * (r[3] - w6 * t0);
-    const lagc_real t2 = w[8] * t0 - w6 * t1;
+    const lagc_real t2 = w[9] * t0 - w6 * t1;
     s[1] = t2;
-    s[2] = r2 * w[9] - w5 * t2;
+    s[2] = r2 * w[8] - w5 * t2;
     s[3] = -t1;
 }
 
@@ -165,19 +163,18 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 {
     const lagc_real t0 = s[0];
     const lagc_real t1 = s[1];
-    const lagc_real w4 = w[4];
     const lagc_real t2 = s[3];
-    const lagc_real w2 = w[2];
     const lagc_real t3 = s[2];
+    const lagc_real w2 = w[2];
     const lagc_real w5 = w[5];
-    const lagc_real t4 = r[2] - w2 * t1 - w[3] * t3;
-    const lagc_real t5 = w4 * t2 + (r[1] - w[1] * t1 - w2 * t3) - w5 * t4;
+    const lagc_real t4 = r[2] - t1 * w2 - t3 * w[3];
+    const lagc_real t5 = t2 + (r[1] - t1 * w[1] - t3 * w2) - w5 * t4;
     const lagc_real w6 = w[6];
-    const lagc_real t6 = w[10] * (r[3] - w4 * t1 - w6 * t5);
-    const lagc_real t7 = w[8] * t5 - w6 * t6;
-    const lagc_real t8 = t0 + w[7] * (r[0] - w[0] * t0);
+    const lagc_real t6 = w[10] * (r[3] - t1 - w6 * t5);
+    const lagc_real t7 = w[9] * t5 - w6 * t6;
+    const lagc_real t8 = t0 + w[7] * (r[0] - t0 * w[0]);
     const lagc_real t9 = t1 + t7;
-    const lagc_real t10 = t3 + (w[9] * t4 - w5 * t7);
+    const lagc_real t10 = t3 + (w[8] * t4 - w5 * t7);
     const lagc_real t11 = -(t6 - t2);
     s[0] = t8;
     s[1] = t9;

@@ -9,14 +9,14 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     prepared[14] = l;
     const lagc_real t0 = m2 * l;
     prepared[0] = r_ * t0 * 0.5;
-    const lagc_real J1 = p->J1;
-    prepared[17] = J1;
-    const lagc_real t1 = m2 * (r_ * r_);
-    const lagc_real t2 = J1 + t1;
+    const lagc_real t1 = l * t0;
+    const lagc_real t2 = t1 * 0.3333333333333333;
     prepared[4] = t2;
     prepared[1] = 1.0 / t2;
-    const lagc_real t3 = l * t0;
-    const lagc_real t4 = t3 * 0.3333333333333333;
+    const lagc_real J1 = p->J1;
+    prepared[17] = J1;
+    const lagc_real t3 = m2 * (r_ * r_);
+    const lagc_real t4 = J1 + t3;
     prepared[2] = t4;
     const lagc_real m3 = p->m3;
     prepared[16] = m3;
@@ -28,9 +28,9 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     const lagc_real t6 = fabs(l);
     prepared[9] = t6;
     prepared[7] = 3.0 * t6;
-    prepared[10] = t3 * 0.16666666666666666;
+    prepared[10] = t1 * 0.16666666666666666;
     prepared[11] = 0.5 * m3;
-    prepared[12] = t1 * 0.5 + J1 * 0.5;
+    prepared[12] = t3 * 0.5 + J1 * 0.5;
 }
 
 /* right-hand side: qdot, accelerations, multipliers */
@@ -39,80 +39,80 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real t0 = sc0[0];
-    const lagc_real t1 = sc0[1];
     const lagc_real psi_ = x[1];
     lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t2 = sc1[0];
+    const lagc_real t1 = sc1[0];
+    const lagc_real t2 = sc0[1];
     const lagc_real t3 = sc1[1];
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real t4 = (t0 * t2 - t1 * t3) * prepared0;
+    const lagc_real t4 = (t0 * t1 - t2 * t3) * prepared0;
     const lagc_real prepared1 = p->prepared[1];
-    const lagc_real t5 = prepared1 * t4;
+    const lagc_real t5 = t4 * prepared1;
     const lagc_real prepared2 = p->prepared[2];
     const lagc_real t6 = prepared2 - t4 * t5;
-    const lagc_real r_ = p->r;
-    const lagc_real t7 = t0 * r_;
-    const lagc_real t8 = 1.0 / t6;
-    const lagc_real t9 = t7 * prepared1;
     const lagc_real l = p->l;
-    const lagc_real t10 = t2 * l;
-    const lagc_real t11 = t9 * t4 - t10;
-    const lagc_real t12 = r_ * t1;
-    const lagc_real t13 = t11 * t8;
-    const lagc_real t14 = prepared1 * t12;
-    const lagc_real prepared3 = p->prepared[3];
-    const lagc_real t15 = t3 * l;
-    const lagc_real t16 = t15 + t14 * t4;
-    const lagc_real t17 = 1.0 / (t11 * t13 + (t7 * t9 + prepared3));
-    const lagc_real t18 = t16 * t8;
-    const lagc_real der_psi = x[4];
-    /* der(psi) */
-    xdot[1] = der_psi;
-    const lagc_real t19 = der_psi * der_psi;
-    const lagc_real t20 = prepared0 * (t1 * t2 + t0 * t3);
-    const lagc_real t21 = t7 * t14 + t11 * t18;
+    const lagc_real t7 = t3 * l;
+    const lagc_real t8 = 1.0 / t6;
+    const lagc_real t9 = prepared1 * t7;
+    const lagc_real r_ = p->r;
+    const lagc_real t10 = t2 * r_;
+    const lagc_real t11 = t10 + t4 * t9;
+    const lagc_real t12 = t8 * t11;
+    const lagc_real t13 = t1 * l;
+    const lagc_real t14 = prepared1 * t13;
+    const lagc_real t15 = t0 * r_;
+    const lagc_real t16 = 1.0 / (t7 * t9 + t11 * t12);
+    const lagc_real t17 = t4 * t14 - t15;
     const lagc_real der_phi = x[3];
     /* der(phi) */
     xdot[0] = der_phi;
-    const lagc_real t22 = der_phi * der_phi;
-    const lagc_real t23 = t19 * t20;
-    const lagc_real t24 = t21 * t17;
-    const lagc_real t25 = t22 * t20;
-    const lagc_real t26 = t12 * t14 + t16 * t18;
-    const lagc_real t27 = t5 * t23 - t25;
-    const lagc_real t28 = t15 * t19 + t12 * t22;
+    const lagc_real t18 = der_phi * der_phi;
+    const lagc_real t19 = prepared0 * (t1 * t2 + t0 * t3);
+    const lagc_real t20 = t8 * t17;
+    const lagc_real t21 = t13 * t9 + t17 * t12;
+    const lagc_real t22 = t18 * t19;
+    const lagc_real der_psi = x[4];
+    /* der(psi) */
+    xdot[1] = der_psi;
+    const lagc_real t23 = der_psi * der_psi;
+    const lagc_real t24 = t21 * t16;
+    const lagc_real prepared3 = p->prepared[3];
+    const lagc_real t25 = t19 * t23;
+    const lagc_real t26 = t17 * t20 + (t13 * t14 + prepared3);
+    const lagc_real t27 = t5 * t22 - t25;
+    const lagc_real t28 = t18 * t15 - t23 * t13;
     const lagc_real t29 = t21 * t24 - t26;
-    const lagc_real t30 = t7 * t22 - t10 * t19;
+    const lagc_real t30 = t23 * t7 + t18 * t10;
     const lagc_real t31 = 1.0 / t29;
-    const lagc_real t32 = t28 - t9 * t23 - t13 * t27;
-    const lagc_real t33 = t31 * (t24 * t32 + (t18 * t27 + (t30 + t14 * t23)));
-    const lagc_real t34 = t24 * t33 - t17 * t32;
-    const lagc_real t35 = t8 * t27 + t18 * t33 - t13 * t34;
-    /* der(der(psi)) */
-    xdot[4] = t35;
-    const lagc_real t36 = t9 * t34 - (prepared1 * t23 + t14 * t33) - t5 * t35;
+    const lagc_real t32 = t28 - t22 * t9 - t27 * t12;
+    const lagc_real t33 = t31 * (t30 - t22 * t14 - t27 * t20 - t24 * t32);
+    const lagc_real t34 = t16 * t32 + t24 * t33;
+    /* pin[2], slider_crank.lag:25 */
+    lam[1] = t34;
+    const lagc_real t35 = t12 * t34 + (t8 * t27 - t20 * t33);
     /* der(der(phi)) */
-    xdot[3] = t36;
-    const lagc_real t37 = prepared3 * t34;
+    xdot[3] = t35;
+    const lagc_real t36 = t14 * t33 - prepared1 * t22 - t9 * t34 - t5 * t35;
+    /* der(der(psi)) */
+    xdot[4] = t36;
+    const lagc_real t37 = prepared3 * t33;
     /* der(der(s)) */
     xdot[5] = t37;
     const lagc_real t38 = t37 * p->m3;
     const lagc_real t39 = t36 * p->prepared[4];
     const lagc_real t40 = prepared2 * t35;
-    const lagc_real t41 = t34 - t38;
-    const lagc_real t42 = t7 * t34 - (t23 + t12 * t33) - t4 * t35 - t39;
+    const lagc_real t41 = t33 - t38;
+    const lagc_real t42 = t13 * t33 - t22 - t7 * t34 - t4 * t35 - t39;
     const lagc_real t43 = t10 * t34 + (t15 * t33 - t25) - t40 - t4 * t36;
-    const lagc_real t44 = t7 * t36 + (t10 * t35 + (t28 + t37));
-    const lagc_real t45 = t30 + t15 * t35 - t12 * t36;
-    const lagc_real t46 = t38 * (prepared3 * t38) + (t17 * (t28 * t28) + 1e-300 - t31 * (t30 * t30));
+    const lagc_real t44 = t7 * t36 + (t28 - t10 * t35);
+    const lagc_real t45 = t13 * t36 + (t15 * t35 + (t30 + t37));
+    const lagc_real t46 = t38 * (prepared3 * t38) + (t16 * (t28 * t28) + 1e-300 - t31 * (t30 * t30));
     const lagc_real t47 = t41 * (prepared3 * t41) + t42 * (prepared1 * t42) - t45 * (t31 * t45);
-    const lagc_real t48 = prepared1 * (t23 * t23 + t39 * t39) + (t8 * (t25 * t25 + t40 * t40) + t46);
-    health[1] = (t43 * (t8 * t43) + t44 * (t17 * t44) + t47) / t48;
+    const lagc_real t48 = prepared1 * (t22 * t22 + t39 * t39) + (t8 * (t25 * t25 + t40 * t40) + t46);
+    health[1] = (t43 * (t8 * t43) + t44 * (t16 * t44) + t47) / t48;
     health[0] = lagc_min(t6 * p->prepared[5], -(t29 / t26));
     /* pin[1], slider_crank.lag:25 */
-    lam[0] = -t34;
-    /* pin[2], slider_crank.lag:25 */
-    lam[1] = -t33;
+    lam[0] = -t33;
     /* der(s) */
     xdot[2] = x[5];
     (void)(t);
@@ -126,7 +126,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real der_psi = x[4];
     qdot[1] = der_psi;
     qdot[2] = x[5];
-    M[0] = p->prepared[4];
+    M[0] = p->prepared[2];
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real t0 = sc0[0];
@@ -137,7 +137,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t3 = sc1[1];
     const lagc_real prepared0 = p->prepared[0];
     M[1] = (t0 * t1 - t2 * t3) * prepared0;
-    M[2] = p->prepared[2];
+    M[2] = p->prepared[4];
     M[3] = 0.0;
     M[4] = 0.0;
     r[2] = 0.0;
@@ -167,7 +167,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 /* entries of [M G^T; G 0] into w */
 static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
 {
-    w[0] = p->prepared[4];
+    w[0] = p->prepared[2];
     const lagc_real phi_ = x[0];
     lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real t0 = sc0[0];
@@ -177,7 +177,7 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t2 = sc0[1];
     const lagc_real t3 = sc1[1];
     w[1] = (t0 * t1 - t2 * t3) * p->prepared[0];
-    w[2] = p->prepared[2];
+    w[2] = p->prepared[4];
     w[3] = p->m3;
     const lagc_real r_ = p->r;
     w[4] = -(t0 * r_);
@@ -192,101 +192,98 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
 /* L D L^T of the matrix that `assemble` left in w */
 static void lagc_fn_factor(lagc_real *w, lagc_real *health)
 {
-    const lagc_real w6 = w[6];
     const lagc_real t0 = 1.0 / w[3];
-    w[18] = t0;
-    const lagc_real t1 = w6 * t0;
-    w[9] = t1;
+    w[16] = t0;
+    w[9] = -t0;
     const lagc_real w1 = w[1];
-    const lagc_real t2 = 1.0 / w[0];
-    w[16] = t2;
-    const lagc_real t3 = w1 * t2;
-    w[10] = t3;
-    const lagc_real w4 = w[4];
-    const lagc_real t4 = w4 * t2;
-    w[11] = t4;
-    const lagc_real w7 = w[7];
-    const lagc_real t5 = w7 * t2;
-    w[12] = t5;
-    const lagc_real t6 = w[5] - w1 * t4;
-    const lagc_real w2 = w[2];
-    const lagc_real t7 = w2 - w1 * t3;
-    const lagc_real t8 = 1.0 / t7;
-    w[17] = t8;
-    const lagc_real t9 = t6 * t8;
-    w[13] = t9;
-    const lagc_real t10 = w[8] - w1 * t5;
-    const lagc_real t11 = t10 * t8;
-    w[14] = t11;
-    const lagc_real t12 = w4 * t5 + t6 * t11;
-    const lagc_real t13 = 1.0 / (w6 * t1 + w4 * t4 + t6 * t9);
-    const lagc_real t14 = t12 * t13;
-    w[15] = t14;
-    w[19] = -t13;
-    const lagc_real t15 = w7 * t5 + t10 * t11;
-    const lagc_real t16 = t12 * t14 - t15;
-    w[20] = 1.0 / t16;
-    health[0] = lagc_min(t7 / w2, -(t16 / t15));
+    const lagc_real t1 = 1.0 / w[2];
+    w[17] = t1;
+    const lagc_real t2 = w1 * t1;
+    w[10] = t2;
+    const lagc_real w5 = w[5];
+    const lagc_real t3 = w5 * t1;
+    w[11] = t3;
+    const lagc_real w8 = w[8];
+    const lagc_real t4 = w8 * t1;
+    w[12] = t4;
+    const lagc_real t5 = w[4] - w1 * t3;
+    const lagc_real w0 = w[0];
+    const lagc_real t6 = w0 - w1 * t2;
+    const lagc_real t7 = 1.0 / t6;
+    w[18] = t7;
+    const lagc_real t8 = t5 * t7;
+    w[13] = t8;
+    const lagc_real t9 = w[7] - w1 * t4;
+    const lagc_real t10 = t9 * t7;
+    w[14] = t10;
+    const lagc_real t11 = w5 * t4 + t5 * t10;
+    const lagc_real t12 = 1.0 / (w8 * t4 + t9 * t10);
+    const lagc_real t13 = t11 * t12;
+    w[15] = t13;
+    w[19] = -t12;
+    const lagc_real t14 = t0 + w5 * t3 + t5 * t8;
+    const lagc_real t15 = t11 * t13 - t14;
+    w[20] = 1.0 / t15;
+    health[0] = lagc_min(t6 / w0, -(t15 / t14));
     health[1] = 0.0;
 }
 
 /* M s1 - G^T s2 = r1, G s1 = r2 */
 static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
 {
-    const lagc_real r0 = r[0];
-    const lagc_real w12 = w[12];
-    const lagc_real w14 = w[14];
+    const lagc_real r1 = r[1];
     const lagc_real w10 = w[10];
-    const lagc_real t0 = r[1] - r0 * w10;
-    const lagc_real w15 = w[15];
+    const lagc_real t0 = r[0] - r1 * w10;
+    const lagc_real w13 = w[13];
     const lagc_real r2 = r[2];
     const lagc_real w9 = w[9];
     const lagc_real w11 = w[11];
-    const lagc_real w13 = w[13];
-    const lagc_real t1 = r[3] - r2 * w9 - r0 * w11 - w13 * t0;
-    const lagc_real t2 = w[20] * (r[4] - r0 * w12 - w14 * t0 - w15 * t1);
+    const lagc_real w15 = w[15];
+    const lagc_real w12 = w[12];
+    const lagc_real w14 = w[14];
+    const lagc_real t1 = r[4] - r1 * w12 - w14 * t0;
+    const lagc_real t2 = w[20] * (r[3] - r2 * w9 - r1 * w11 - w13 * t0 - w15 * t1);
     const lagc_real t3 = w[19] * t1 - w15 * t2;
-    const lagc_real t4 = w[17] * t0 - w14 * t2 - w13 * t3;
-    s[1] = t4;
-    s[0] = r0 * w[16] - w12 * t2 - w11 * t3 - w10 * t4;
-    s[2] = r2 * w[18] - w9 * t3;
-    s[3] = -t3;
-    s[4] = -t2;
+    const lagc_real t4 = w[18] * t0 - w13 * t2 - w14 * t3;
+    s[0] = t4;
+    s[1] = r1 * w[17] - w11 * t2 - w12 * t3 - w10 * t4;
+    s[2] = r2 * w[16] - w9 * t2;
+    s[3] = -t2;
+    s[4] = -t3;
 }
 
 /* one step of refinement of what solve gave */
 static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 {
     const lagc_real t0 = s[0];
-    const lagc_real w7 = w[7];
     const lagc_real t1 = s[4];
-    const lagc_real w4 = w[4];
+    const lagc_real w7 = w[7];
     const lagc_real t2 = s[3];
-    const lagc_real w1 = w[1];
+    const lagc_real w4 = w[4];
     const lagc_real t3 = s[1];
-    const lagc_real t4 = w7 * t1 + (w4 * t2 + (r[0] - w[0] * t0 - w1 * t3));
-    const lagc_real w12 = w[12];
-    const lagc_real w8 = w[8];
-    const lagc_real w14 = w[14];
-    const lagc_real w5 = w[5];
+    const lagc_real w1 = w[1];
     const lagc_real w10 = w[10];
-    const lagc_real t5 = w8 * t1 + (w5 * t2 + (r[1] - w1 * t0 - w[2] * t3)) - w10 * t4;
-    const lagc_real w15 = w[15];
-    const lagc_real w6 = w[6];
+    const lagc_real w8 = w[8];
+    const lagc_real w5 = w[5];
+    const lagc_real t4 = t1 * w8 + (t2 * w5 + (r[1] - t0 * w1 - t3 * w[2]));
+    const lagc_real t5 = t1 * w7 + (t2 * w4 + (r[0] - t0 * w[0] - t3 * w1)) - w10 * t4;
+    const lagc_real w13 = w[13];
     const lagc_real t6 = s[2];
     const lagc_real w9 = w[9];
-    const lagc_real t7 = w6 * t2 + (r[2] - w[3] * t6);
+    const lagc_real t7 = r[2] - t6 * w[3] - t2;
     const lagc_real w11 = w[11];
-    const lagc_real w13 = w[13];
-    const lagc_real t8 = r[3] - w4 * t0 - w5 * t3 - w6 * t6 - w9 * t7 - w11 * t4 - w13 * t5;
-    const lagc_real t9 = w[20] * (r[4] - w7 * t0 - w8 * t3 - w12 * t4 - w14 * t5 - w15 * t8);
+    const lagc_real w15 = w[15];
+    const lagc_real w12 = w[12];
+    const lagc_real w14 = w[14];
+    const lagc_real t8 = r[4] - t0 * w7 - t3 * w8 - w12 * t4 - w14 * t5;
+    const lagc_real t9 = w[20] * (t6 + (r[3] - t0 * w4 - t3 * w5) - w9 * t7 - w11 * t4 - w13 * t5 - w15 * t8);
     const lagc_real t10 = w[19] * t8 - w15 * t9;
-    const lagc_real t11 = w[17] * t5 - w14 * t9 - w13 * t10;
-    const lagc_real t12 = t0 + (w[16] * t4 - w12 * t9 - w11 * t10 - w10 * t11);
-    const lagc_real t13 = t3 + t11;
-    const lagc_real t14 = t6 + (w[18] * t7 - w9 * t10);
-    const lagc_real t15 = -(t10 - t2);
-    const lagc_real t16 = -(t9 - t1);
+    const lagc_real t11 = w[18] * t5 - w13 * t9 - w14 * t10;
+    const lagc_real t12 = t0 + t11;
+    const lagc_real t13 = t3 + (w[17] * t4 - w11 * t9 - w12 * t10 - w10 * t11);
+    const lagc_real t14 = t6 + (w[16] * t7 - w9 * t9);
+    const lagc_real t15 = -(t9 - t2);
+    const lagc_real t16 = -(t10 - t1);
     s[0] = t12;
     s[1] = t13;
     s[2] = t14;

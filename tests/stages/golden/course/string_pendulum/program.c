@@ -38,7 +38,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t6 = prepared0 * t4;
     const lagc_real t7 = (der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1;
     health[0] = 1.0;
-    const lagc_real t8 = 1.0 / (t3 * t5 + t4 * t6);
+    const lagc_real t8 = 1.0 / (t4 * t6 + t3 * t5);
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t9 = t8 * (t6 * prepared1 - t7);
     /* string, string_pendulum.lag:21 */
@@ -50,14 +50,14 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(der(z)) */
     xdot[3] = t11;
     const lagc_real m = p->m;
-    const lagc_real t12 = t10 * m;
-    const lagc_real t13 = t11 * m;
-    const lagc_real t14 = t3 * t9 - t12;
-    const lagc_real t15 = t4 * t9 - prepared1 - t13;
+    const lagc_real t12 = t11 * m;
+    const lagc_real t13 = t10 * m;
+    const lagc_real t14 = t4 * t9 - prepared1 - t12;
+    const lagc_real t15 = t3 * t9 - t13;
     const lagc_real t16 = t4 * t11 + (t7 + t3 * t10);
-    const lagc_real t17 = t12 * (prepared0 * t12) + (t8 * (t7 * t7) + 1e-300);
+    const lagc_real t17 = t13 * (prepared0 * t13) + (t8 * (t7 * t7) + 1e-300);
     const lagc_real t18 = t16 * (t8 * t16) + (t14 * (prepared0 * t14) + t15 * (prepared0 * t15));
-    health[1] = t18 / (prepared0 * (t13 * t13 + p->prepared[3]) + t17);
+    health[1] = t18 / (prepared0 * (t12 * t12 + p->prepared[3]) + t17);
     (void)(t);
 }
 
@@ -102,18 +102,18 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
 /* L D L^T of the matrix that `assemble` left in w */
 static void lagc_fn_factor(lagc_real *w, lagc_real *health)
 {
-    const lagc_real w2 = w[2];
-    health[0] = 1.0;
-    const lagc_real t0 = 1.0 / w[0];
-    w[6] = t0;
-    const lagc_real t1 = w2 * t0;
-    w[4] = t1;
     const lagc_real w3 = w[3];
-    const lagc_real t2 = 1.0 / w[1];
+    health[0] = 1.0;
+    const lagc_real t0 = 1.0 / w[1];
+    w[6] = t0;
+    const lagc_real t1 = w3 * t0;
+    w[4] = t1;
+    const lagc_real w2 = w[2];
+    const lagc_real t2 = 1.0 / w[0];
     w[7] = t2;
-    const lagc_real t3 = w3 * t2;
+    const lagc_real t3 = w2 * t2;
     w[5] = t3;
-    w[8] = -(1.0 / (w2 * t1 + w3 * t3));
+    w[8] = -(1.0 / (w3 * t1 + w2 * t3));
     health[1] = 0.0;
 }
 
@@ -121,12 +121,12 @@ static void lagc_fn_factor(lagc_real *w, lagc_real *health)
 static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
 {
     const lagc_real r0 = r[0];
-    const lagc_real w4 = w[4];
-    const lagc_real r1 = r[1];
     const lagc_real w5 = w[5];
-    const lagc_real t0 = w[8] * (r[2] - r0 * w4 - r1 * w5);
-    s[0] = r0 * w[6] - w4 * t0;
-    s[1] = r1 * w[7] - w5 * t0;
+    const lagc_real r1 = r[1];
+    const lagc_real w4 = w[4];
+    const lagc_real t0 = w[8] * (r[2] - r1 * w4 - r0 * w5);
+    s[0] = r0 * w[7] - w5 * t0;
+    s[1] = r1 * w[6] - w4 * t0;
     s[2] = -t0;
 }
 
@@ -134,17 +134,17 @@ static void lagc_fn_solve(const lagc_real *w, const lagc_real *r, lagc_real *s)
 static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 {
     const lagc_real t0 = s[0];
-    const lagc_real w2 = w[2];
     const lagc_real t1 = s[2];
-    const lagc_real t2 = w2 * t1 + (r[0] - w[0] * t0);
-    const lagc_real w4 = w[4];
-    const lagc_real w3 = w[3];
-    const lagc_real t3 = s[1];
+    const lagc_real w2 = w[2];
+    const lagc_real t2 = t1 * w2 + (r[0] - t0 * w[0]);
     const lagc_real w5 = w[5];
-    const lagc_real t4 = w3 * t1 + (r[1] - w[1] * t3);
-    const lagc_real t5 = w[8] * (r[2] - w2 * t0 - w3 * t3 - w4 * t2 - w5 * t4);
-    const lagc_real t6 = t0 + (w[6] * t2 - w4 * t5);
-    const lagc_real t7 = t3 + (w[7] * t4 - w5 * t5);
+    const lagc_real t3 = s[1];
+    const lagc_real w3 = w[3];
+    const lagc_real w4 = w[4];
+    const lagc_real t4 = t1 * w3 + (r[1] - t3 * w[1]);
+    const lagc_real t5 = w[8] * (r[2] - t0 * w2 - t3 * w3 - w4 * t4 - w5 * t2);
+    const lagc_real t6 = t0 + (w[7] * t2 - w5 * t5);
+    const lagc_real t7 = t3 + (w[6] * t4 - w4 * t5);
     const lagc_real t8 = -(t5 - t1);
     s[0] = t6;
     s[1] = t7;

@@ -1,0 +1,261 @@
+"""The lifted form of the equations: what velocities share becomes unknowns of its own.
+
+The velocities of bodies and rows are sums that build on one another, along a chain for instance.
+A sum that is used more than once is *lifted*: it becomes an unknown w_k with one definition
+
+    w_k = sum of c_u u        over speeds and lifted velocities u before it.
+
+A body then puts its mass on the few unknowns that its velocity is written in, a row its gradient, and
+
+    [A G^T; G 0] (w, -lam) = (r, gamma),      M = J^T A J  with  (v, w) = J v,
+
+is solved without M, in work that grows as the number of bodies does.  With no definitions A is M.
+Of trees this is the articulated-body method (R. Featherstone, *Rigid Body Dynamics Algorithms*, 2008, ch. 7),
+found from the structure of the sums alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from lagc.expr.derivative import gradient, partial
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable, substitute
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.moving import Moving
+from lagc.mechanics.states import rate_symbols
+from lagc.optimize.elimination import Entry, Structure, entry
+from lagc.records import dataclass, replace
+
+_Slopes = dict[int, Node]  # by unknown
+
+
+@dataclass(frozen=True)
+class Lifted:
+    """The matrix [A G^T; G 0] and the definitions, as nodes.
+
+    Unknowns: the speeds, the multipliers, the lifted velocities.
+    """
+
+    structure: Structure
+    entries: dict[Entry, Node]
+    coefficients: dict[Entry, Node]  # (lifted unknown, unknown of its definition)
+    right: list[Node]  # r and gamma, and what acts on lifted velocities
+
+
+def plain(equations: EquationsOfMotion) -> Lifted:
+    """Nothing is lifted: [M G^T; G 0], and tau - h."""
+    found = {at: node for at, node in equations.mass_matrix.items() if not node.is_zero}
+    n, graph = len(equations.v), equations.graph
+    for k, row in enumerate(equations.rows):
+        found.update(((n + k, j), node) for j, node in row.jacobian.items() if not node.is_zero)
+    entries = dict(sorted(found.items()))
+    r = [graph.sub(tau, h) for tau, h in zip(equations.given_forces, equations.bias_forces)]
+    structure = Structure(n, len(equations.rows), tuple(entries))
+    return Lifted(structure, entries, {}, [*r, *_gammas(equations)])
+
+
+def together(equations: EquationsOfMotion, system: Lifted) -> Lifted:
+    """The plain `system` with given forces and those of inertia taken to the speeds in one sweep."""
+    weights = gradient(equations.graph, equations.loads, equations.v)
+    r = [weights.get(v, equations.graph.zero) for v in equations.v]
+    return replace(system, right=[*r, *_gammas(equations)])
+
+
+def _gammas(equations: EquationsOfMotion) -> list[Node]:
+    return [row.gamma for row in equations.rows]
+
+
+def lifted(equations: EquationsOfMotion) -> Lifted | None:
+    """The lifted form; None where no velocity is shared."""
+    sums = _Sums(equations)
+    return sums.system() if sums.shared else None
+
+
+class _Sums:
+    """The graph of the velocities, and which of its sums are unknowns."""
+
+    def __init__(self, equations: EquationsOfMotion):
+        self.equations = equations
+        self.rates = [row.rate for row in equations.rows]
+        carried = [x for part in equations.inertias for x in part.velocity]
+        self.moving, self.linear, users = _affine([*carried, *self.rates, *equations.loads], equations.v)
+        self.number = {v: j for j, v in enumerate(equations.v)}
+        self.shared = self._choose(users)
+        first = len(equations.v) + len(equations.rows)
+        self.number.update((node, first + k) for k, node in enumerate(self.shared))
+
+    def _choose(self, users: Mapping[Node, int]) -> list[Node]:
+        """The sums of two moving terms that are used twice or more and made of more than one vector: those
+        of the components of one vector, as in w x r, stay where they are."""
+        group = _groups(self.equations)
+        made_of: dict[Node, frozenset[object]] = {v: frozenset([group.get(v, v)]) for v in self.equations.v}
+        found: list[Node] = []
+        for node in self.moving:
+            if node in made_of or node not in self.linear:
+                continue
+            below = [made_of[a] for a in node.args if a in self.linear]
+            made_of[node] = frozenset().union(*below)
+            if node.op == "add" and len(below) == 2 and users[node] > 1 and len(made_of[node]) > 1:
+                found.append(node)
+                made_of[node] = frozenset([group.get(node, node)])
+        return found
+
+    def system(self) -> Lifted:
+        n, graph = len(self.equations.v), self.equations.graph
+        entries = _Entries(graph)
+        for (i, j), node in self.equations.further_inertia.items():
+            entries.add(i, j, node)
+        moved = self._inertias(entries)
+        for k, rate in enumerate(self.rates):
+            for u, slope in self._slopes({rate: graph.one}).items():
+                entries.add(n + k, u, slope)
+        definitions: dict[int, tuple[int, ...]] = {}
+        coefficients: dict[Entry, Node] = {}
+        for node in self.shared:
+            k = self.number[node]
+            slopes = self._slopes(dict.fromkeys(node.args, graph.one))
+            definitions[k] = tuple(slopes)
+            coefficients.update(((k, u), slope) for u, slope in slopes.items())
+        kept = dict(sorted(entries.found.items()))
+        structure = Structure(n, len(self.rates), tuple(kept), definitions, _influence(definitions, moved))
+        acting = self._slopes(self.equations.loads)
+        right = [acting.get(u, graph.zero) for u in range(structure.unknowns)]
+        right[n : structure.size] = _gammas(self.equations)
+        return Lifted(structure, kept, coefficients, right)
+
+    def _inertias(self, entries: _Entries) -> dict[int, int]:
+        """Puts them into A.  A set of bodies, as bits, for each unknown that a velocity is written in."""
+        one = self.equations.graph.one
+        moved: dict[int, int] = {}
+        bodies: dict[str, int] = {}
+        for part in self.equations.inertias:
+            bit = 1 << bodies.setdefault(part.body.name, len(bodies))
+            slopes = [self._slopes({x: one}) for x in part.velocity]
+            for row in slopes:
+                for u in row:
+                    moved[u] = moved.get(u, 0) | bit
+            _add_inertia(entries, part, slopes)
+        return moved
+
+    def _slopes(self, seeds: Mapping[Node, Node]) -> _Slopes:
+        """The derivatives of sum of seeds[node] * node by the unknowns that it is written in: a reverse sweep
+        that ends at unknowns."""
+        graph = self.equations.graph
+        found: _Slopes = {}
+        weights = dict(seeds)
+        for node in reversed(self._below(seeds)):
+            weight = weights.get(node)
+            if weight is None or weight.is_zero:
+                continue
+            if node in self.number:
+                found[self.number[node]] = weight
+                continue
+            for k, a in enumerate(node.args):
+                if a in self.moving:
+                    share = weight if node.op == "add" else graph.mul(weight, partial(graph, node, k))
+                    weights[a] = graph.add(weights[a], share) if a in weights else share
+        return dict(sorted(found.items()))
+
+    def _below(self, nodes: Iterable[Node]) -> list[Node]:
+        """The moving nodes below `nodes`, down to unknowns, arguments before users."""
+        seen = {node for node in nodes if node in self.moving}
+        stack = [node for node in seen if node not in self.number]
+        while stack:
+            for a in stack.pop().args:
+                if a in self.moving and a not in seen:
+                    seen.add(a)
+                    if a not in self.number:
+                        stack.append(a)
+        return sorted(seen, key=lambda node: node.index)
+
+
+class _Entries:
+    """Sums of contributions to a symmetric matrix."""
+
+    def __init__(self, graph: Graph):
+        self.graph = graph
+        self.found: dict[Entry, Node] = {}
+
+    def add(self, i: int, j: int, node: Node) -> None:
+        if not node.is_zero:
+            at = entry(i, j)
+            held = self.found.get(at)
+            self.found[at] = node if held is None else self.graph.add(held, node)
+
+
+def _add_inertia(entries: _Entries, part: Moving, slopes: Sequence[_Slopes]) -> None:
+    """sum over axes of slopes^T mass slopes."""
+    for i, j, mass in _masses(part):
+        for u, c in slopes[i].items():
+            for w, d in slopes[j].items():
+                if u >= w:
+                    entries.add(u, w, c * mass * d)
+
+
+def _masses(part: Moving) -> Iterator[tuple[int, int, Node]]:
+    """The entries of its inertia that are not zero."""
+    for i in range(3):
+        if not isinstance(part.mass, tuple):
+            yield i, i, part.mass
+            continue
+        for j in range(3):
+            if not part.mass[i][j].is_zero:
+                yield i, j, part.mass[i][j]
+
+
+def _affine(
+    outputs: Sequence[Node], speeds: Sequence[Node]
+) -> tuple[dict[Node, None], set[Node], dict[Node, int]]:
+    """The nodes below `outputs` that speeds change, arguments first; those of them that are affine in the
+    speeds; and how often each is used, as an output too."""
+    linear, moving = set(speeds), dict.fromkeys(speeds)
+    users = dict.fromkeys(speeds, 0)
+    for node in reachable(outputs):
+        if node in moving:
+            continue
+        changed = [k for k, a in enumerate(node.args) if a in moving]
+        if not changed:
+            continue
+        moving[node], users[node] = None, 0
+        for k in changed:
+            users[node.args[k]] += 1
+        if all(node.args[k] in linear for k in changed) and (
+            node.op in ("add", "scale")
+            or (node.op == "mul" and len(changed) == 1 and node.value[changed[0]] == 1)
+        ):
+            linear.add(node)
+    for node in outputs:
+        if node in users:
+            users[node] += 1
+    return moving, linear, users
+
+
+def _groups(equations: EquationsOfMotion) -> dict[Node, object]:
+    """What is a component of a vector, and of which: the rates of an orientation, the turn of a frame."""
+    found: dict[Node, object] = {}
+    for number, c in enumerate(equations.model.coordinates):
+        for rate in rate_symbols(c):
+            found[rate] = found[equations.rates[rate]] = ("rates", number)
+    for number, frame in enumerate(equations.model.turning):
+        for x in _in_speeds(equations, [*frame.angular_velocity, *frame.spin]):
+            found.setdefault(x, ("turn", number))
+    return found
+
+
+def _in_speeds(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Sequence[Node]:
+    replaced = {rate: node for rate, node in equations.rates.items() if rate is not node}
+    return substitute(equations.graph, nodes, replaced) if replaced else nodes
+
+
+def _influence(definitions: Mapping[int, Sequence[int]], moved: Mapping[int, int]) -> dict[int, int]:
+    """The number of bodies that a speed moves; for a lifted velocity that of the speed in it, or in what it
+    is made of, which moves fewest."""
+    reached = dict(moved)
+    for k in sorted(definitions, reverse=True):
+        for u in definitions[k]:
+            reached[u] = reached.get(u, 0) | reached.get(k, 0)
+    found = {u: bodies.bit_count() for u, bodies in reached.items() if u not in definitions}
+    for k in sorted(definitions):
+        found[k] = min(found.get(u, 0) for u in definitions[k])
+    return found

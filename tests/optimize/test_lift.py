@@ -1,0 +1,167 @@
+"""The lifted form of the equations: the same motion as the dense system in 50 digits, in work that grows
+as the model does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
+from lagc.mechanics.derive import derive
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize import kkt
+from lagc.optimize.elimination import eliminate
+from lagc.optimize.forms import solvers
+from lagc.optimize.kkt import Solver
+from lagc.optimize.lift import lifted
+from lagc.optimize.program import Function
+from lagc.optimize.symbols import places
+from tests.mechanics.numbers import consistent_state, random_state
+from tests.mechanics.random_systems import model, random_system
+from tests.optimize import large
+from tests.optimize.interpret import interpret
+
+DIGITS = 50
+
+
+def lifted_alone(e: EquationsOfMotion) -> Solver:
+    system = lifted(e)
+    assert system is not None
+    plan = eliminate(system.structure)
+    assert plan is not None
+    return Solver(system, plan)
+
+
+def solved(e: EquationsOfMotion, solver: Solver) -> Function:
+    return kkt.rhs(places(e, e.model.parameters), solver, False)
+
+
+def run(e: EquationsOfMotion, function: Function, state: Mapping[Node, float]) -> np.ndarray:
+    """Accelerations and multipliers, and the health behind them."""
+    given = [*(p.symbol for p in e.model.parameters), *(u.symbol for u in e.model.inputs)]
+    arrays = {"p": [state[s] for s in given], "t": [state[e.time]], "x": [state[s] for s in (*e.q, *e.v)]}
+    found = interpret(function, arrays)
+    return np.array([*found["xdot"][len(e.q) : len(e.q) + len(e.v)], *found["lam"], *found["health"]])
+
+
+_VALUES = {"sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt, "abs": abs}
+
+
+def in_digits(nodes: Sequence[Node], state: Mapping[Node, float]) -> list[Any]:
+    known: dict[Node, Any] = {node: mpmath.mpf(x) for node, x in state.items()}
+    for node in reachable(nodes):
+        if node in known:
+            continue
+        x = [known[a] for a in node.args]
+        if node.op == "const":
+            known[node] = mpmath.mpf(node.value)
+        elif node.op == "add":
+            known[node] = x[0] + x[1]
+        elif node.op == "scale":
+            known[node] = mpmath.mpf(node.value) * x[0]
+        elif node.op == "mul":
+            known[node] = mpmath.fprod(base**power for base, power in zip(x, node.value))
+        else:
+            known[node] = _VALUES[node.op](*x)
+    return [known[node] for node in nodes]
+
+
+def dense(e: EquationsOfMotion, state: Mapping[Node, float]) -> tuple[np.ndarray, float]:
+    """Accelerations and multipliers of [M -G^T; G 0] in many digits, and the condition of the matrix, its
+    rows and columns scaled by the square roots of their largest entries."""
+    n, size = len(e.v), len(e.v) + len(e.rows)
+    with mpmath.workdps(DIGITS):
+        k, right = mpmath.zeros(size), mpmath.zeros(size, 1)
+        for (i, j), value in zip(e.mass_matrix, in_digits(list(e.mass_matrix.values()), state)):
+            k[i, j] = k[j, i] = value
+        for r, row in enumerate(e.rows):
+            for j, value in zip(row.jacobian, in_digits(list(row.jacobian.values()), state)):
+                k[n + r, j], k[j, n + r] = value, -value
+        for i, (tau, h) in enumerate(zip(in_digits(e.given_forces, state), in_digits(e.bias_forces, state))):
+            right[i] = tau - h
+        for r, gamma in enumerate(in_digits([row.gamma for row in e.rows], state)):
+            right[n + r] = gamma
+        found = mpmath.lu_solve(k, right)
+        a = np.array([[float(k[i, j]) for j in range(size)] for i in range(size)])
+    scale = np.sqrt(np.abs(a).max(axis=1))
+    condition = float(np.linalg.cond(a / np.outer(scale, scale)))
+    return np.array([float(x) for x in found]), condition
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_every_form_gives_the_motion_of_random_systems(seed: int) -> None:
+    """Rounding of a backward stable elimination, times what the pivots say that it grows by."""
+    e = derive(model(random_system(seed)))
+    state = consistent_state(e, seed)
+    if state is None:
+        return
+    wanted, condition = dense(e, state)
+    if condition > 1e12:  # rows that depend on each other there
+        return
+    size = float(np.abs(wanted).max()) or 1.0
+    for solver in solvers(e):
+        *found, health, left = run(e, solved(e, solver), state)
+        assert 0.0 <= left < 1e-16
+        assert np.abs(found - wanted).max() <= 1e-14 * condition / min(abs(health), 1.0) * size
+
+
+@pytest.mark.parametrize("family", large.TREES)
+def test_trees_are_solved_to_rounding(family: str) -> None:
+    e = large.equations(large.TREES[family], 7)
+    state = random_state(e, 5)
+    wanted, condition = dense(e, state)
+    found = run(e, solved(e, lifted_alone(e)), state)[: len(e.v)]
+    error = np.abs(found - wanted).max() / np.abs(wanted).max()
+    assert error <= 2e-16 * condition + 2e-15
+
+
+@pytest.mark.parametrize("family", large.LOOPS)
+def test_loops_are_solved_to_rounding(family: str) -> None:
+    e = large.equations(large.LOOPS[family], 6)
+    state = consistent_state(e, 5)
+    assert state is not None
+    wanted, condition = dense(e, state)
+    for solver in solvers(e):
+        found = run(e, solved(e, solver), state)[: len(wanted)]
+        error = np.abs(found - wanted).max() / np.abs(wanted).max()
+        assert error <= 1e-15 * condition
+
+
+def costs(text: str, sizes: Sequence[int]) -> list[int]:
+    found = []
+    for n in sizes:
+        e = large.equations(text, n)
+        found.append(solved(e, lifted_alone(e)).cost)
+    return found
+
+
+MOST = {  # operations of one more link or body, what is watched included
+    "chain": 60, "relative": 90, "rods": 120, "spherical": 190, "balls_relative": 1000, "balls": 420,
+    "tree": 55,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("family", MOST)
+def test_work_grows_as_the_number_of_bodies(family: str) -> None:
+    text = large.TREES[family]
+    sizes = (31, 63, 127) if family == "tree" else (20, 30, 40)
+    found = costs(text, sizes)
+    steps = [(b - a) / (m - n) for (n, a), (m, b) in pairwise(zip(sizes, found))]
+    assert steps[0] <= MOST[family]
+    assert steps[1] <= 1.05 * steps[0]
+
+
+def test_a_health_tells_of_a_speed_without_inertia() -> None:
+    """The last link has no mass: its pivot is what rounding leaves."""
+    e = large.equations(large.WEIGHTED, 6)
+    state = random_state(e, 1)
+    state.update((p.symbol, 0.0) for p in e.model.parameters if p.name in ("tip", "m"))
+    state.update((p.symbol, 1.0) for p in e.model.parameters if p.name == "tip")
+    health = run(e, solved(e, lifted_alone(e)), state)[-2]
+    assert not health > 1e-13
