@@ -56,11 +56,14 @@ def _act(states: States, action: Action) -> Acting:
 
 def _potential(states: States, name: str, effect: str | None, energy: Node, kind: str) -> Acting:
     graph, model = states.graph, states.model
-    slopes = gradient(graph, {energy: graph.one}, states.q)
     power = -tangent(graph, [energy], states.motion)[0]
     driven = depends([energy], [given.symbol for given in model.inputs])
     conservative = not driven and not _jumps_in_time(states, energy)
-    forces = states.force_of({q: -slope for q, slope in slopes.items()})
+    if states.quaternions:  # rounding takes them off the unit sphere: the same there as along the motion
+        forces = states.to_speeds({power: graph.one})
+    else:
+        slopes = gradient(graph, {energy: graph.one}, states.q)
+        forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
     contribution = Contribution(name, kind, effect, forces, power, conservative)
     return Acting(contribution, {power: graph.one}, power, stored)

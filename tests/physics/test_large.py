@@ -96,7 +96,7 @@ def test_a_rope_of_one_piece_is_a_spherical_pendulum() -> None:
 
 def test_a_mobile_whose_sides_are_equal_is_a_double_pendulum() -> None:
     """With both lower bobs as one."""
-    plain = lagc.load("large/tree").compile(parameters={"n": 3}, without=["crosswise"], backend="numpy")
+    plain = lagc.load("large/mobile").compile(parameters={"n": 3}, without=["crosswise"], backend="numpy")
     found = plain.simulate(stop=1.0, accuracy=ASKED, points=41)
     length, upper, lower = 0.3, 3.0, 2.0  # of all bobs, and of the lower ones
 

@@ -25,9 +25,8 @@ def test_model_is_told_and_named(name: str) -> None:
     text = read_model(name).text
     story = re.match(r"(//[^\n]*\n)+", text)
     assert story is not None and len(story[0].splitlines()) >= 4
-    model = re.search(r"^model (\w+)", text, re.MULTILINE)
-    assert model is not None
-    snake = re.sub(r"(?<!^)(?=[A-Z])", "_", model[1]).lower()
+    model = re.findall(r"^model (\w+)", text, re.MULTILINE)[-1]
+    snake = re.sub(r"(?<!^)(?=[A-Z])", "_", model).lower()
     assert snake == name.rpartition("/")[2]
     assert max(map(len, text.splitlines())) <= 120
 
