@@ -9,19 +9,19 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     const lagc_real t1 = d_ * t0;
     prepared[0] = t1;
     prepared[1] = t1 * 4.0;
-    prepared[2] = t1 * 2.0;
-    const lagc_real I2 = p->I2;
-    prepared[11] = I2;
+    prepared[2] = 2.0 * t1;
     const lagc_real I1 = p->I1;
     prepared[10] = I1;
-    prepared[3] = I2 - I1;
+    const lagc_real I2 = p->I2;
+    prepared[11] = I2;
+    prepared[3] = I1 - I2;
     const lagc_real field_g = p->field_g;
     prepared[12] = field_g;
     const lagc_real t2 = t0 * field_g;
-    prepared[4] = t2;
-    prepared[5] = 2.0 * t2;
+    prepared[5] = t2;
+    prepared[4] = 2.0 * t2;
     prepared[6] = 0.5 * t1;
-    prepared[7] = d_ * 2.0;
+    prepared[7] = 2.0 * d_;
 }
 
 /* right-hand side: qdot, accelerations, multipliers */
@@ -46,49 +46,50 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t1 = o_x * o_x;
     const lagc_real t2 = 1.0 - (t0 + t1) * 2.0;
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real t3 = o_y * o_z;
-    const lagc_real t4 = o_x * o_w;
-    const lagc_real t5 = t3 - t4;
-    const lagc_real t6 = o_x * o_z;
-    const lagc_real t7 = o_y * o_w;
-    const lagc_real t8 = t6 + t7;
+    const lagc_real t3 = t2 * prepared0;
+    const lagc_real t4 = o_y * o_z;
+    const lagc_real t5 = o_x * o_w;
+    const lagc_real t6 = t4 - t5;
+    const lagc_real t7 = o_x * o_z;
+    const lagc_real t8 = o_y * o_w;
+    const lagc_real t9 = t7 + t8;
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real I1 = p->I1;
-    const lagc_real t9 = t2 * t2 * prepared0 + (t5 * t5 + t8 * t8) * prepared1 + I1;
-    const lagc_real t10 = o_y * o_x;
-    const lagc_real t11 = o_z * o_w;
-    const lagc_real t12 = t10 + t11;
-    const lagc_real t13 = t6 - t7;
-    const lagc_real t14 = o_z * o_z;
-    const lagc_real t15 = 1.0 - 2.0 * (t0 + t14);
+    const lagc_real t10 = t2 * t3 + (t6 * t6 + t9 * t9) * prepared1 + I1;
+    const lagc_real t11 = o_y * o_x;
+    const lagc_real t12 = o_z * o_w;
+    const lagc_real t13 = t11 + t12;
+    const lagc_real t14 = t7 - t8;
+    const lagc_real t15 = o_z * o_z;
+    const lagc_real t16 = 1.0 - 2.0 * (t0 + t15);
     const lagc_real prepared2 = p->prepared[2];
-    const lagc_real t16 = prepared1 * (t5 * t12) + (t2 * t13 + t8 * t15) * prepared2;
-    const lagc_real t17 = prepared0 * t15;
-    const lagc_real t18 = 1.0 / (I1 + (t15 * t17 + prepared1 * (t13 * t13 + t12 * t12)));
-    const lagc_real t19 = t16 * t18;
-    const lagc_real t20 = t9 - t16 * t19;
-    const lagc_real prepared3 = p->prepared[3];
-    const lagc_real t21 = t3 + t4;
-    const lagc_real t22 = 2.0 * (o_rate_x * (o_rate_y * t13 - o_rate_x * t21));
-    const lagc_real t23 = prepared0 * (t22 - o_rate_z * (2.0 * (o_rate_z * t21) - o_rate_y * t2)) + p->prepared[4];
-    const lagc_real t24 = 1.0 - 2.0 * (t1 + t14);
-    const lagc_real t25 = o_rate_x * (2.0 * (o_rate_y * t12) - o_rate_x * t24);
-    const lagc_real t26 = t25 - o_rate_z * (o_rate_z * t24 - 2.0 * (o_rate_y * t5));
-    const lagc_real t27 = t10 - t11;
-    const lagc_real t28 = o_rate_x * (o_rate_y * t15 - 2.0 * (o_rate_x * t27));
-    const lagc_real t29 = t28 - 2.0 * (o_rate_z * (o_rate_z * t27 - o_rate_y * t8));
-    const lagc_real t30 = 2.0 * (t13 * t23) + (prepared2 * (t12 * t26) + t17 * t29);
-    const lagc_real t31 = t30 - prepared3 * (o_rate_y * o_rate_x);
-    const lagc_real t32 = o_rate_y * o_rate_z * prepared3 - (t2 * t23 + prepared2 * (t5 * t26 + t8 * t29));
-    const lagc_real t33 = 1.0 / t20 * (t32 + t19 * t31);
+    const lagc_real t17 = prepared1 * (t6 * t13) + (t2 * t14 + t9 * t16) * prepared2;
+    const lagc_real t18 = prepared0 * t16;
+    const lagc_real t19 = 1.0 / (I1 + (t16 * t18 + prepared1 * (t14 * t14 + t13 * t13)));
+    const lagc_real t20 = t17 * t19;
+    const lagc_real t21 = t10 - t17 * t20;
+    const lagc_real t22 = 1.0 - 2.0 * (t1 + t15);
+    const lagc_real t23 = o_rate_x * (2.0 * (o_rate_y * t13) - o_rate_x * t22);
+    const lagc_real t24 = t23 - o_rate_z * (o_rate_z * t22 - 2.0 * (o_rate_y * t6));
+    const lagc_real t25 = t11 - t12;
+    const lagc_real t26 = o_rate_x * (o_rate_y * t16 - 2.0 * (o_rate_x * t25));
+    const lagc_real t27 = t26 - 2.0 * (o_rate_z * (o_rate_z * t25 - o_rate_y * t9));
+    const lagc_real t28 = o_rate_y * p->prepared[3];
+    const lagc_real t29 = t4 + t5;
+    const lagc_real t30 = 2.0 * (o_rate_x * (o_rate_y * t14 - o_rate_x * t29));
+    const lagc_real t31 = t30 - o_rate_z * (2.0 * (o_rate_z * t29) - o_rate_y * t2);
+    const lagc_real t32 = t18 * t27 + (o_rate_x * t28 + t14 * (prepared2 * t31 + p->prepared[4]));
+    const lagc_real t33 = prepared2 * (t13 * t24) + t32;
+    const lagc_real t34 = t2 * p->prepared[5] + (t3 * t31 + (o_rate_z * t28 + prepared2 * (t6 * t24 + t9 * t27)));
+    const lagc_real t35 = 1.0 / t21 * (t20 * t33 - t34);
     /* der(o.rate.x) */
-    xdot[4] = t33;
+    xdot[4] = t35;
     /* der(o.rate.y) */
     xdot[5] = 0.0;
     health[1] = 0.0;
     /* der(o.rate.z) */
-    xdot[6] = t18 * t31 + t19 * t33;
-    health[0] = t20 / t9;
+    xdot[6] = t19 * t33 + t20 * t35;
+    health[0] = t21 / t10;
     (void)(t);
     (void)(lam);
 }
@@ -145,10 +146,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t24 = o_rate_x * (o_rate_y * t15 - 2.0 * (o_rate_x * t23));
     const lagc_real t25 = t24 - 2.0 * (o_rate_z * (o_rate_z * t23 - o_rate_y * t9));
     const lagc_real prepared3 = p->prepared[3];
-    const lagc_real t26 = t3 * t19 + (prepared2 * (t6 * t22 + t9 * t25) - o_rate_y * o_rate_z * prepared3);
-    r[0] = (t1 + (t0 - t14 - o_w * o_w)) * p->prepared[4] - t26;
-    const lagc_real t27 = prepared3 * (o_rate_y * o_rate_x) - prepared2 * (t12 * t22 + t13 * t19) - t16 * t25;
-    r[2] = t13 * p->prepared[5] - t27;
+    const lagc_real t26 = t3 * t19 + (prepared2 * (t6 * t22 + t9 * t25) + o_rate_y * o_rate_z * prepared3);
+    r[0] = -(t2 * p->prepared[5] + t26);
+    const lagc_real t27 = prepared3 * (o_rate_y * o_rate_x) + prepared2 * (t12 * t22 + t13 * t19) + t16 * t25;
+    r[2] = t13 * p->prepared[4] + t27;
     (void)(t);
     (void)(G);
     (void)(gamma);
@@ -194,7 +195,7 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t9 = t0 * 0.5 + (t4 * t4 + (t5 * t5 + t8 * t8 * 4.0)) * p->prepared[6];
     /* kinetic energy */
     e[0] = t9;
-    const lagc_real t10 = (t6 + t7) * p->prepared[5];
+    const lagc_real t10 = (t6 + t7) * p->prepared[4];
     /* potential energy */
     e[1] = t10;
     /* energy of the balance */
@@ -235,7 +236,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t13 = o_rate_x * (t4 - t5) - o_rate_z * (t0 + t1);
     const lagc_real t14 = t7 * 0.5 + (t11 * t11 + (t12 * t12 + t13 * t13 * 4.0)) * p->prepared[6];
     /* E */
-    y[3] = t6 * p->prepared[5] + t14;
+    y[3] = t6 * p->prepared[4] + t14;
     (void)(t);
     (void)(a);
     (void)(lam);
