@@ -59,7 +59,9 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
     """The shortest of the times in which the kinds change by their own size, as their rates and the
     changes of these over a small step tell; a part of it, by the order of the method.  Kinds that begin
     at rest get the size to which it takes them: a force that jumps there is no error of any size."""
-    largest = o.max_step if o.max_step > 0.0 else fabs(t1 - s.t)
+    largest = fabs(t1 - s.t)
+    if o.max_step > 0.0 and o.max_step < largest:
+        largest = o.max_step
     rates = vector(NKIND)
     for k in range(NKIND):
         rates[k] = 0.0
@@ -67,11 +69,8 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
     for k in range(NKIND):
         bends[k] = 0.0
     h = 0.01 * largest
-    tolerance = 1.0
     enlarge(s.k[0], rates)
     for k in range(NKIND):
-        if s.sizes[k] > 0.0 and o.rtol + o.atol / s.sizes[k] < tolerance:
-            tolerance = o.rtol + o.atol / s.sizes[k]
         if s.sizes[k] > 0.0 and 0.01 * s.sizes[k] < h * rates[k]:
             h = 0.01 * s.sizes[k] / rates[k]
     for k in range(NX):
@@ -94,6 +93,11 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
             way = rates[k] / bends[k]
         if way > 0.0 and way < best:
             best = way
+    tolerance = 1.0
+    for k in range(NKIND):
+        size = s.sizes[k] if s.sizes[k] > 0.0 else best * rates[k]
+        if size > 0.0 and o.rtol + o.atol / size < tolerance:
+            tolerance = o.rtol + o.atol / size
     h = best * raised(0.01 * tolerance, exponent(o.method) + 0.75 * beta(o.method))
     if h > largest:
         h = largest

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from lagc.run.growth import Rounding
 
 SAFETY = 2.0  # on every estimate
+FEW = 8.0  # steps: errors of that many follow no law, and differ by less than they are now and then
 BENT = 30.0  # on errors in proportion to their tolerances, where forces may bend or jump
 SAMPLES = 3  # of these
 NEAR = 4.0  # times the finest tolerance is the next
@@ -37,7 +38,8 @@ MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of th
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
-LONGEST = 0.02  # of the time, a step where the rates depend on time itself
+# Of the time, the longest step at the tolerance COARSE: of any motion; where the rates depend on time itself.
+LONGEST, LONGEST_TIMED = 0.5, 0.02
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
 
@@ -128,10 +130,13 @@ class _Search:
 
     def options(self, tol: float) -> Options:
         """A run after the first may take many times the steps of the ones before, not any number, and none
-        may creep.  Where time itself moves the system, no step is so long that it would see little of it."""
+        may creep.  Where time itself moves the system, no step is so long that it would see little of it.
+        The longest step goes with the tolerance, as those do that the tolerance makes short: runs of the
+        same steps have the same errors, and their difference would tell nothing."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
-        longest = LONGEST * abs(self.times[-1] - self.times[0]) if self.system.interface.timed else 0.0
+        share = LONGEST_TIMED if self.system.interface.timed else LONGEST
+        longest = share * abs(self.times[-1] - self.times[0]) * (tol / COARSE) ** (1.0 / order(self.method))
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch())
 
     def _watch(self) -> Callable[[Trajectory], bool]:
@@ -315,13 +320,17 @@ class _Search:
         difference = self._difference(tols[0], tols[1])
         alike = self._alike(self.runs[tols[0]].steps, self.runs[tols[1]].steps)
         if len(tols) == 2:
-            return max(SAFETY * difference * max(1.0, alike), SMALLEST)
+            return max(self._safety() * difference * max(1.0, alike), SMALLEST)
         before = self._difference(tols[0], tols[2])
         slope, step = self._slope(), tols[1] / tols[2]
         if slope is None:
-            return max(SAFETY * max(difference, before * step * step) * max(1.0, alike), SMALLEST)
+            return max(self._safety() * max(difference, before * step * step) * max(1.0, alike), SMALLEST)
         gain: float = (tols[0] / tols[1]) ** (CAUTION * slope)
-        return max(SAFETY * max(difference, before * step) * max(gain, alike), SMALLEST)
+        return max(self._safety() * max(difference, before * step) * max(gain, alike), SMALLEST)
+
+    def _safety(self) -> float:
+        """On what a difference tells of the finest run."""
+        return SAFETY * (1.0 + FEW / max(self.runs[min(self.runs)].steps, 1))
 
     def _alike(self, fine: int, coarse: int) -> float:
         """The error of the finer run over the difference, as the numbers of steps let expect: an error
@@ -361,7 +370,7 @@ class _Search:
         if not self._bends:
             slope = self._slope() or 1.0
             difference = self._difference(tols[0], tols[1])
-            error = SAFETY * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
+            error = self._safety() * max(difference, SMALLEST) * (tols[0] / tols[1]) ** slope
         tol: float = tols[0] * (0.5 * self.accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
