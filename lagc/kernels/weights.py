@@ -60,8 +60,6 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
     changes of these over a small step tell; a part of it, by the order of the method.  Kinds that begin
     at rest get the size to which it takes them: a force that jumps there is no error of any size."""
     largest = fabs(t1 - s.t)
-    if o.max_step > 0.0 and o.max_step < largest:
-        largest = o.max_step
     rates = vector(NKIND)
     for k in range(NKIND):
         rates[k] = 0.0
