@@ -50,8 +50,12 @@ class Request:
         """
         values = dict(self.__dict__)
         skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
-        if self.by_hand or self.accuracy is not None:
-            skipped |= {"accuracy", "rtol", "atol", "step"}
+        if self.by_hand:
+            skipped |= {"accuracy"}
+        if self.accuracy is not None or self.step is not None:
+            skipped |= {"rtol", "atol"}
+        if self.accuracy is not None or self.rtol is not None or self.atol is not None:
+            skipped |= {"step"}
         for name in ("stop", "accuracy", "rtol", "atol", "step", "every", "points"):
             if values[name] is None and name in scene and name not in skipped:
                 values[name] = int(scene[name]) if name == "points" else scene[name]

@@ -208,3 +208,22 @@ def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
     run = simulate(Fails(), Request(stop=10.0, accuracy=1e-9))
     assert run.status == "failed" and run.times[-1] == 10.0
     assert "best is estimated" in run.message and "at t = 4 s the step became too small" in run.message
+
+
+@pytest.mark.parametrize(
+    ("scene", "asked", "found"),
+    [
+        ({"step": 0.25}, {"method": "rk4"}, {"step": 0.25, "rtol": None}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"method": "dopri5"}, {"rtol": 1e-3, "atol": 1e-5, "step": None}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"rtol": 1e-4}, {"rtol": 1e-4, "atol": 1e-5}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"step": 0.1}, {"rtol": None, "atol": None, "step": 0.1}),
+        ({"step": 0.25}, {"rtol": 1e-4}, {"rtol": 1e-4, "step": None}),
+        ({"step": 0.25}, {"accuracy": 1e-4}, {"accuracy": 1e-4, "step": None}),
+        ({"accuracy": 1e-4}, {"method": "dopri5"}, {"accuracy": None, "rtol": None}),
+    ],
+)
+def test_what_a_scene_states_holds_unless_something_else_is_asked(
+    scene: dict[str, Any], asked: dict[str, Any], found: dict[str, Any]
+) -> None:
+    request = Request(**asked).completed(scene)
+    assert {name: getattr(request, name) for name in found} == found
