@@ -120,6 +120,8 @@ class Request:
         stop, n = self.stop or 0.0, self.size() - 1
         if self.every is not None:
             return [*(k * self.every for k in range(n)), stop]
+        if not isfinite(stop * n):
+            return [*(k * (stop / n) for k in range(n)), stop]
         return [*(stop * k / n for k in range(n)), stop]
 
 

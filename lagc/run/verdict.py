@@ -94,7 +94,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     from lagc.run.cause import cause  # where something failed
 
     if status == STEP_UNDERFLOW and trajectory.steps == trajectory.rejected == 0:
-        return "failed", f"the run to {stop:g} s would take more than {STEPS:g} steps: ask for a shorter one"
+        much = f"the run to {stop:g} s would take more than {STEPS:g} steps"
+        return "failed", f"{much}: ask for a shorter one, or longer steps"
     own = _own_share(system, trajectory, trajectory.redundant_rows)
     why = cause(system, trajectory, trajectory.t, trajectory.x) or UNKNOWN
     if own is not None:

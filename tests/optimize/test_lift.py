@@ -3,6 +3,7 @@ as the model does."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
@@ -11,6 +12,8 @@ import mpmath
 import numpy as np
 import pytest
 
+import lagc
+from lagc.diagnostics.faults import Refused
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.derive import derive
@@ -22,6 +25,7 @@ from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import lifted
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import places
+from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS
 from tests.mechanics.numbers import consistent_state, random_state
 from tests.mechanics.random_systems import model, random_system
 from tests.optimize import large
@@ -165,3 +169,19 @@ def test_a_health_tells_of_a_speed_without_inertia() -> None:
     state.update((p.symbol, 1.0) for p in e.model.parameters if p.name == "tip")
     health = run(e, solved(e, lifted_alone(e)), state)[-2]
     assert not health > 1e-13
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+def test_code_without_a_mass_matrix_tells_what_it_cannot_solve(backend: str) -> None:
+    """Nothing dense is there to ask: statuses come from the pivots and from what is not finite."""
+    made = lagc.loads(large.CHAIN).compile(parameters={"n": 25}, backend=backend)
+    assert "system" not in made.program.functions
+    system = made.system
+    size = system.nx
+    xdot, lam = [0.0] * size, [0.0]
+    assert system.rhs(0.0, [0.1 * (k % 5) for k in range(size)], xdot, lam) == OK
+    assert system.rhs(0.0, [math.nan] * size, xdot, lam) == NOT_FINITE
+    massless = made.bind({"m": 0.0}).system
+    assert massless.rhs(0.0, [0.1 * (k % 5) for k in range(size)], xdot, lam) in (SINGULAR_MASS, NOT_FINITE)
+    with pytest.raises(Refused, match="singular"):
+        made.simulate(1.0, parameters={"m": 0.0})
