@@ -18,10 +18,12 @@ from lagc.kernels.words import Count, Pair, Real, Vec, vector, whole
 
 EIGHTH_TURN = 0.785  # of a turn, less a little: no angle up to it is reduced
 # Squares: of the largest rest for which the polynomials are made; of the angle beyond which the parts of
-# pi/2 are too few; of the share of an angle below which a rest has lost digits.
+# pi/2 are too few; of the share of an angle below which a rest has lost digits; of a rest where arithmetic
+# keeps more digits than a double has, so that a sum with ROUNDER is rounded to 2^-11 only.
 WIDEST_SQUARE = 0.79 * 0.79
 FAR_SQUARE = 1e5 * 1e5
 NEAR_SQUARE = 3e-8 * 3e-8
+UNROUNDED_SQUARE = 1e-3 * 1e-3
 ROUNDER = 6755399441055744.0  # 1.5 2^52: a sum with it is rounded to a whole number
 QUARTERS_PER_RADIAN = 0.6366197723675814  # 2/pi
 # pi/2: the products of parts of 33 bits with whole numbers are exact
@@ -69,7 +71,7 @@ def lost(a: Real, b: Real, total: Real) -> Real:
 
 def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
     """x less the whole number of pi/2 that is given back, near a multiple of it, |x| < 1e5; or where the
-    machine does not round to the nearest."""
+    machine rounds another way than to the nearest double."""
     n = float(whole(fabs(x) * QUARTERS_PER_RADIAN + 0.5))
     if x < 0.0:
         n = -n
@@ -155,7 +157,7 @@ def sine_cosine(x: Real) -> Pair:
         hi = above - below
         lo = (above - hi) - below
         z = hi * hi
-        if not (xx < FAR_SQUARE and z >= NEAR_SQUARE * xx and z <= WIDEST_SQUARE):
+        if not (xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE):
             rest = vector(TWO)
             n = reduce_near(x, rest) if xx < FAR_SQUARE else reduce_far(x, rest)
             hi = rest[0]

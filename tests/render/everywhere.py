@@ -45,6 +45,17 @@ def compilers() -> dict[str, list[str]]:
 
 
 @cache
+def wide() -> bool:
+    """Whether there is a gcc that computes with x87, in 64 bits, and libquadmath."""
+    program = "#include <quadmath.h>\nint main(void) { return sinq(0) != 0; }\n"
+    words = ["gcc", "-mfpmath=387", "-x", "c", "-", "-o", os.devnull, "-lquadmath", "-lm"]
+    return (
+        bool(shutil.which("gcc"))
+        and not subprocess.run(words, input=program, capture_output=True, text=True).returncode
+    )
+
+
+@cache
 def machines() -> dict[str, Tool]:
     """Other machines that can be asked here: AArch64, which has fused multiply-add, and WebAssembly."""
     if "LAGC_MACHINES" not in os.environ or find_spec("ziglang") is None:

@@ -81,7 +81,7 @@ def test_text_is_ascii_and_keeps_to_itself(name: str) -> None:
         assert not re.search(r"\blagc_|\bLAGC_|\bmalloc|\bprintf|\bstatic (double|int) \w+\s*[;=]", text)
         assert re.findall(r"^#\s*include.*", text, re.M) in (
             ["#include <stddef.h>"],
-            [f'#include "{_header(text)}"', "#include <math.h>"],
+            [f'#include "{_header(text)}"', "#include <float.h>", "#include <math.h>"],
         )
 
 

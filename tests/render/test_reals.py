@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import random
 import shutil
 from pathlib import Path
 
@@ -10,11 +11,14 @@ import mpmath
 import pytest
 
 import lagc
+from lagc import compiler
 from lagc.cli.main import main
+from lagc.diagnostics.faults import Refused, Source
+from lagc.optimize.program import Program
 from lagc.render.c.render import render
-from lagc.render.kernels.arithmetic import QUAD, SINGLE, Arithmetic
+from lagc.render.kernels.arithmetic import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
 from lagc.render.names import prefix
-from tests.render.tools import MODELS, call, of_model
+from tests.render.tools import MODELS, call, of_model, write
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 HERE = Path(__file__).parent
@@ -103,3 +107,102 @@ def test_the_command_line_builds_for_floats(tmp_path: Path, capsys: pytest.Captu
         main(["build", "double_pendulum", "--real", "float", "--target", "numpy", "-o", str(tmp_path)]) == 2
     )
     assert "--target c" in capsys.readouterr().err
+
+
+# LAGC_ALL=1: every model of the library.
+LIBRARY = sorted(str(p.relative_to(MODELS).with_suffix("")) for p in MODELS.rglob("*.lag"))
+SAMPLE = LIBRARY if os.environ.get("LAGC_ALL") else ["course/simple_pendulum", *LIBRARY[3::25]]
+
+
+def as_c_and_cpp(program: Program, real: Arithmetic, folder: Path) -> None:
+    """Compiled as both without a warning.  The suffix of literals of __float128 is GNU's own."""
+    files = write(render(program, real=real), folder)
+    more = [] if real == QUAD else ["-Wpedantic", *(["-Wdouble-promotion"] if real == SINGLE else [])]
+    for words in ["gcc", "-std=c99"], ["g++", "-x", "c++", "-std=gnu++11" if real == QUAD else "-std=c++11"]:
+        call(*words, *WARNINGS, *more, "-fsyntax-only", files[".c"])
+
+
+@pytest.mark.parametrize("name", SAMPLE)
+def test_every_type_compiles_as_c_and_as_cpp(name: str, tmp_path: Path) -> None:
+    for real in TYPES.values():
+        as_c_and_cpp(of_model(name), real, tmp_path)
+
+
+BOUNDED = """model Bounded
+  parameter Mass m(min = {low}, max = {high}) = {value};
+  parameter Force none;
+  coordinate Length x(start = 1);
+  body b = Particle(mass = m, at = {{x, 0, 0}});
+  force F = none*world.x at b;
+end Bounded;
+"""
+ASK = """
+#include "bounded.h"
+#include <stdio.h>
+int main(void)
+{
+    bounded_params p = bounded_default_params();
+    if (p.none == p.none)
+        return 1;
+    p.none = 0;
+#ifdef BOUNDED_NPREPARED
+    bounded_bind(&p);
+#endif
+    printf("%d\\n", bounded_check(&p, NULL, NULL) == BOUNDED_OK);
+    return 0;
+}
+"""
+
+
+def bounded(low: str, high: str, value: str) -> Program:
+    source = Source("b.lag", BOUNDED.format(low=low, high=high, value=value))
+    model = compiler.resolve(compiler.parse(source), compiler.Choice())
+    return compiler.optimize(compiler.derive(model), True)
+
+
+@pytest.mark.parametrize("real", TYPES)
+def test_a_value_on_its_bound_is_within(real: str, tmp_path: Path) -> None:
+    """Bounds are of the type, as values are: 0.1, 1/3, none at all, and those that a float does not hold."""
+    (tmp_path / "main.c").write_text(ASK)
+    for case in [
+        ("0.1", "0.1", "0.1"),
+        ("1/3", "1/3", "1/3"),
+        ("0", "1e200", "2"),
+        ("1e-200", "0.3", "0.3"),
+    ]:
+        write(render(bounded(*case), real=TYPES[real]), tmp_path)
+        libraries = ["-lquadmath", "-lm"] if real == "quad" else ["-lm"]
+        call(
+            "gcc", *WARNINGS, tmp_path / "main.c", tmp_path / "bounded.c", "-o", tmp_path / "run", *libraries
+        )
+        assert call(tmp_path / "run") == "1\n", case
+
+
+@pytest.mark.parametrize("value", ["1e39", "1e-39"])
+def test_what_a_float_does_not_hold_is_refused(value: str) -> None:
+    program = bounded("0", "1e300", value)
+    render(program)
+    with pytest.raises(Refused, match="LAG0590"):
+        render(program, real=SINGLE)
+
+
+def test_quad_has_all_digits_of_numbers_that_are_meant() -> None:
+    """Decimals of 12 digits, quotients of whole numbers, and such multiples of powers of pi, as doubles."""
+    chance = random.Random(5)
+    with mpmath.workdps(50):
+        for _ in range(2000):
+            decimal = f"{chance.randrange(1, 10**12)}e{chance.randrange(-30, 20)}"
+            assert mpmath.mpf(QUAD.literal(float(decimal))[:-1]) == mpmath.mpf(decimal)
+            p, q = chance.randrange(1, 3000), chance.randrange(1, 3000)
+            for power in (0, 1, -1, 2):
+                truth = mpmath.mpf(p) / q * mpmath.pi**power
+                found = mpmath.mpf(QUAD.literal(-float(truth))[:-1])
+                assert abs(found + truth) < 1e-38 * truth, (p, q, power)
+
+
+def test_quad_takes_no_other_number_for_one_of_these() -> None:
+    """All 17 digits of random doubles, and of what rounding left of 0.1 + 0.2."""
+    chance = random.Random(6)
+    for value in [0.1 + 0.2, *(chance.uniform(-10.0, 10.0) for _ in range(3000))]:
+        assert QUAD.literal(value) == f"{value!r}Q"
+    assert DOUBLE.literal(1 / 3) == repr(1 / 3)

@@ -24,7 +24,8 @@ from lagc.optimize.program import Function, Operation, Program, Store
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.numpy.functions import ARITHMETIC
-from tests.render.everywhere import LEVELS, clang, compilers, machines
+from lagc.render.turning import turning
+from tests.render.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.render.tools import STRICT, of_model, present
 
 ROOT = Path(__file__).parents[2]
@@ -48,7 +49,7 @@ def program() -> Program:
 @cache
 def kernel() -> str:
     """The printed C, and how its bits are asked for."""
-    text = "\n".join(runtime.sine_cosine(program())).replace("lagc_real", "double")
+    text = "\n".join(runtime.sine_cosine(turning(program()))).replace("lagc_real", "double")
     pragma = "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n"
     return f"#include <math.h>\n{pragma}{text}\n{Path(__file__).with_name('trigonometry.c').read_text()}"
 
@@ -56,7 +57,7 @@ def kernel() -> str:
 @cache
 def printed_python() -> Any:
     space: dict[str, Any] = {}
-    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(program())]), space)
+    exec("\n\n".join([ARITHMETIC, *functions.sine_cosine(turning(program()))]), space)
     return space["sine_cosine"]
 
 
@@ -135,6 +136,20 @@ def test_no_value_is_further_than_one_unit(tmp_path: Path) -> None:
         assert float(sine) < 0.85 and float(cosine) < 0.85, line
 
 
+@pytest.mark.skipif(not wide(), reason="no gcc for x87 here")
+@pytest.mark.parametrize(
+    "words",
+    ["", "-O0", "-ffloat-store", "-std=c99 -D_GNU_SOURCE", "-fexcess-precision=fast -O3", "-mfpmath=sse+387"],
+)
+def test_wider_arithmetic_is_no_further_off_than_rounding_twice(words: str, tmp_path: Path) -> None:
+    """64 bits within, 53 where values are kept: half a unit more than in doubles alone."""
+    lines = digests(["gcc", "-std=gnu99", "-O2", "-mfpmath=387", *words.split(), "-DQUAD"], tmp_path, POINTS)
+    assert len(lines) == 16
+    for line in lines:
+        _, _, sine, cosine = line.split()
+        assert float(sine) < 1.35 and float(cosine) < 1.35, line
+
+
 def test_the_same_bits_under_every_compiler_and_in_python(tmp_path: Path) -> None:
     if not compilers():
         pytest.skip("neither gcc nor clang is here")
@@ -204,7 +219,10 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     assert done.returncode == 0, done.stderr[:2000]
     space: dict[str, Any] = {}
     exec(
-        "\n\n".join([ARITHMETIC, *functions.sine_cosine(program()), functions.function_text(f, names)]), space
+        "\n\n".join(
+            [ARITHMETIC, *functions.sine_cosine(turning(program())), functions.function_text(f, names)]
+        ),
+        space,
     )
     x = [random.Random(2).uniform(-4.0, 4.0) for _ in range(6)]
     ours, y = (ctypes.c_double * calls)(), [0.0] * calls

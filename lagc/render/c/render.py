@@ -11,6 +11,7 @@ import re
 
 from lagc.optimize.program import Interface, Program
 from lagc.render.c import header
+from lagc.render.c.demands import demands
 from lagc.render.c.functions import function_text, helpers
 from lagc.render.c.runtime import Runtime, sine_cosine
 from lagc.render.c.verbs import verbs
@@ -59,8 +60,8 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
     names = local_names(program, ())
     fields = header.places(interface)
     parts = [
-        header.banner(interface, file) + f'#include "{own_header}"\n\n#include {real.header}\n',
-        _CONTRACTION,
+        header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
+        demands(real),
         helpers(program),
         *(sine_cosine(turning(program)) if real == DOUBLE else ()),
         *(function_text(f, names, fields, real) for f in program.functions.values()),
@@ -68,15 +69,6 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
         *(verb.definition for verb in verbs(program, real)),
     ]
     return "\n".join(part for part in parts if part)
-
-
-_CONTRACTION = """\
-/* a * b + c is two operations here, whatever the machine offers: results do not depend on it.
- * (gcc: -ffp-contract=off, which -std=c99 implies.) */
-#ifdef __clang__
-#pragma STDC FP_CONTRACT OFF
-#endif
-"""
 
 
 def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from fractions import Fraction
 from textwrap import fill
 from typing import Any
 
@@ -79,7 +79,7 @@ class Runtime:
         values, names = tables_of(self.program.interface), self.use.names
         own = [n for n in self.sizes if n in names and n not in self.public and n not in SPELLED]
         found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
-        found += [_table(name, values[name]) for name in values if name in names]
+        found += [_table(name, values[name], self.real) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
         found += _printed(self.use, self.parts)
         # What the subset cannot say: structs by value, their sizes, texts.
@@ -115,11 +115,12 @@ class Runtime:
 
 def sine_cosine(use: Chosen) -> list[str]:
     """What `turning` found that functions of the model call for sines and cosines, in double precision."""
-    return _printed(use, parts())
+    return _printed(use, parts(), "((double){})")
 
 
-def _printed(use: Chosen, parts: Parts) -> list[str]:
-    """Constants and functions, each file with its title."""
+def _printed(use: Chosen, parts: Parts, inexact: str = "{}") -> list[str]:
+    """Constants and functions, each file with its title.  `inexact`: the form of a constant whose decimal
+    digits are not all of it; a cast keeps it what it is where compilers have further digits for constants."""
     found = list[str]()
     functions = {part["name"]: leaf["c"] for part, leaf in use.functions}
     numbers = {part["name"] for part in use.numbers if part["kind"] in ("int", "Real", "Reals")}
@@ -130,7 +131,7 @@ def _printed(use: Chosen, parts: Parts) -> list[str]:
             section = _section(part["title"], part["text"])
             held = []
         elif part["name"] in numbers:
-            held.append(_constant(part))
+            held.append(_constant(part, inexact))
         elif part["name"] in functions:
             found += [section] if section else []
             found += ["".join(held)] if held else []
@@ -139,17 +140,13 @@ def _printed(use: Chosen, parts: Parts) -> list[str]:
     return found
 
 
-def _table(name: str, values: Sequence[Any]) -> str:
+def _table(name: str, values: Sequence[Any], real: Arithmetic) -> str:
     if name in ("bounds", "derived_bounds"):
-        rows = ",\n    ".join(f"{{{_bound(low)}, {_bound(high)}}}" for low, high in values)
+        rows = ",\n    ".join(f"{{{real.bound(low)}, {real.bound(high)}}}" for low, high in values)
         return f"static const lagc_real lagc_{name}[][2] = {{\n    {rows}\n}};\n"
     rows = ",\n    ".join(", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16))
     inner = f"\n    {rows}\n" if "\n" in rows else rows
     return f"static const int lagc_{name}[] = {{{inner}}};\n"
-
-
-def _bound(value: float) -> str:
-    return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0.0 else "HUGE_VAL"
 
 
 def _codes(found: Sequence[Part]) -> str:
@@ -163,13 +160,16 @@ def _codes(found: Sequence[Part]) -> str:
     return f"{block_comment(fill(head, 98))}enum {{\n{''.join(lines)}}};\n"
 
 
-def _constant(part: Part) -> str:
+def _constant(part: Part, inexact: str) -> str:
     if part["kind"] == "Reals":
         values = part["value"]
         rows = ",\n    ".join(", ".join(values[k : k + 8]) for k in range(0, len(values), 8))
         head = f"static const lagc_real lagc_{part['name'].lower()}[]"
         return f"{block_comment(part['note'])}{head} = {{\n    {rows}\n}};\n"
-    text, note = f"#define LAGC_{part['name']} {part['value']}", part["note"]
+    value, note = part["value"], part["note"]
+    if inexact != "{}" and Fraction(value) != Fraction(float(value)):
+        value = inexact.format(value)
+    text = f"#define LAGC_{part['name']} {value}"
     if not note:
         return text + "\n"
     return f"{text} /* {note} */\n" if len(text) + len(note) < 92 else f"{block_comment(note)}{text}\n"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import pi
+from math import inf, isqrt, ulp
 
+from lagc.diagnostics.faults import Fault, Refused
 from lagc.records import dataclass
 
 STANDS_FOR_ZERO = 1e-300  # in Programs
-PI = "3.1415926535897932384626433832795028841972"
+PI = Fraction("3.14159265358979323846264338327950288419716939937510")
+# Numerator times denominator of a number that was meant: one double in 1e8 is next to one by chance.
+MOST = 10**7
 
 
 @dataclass(frozen=True)
@@ -20,27 +23,77 @@ class Arithmetic:
     call: str  # of functions of math
     column: int  # of by_type
     infinity: str
-    header: str
-    nan: str = "NAN"
+    nan: str
+    least: float  # of normal numbers, and
+    largest: float  # of doubles that it holds
+    headers: tuple[str, ...]
+    wider: str  # of FLT_EVAL_METHOD: arithmetic keeps more digits than the type; empty: there is none
+
+    @property
+    def includes(self) -> str:
+        """Of what the source needs."""
+        return "".join(f"#include <{name}>\n" for name in self.headers)
 
     def literal(self, value: float | Fraction | str) -> str:
         """The value, so that reading it gives the same bits as rounding it once.  What stands for zero where
-        it divides zero, and what is pi to a double, are so to the type."""
+        it divides zero is so to the type; in a wider one what is meant by a double (`meant`) is all there.
+        Raises Refused (LAG0590) where a narrower one does not hold the value."""
         if value == STANDS_FOR_ZERO:
             return f"{('1e-30', '1e-300', '1e-4000')[self.column]}{self.suffix}"
-        if self.column == 2 and not isinstance(value, str) and abs(value) == pi:
-            return f"{'-' if value < 0 else ''}{PI}{self.suffix}"
         if self.column == 2:  # wider than a double
-            if isinstance(value, Fraction):
-                shift = 40 - len(str(abs(value.numerator) // value.denominator))
-                scaled = value * Fraction(10) ** shift
-                return f"{round(scaled)}e{-shift}{self.suffix}"
-            return (value if isinstance(value, str) else repr(float(value))) + self.suffix
-        return repr(float(value)) + self.suffix
+            exact = meant(value) if isinstance(value, float | int) else value
+            return (exact if isinstance(exact, str) else _decimal(exact)) + self.suffix
+        value = float(value)
+        if value and not self.least <= abs(value) <= self.largest:
+            message = f"a number of the equations is too large or too small for a {self.name}: {value!r}"
+            raise Refused((Fault("LAG0590", message, None),))
+        return repr(value) + self.suffix
+
+    def bound(self, value: float) -> str:
+        """The literal of a bound: what is beyond the type bounds nothing, or is zero."""
+        if abs(value) > self.largest or abs(value) == inf:
+            return f"{'-' if value < 0 else ''}{self.infinity}"
+        return self.literal(value if abs(value) >= self.least else 0.0)
 
 
-DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "<math.h>")
-SINGLE = Arithmetic("float", "f", "{}f", 0, "HUGE_VALF", "<math.h>")
-QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", "<quadmath.h>", 'nanq("")')
+def meant(value: float) -> str | Fraction:
+    """What a double stands for: digits, as they are written, where 12 are enough; else the quotient of whole
+    numbers that it is the nearest to, or such a multiple of pi, 1/pi or pi^2 next to it, where these are
+    small; else digits, of which the last are rounding."""
+    digits = repr(float(value))
+    if value == 0.0 or float(f"{value:.12g}") == value or abs(value) > MOST:
+        return digits
+    quotient = _near(Fraction(value))
+    if quotient.numerator / quotient.denominator == value:
+        return quotient
+    for factor in (PI, 1 / PI, PI * PI):
+        turned = _near(Fraction(value) / factor) * factor
+        if abs(turned - Fraction(value)) <= ulp(value):
+            return turned
+    return digits
+
+
+def _near(value: Fraction) -> Fraction:
+    """The nearest quotient p/q with p q up to about MOST."""
+    return value.limit_denominator(max(1, isqrt(int(MOST / abs(value)))))
+
+
+def _decimal(value: Fraction) -> str:
+    """40 digits of it."""
+    from decimal import Context, Decimal
+
+    digits = str(Context(40).divide(Decimal(value.numerator), Decimal(value.denominator)))
+    return digits if "." in digits or "E" in digits else f"{digits}.0"
+
+
+_DOUBLE = "FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2 || FLT_EVAL_METHOD > 64"
+_SINGLE = "FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16 && FLT_EVAL_METHOD != 32"
+_HEADERS = ("float.h", "math.h")
+
+DOUBLE = Arithmetic("double", "", "{}", 1, "HUGE_VAL", "NAN", 0.0, inf, _HEADERS, _DOUBLE)
+SINGLE = Arithmetic(
+    "float", "f", "{}f", 0, "HUGE_VALF", "NAN", 2.0**-126, 2.0**128 - 2.0**104, _HEADERS, _SINGLE
+)
+QUAD = Arithmetic("__float128", "Q", "{}q", 2, "HUGE_VALQ", 'nanq("")', 0.0, inf, ("quadmath.h",), "")
 
 TYPES = {"double": DOUBLE, "float": SINGLE, "quad": QUAD}  # names of people
