@@ -70,7 +70,10 @@ class Twins:
 
     def checked(self, p: Sequence[float]) -> int | None:
         """Which of the parameters, then of the values made of them, `check` refuses, in C and in Python."""
-        found, given = ctypes.c_int(-1), (ctypes.c_double * len(p))(*p)
+        found, prepared = ctypes.c_int(-1), self.interface.prepared
+        given = (ctypes.c_double * (len(p) + prepared))(*p)
+        if prepared:
+            getattr(self.library, f"{self.prefix}_bind")(given)
         status = getattr(self.library, f"{self.prefix}_check")(given, None, ctypes.byref(found))
         try:
             self.module["check"](list(p))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from math import isfinite
 from typing import Any
 
@@ -11,24 +11,47 @@ from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
 CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3}
-# Sizes that have no name in generated C: expressions of others.
-DERIVED = {
-    "NM": "NV * (NV + 1) // 2", "NG": "NC * NV", "NR": "NV + NC", "NREACH": "NC + NH", "NROW": "NU + 1",
-    "NALL": "NP + NPREPARED",
-    "NSETU": "NSETS * NU",
+# Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.
+DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+    "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
+    "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"], "NROW": lambda n: n["NU"] + 1,
+    "NALL": lambda n: n["NP"] + n["NPREPARED"], "NSETU": lambda n: n["NSETS"] * n["NU"],
 }  # fmt: skip
-_NAME = re.compile("[A-Z]+")
 Part = Mapping[str, Any]  # see `library`
 
 
-def _in_c(expression: str) -> str:
-    def spelled(name: re.Match[str]) -> str:
-        return str(CONSTANT_SIZES.get(name[0], f"LAGC_{name[0]}"))
+class _InC:
+    """An expression as C spells it."""
 
-    return _NAME.sub(spelled, expression).replace("//", "/")
+    def __init__(self, text: object, is_sum: bool = False):
+        self.text, self.is_sum = str(text), is_sum
+
+    def _factor(self) -> str:
+        return f"({self.text})" if self.is_sum else self.text
+
+    def __add__(self, other: object) -> _InC:
+        return _InC(f"{self.text} + {_spelled(other).text}", True)
+
+    def __mul__(self, other: object) -> _InC:
+        return _InC(f"{self._factor()} * {_spelled(other)._factor()}")
+
+    def __floordiv__(self, other: object) -> _InC:
+        return _InC(f"{self._factor()} / {_spelled(other)._factor()}")
 
 
-SPELLED = {name: _in_c(text) for name, text in {**{n: n for n in CONSTANT_SIZES}, **DERIVED}.items()}  # in C
+def _spelled(value: object) -> _InC:
+    return value if isinstance(value, _InC) else _InC(value)
+
+
+class _NamesInC(dict[str, _InC]):
+    def __missing__(self, name: str) -> _InC:
+        return _InC(CONSTANT_SIZES.get(name, f"LAGC_{name}"))
+
+
+SPELLED = {  # in C
+    **{name: str(number) for name, number in CONSTANT_SIZES.items()},
+    **{name: formula(_NamesInC()).text for name, formula in DERIVED.items()},
+}
 
 
 @dataclass(frozen=True)
@@ -118,8 +141,11 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
 
 def _derived(sizes: dict[str, int]) -> dict[str, int]:
     """With those that are expressions of others."""
-    known = {name: text for name, text in DERIVED.items() if set(_NAME.findall(text)) <= sizes.keys()}
-    return {**sizes, **{name: eval(text, dict(sizes)) for name, text in known.items()}}
+    found = dict(sizes)
+    for name, formula in DERIVED.items():
+        with suppress(KeyError):
+            found[name] = formula(sizes)
+    return found
 
 
 def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
