@@ -126,10 +126,13 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> boo
             clear(direction, w.rests[w.turns[k]], n)
         if not shorten(direction, n):
             continue
+        along = inner(w.matrix[best], direction, n)
+        if along == 0.0:  # the rest was rounding, across the row
+            continue
         w.turns[chosen] = best
         chosen += 1
         above = w.right[best] - inner(w.matrix[best], w.step, n)
-        factor = above / inner(w.matrix[best], direction, n)
+        factor = above / along
         for j in range(n):
             w.step[j] += factor * direction[j]
         for i in range(given):

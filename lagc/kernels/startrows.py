@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from math import fabs, inf, sqrt
 
+from lagc.kernels.limits import NEARLY
 from lagc.kernels.model import fn_conditions
 from lagc.kernels.quaternions import square_at
 from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NU, NV
@@ -50,7 +51,7 @@ def weight_of(w: StartWork, i: int) -> Real:
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
     """What the residuals of w.rows at y are judged against: w.scales, its terms and what a slight part of how
     large its unknowns may be changes it by: these are not known better.  And what of it is rounding of the
-    parameters, w.floors."""
+    parameters, and where speeds take part of positions that are held, w.floors."""
     rows = w.ended
     for r in range(rows):
         i = w.rows[r]
@@ -65,6 +66,8 @@ def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
                 size = w.reach[j]
             slight += fabs(J[k]) * size
             w.floors[i] += w.doubted[k] * fabs(y[j])
+            if r >= w.positions and j < NQ and w.loose[j] == 0:
+                w.floors[i] += fabs(J[k]) * NEARLY * w.widths[j]
         w.scales[i] = sizes[i] + SLIGHT * slight
 
 

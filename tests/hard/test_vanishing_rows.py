@@ -76,6 +76,7 @@ def rolled(model: str, backend: str = "numpy") -> lagc.api.Run:
 @pytest.mark.parametrize("way", ["angles", "places"])
 @pytest.mark.parametrize(("plane", "start"), [
     *(("xz", start) for start in STARTS), *((plane, STARTS[k]) for plane in PLANES for k in (0, 1)),
+    ("tilted", (90.0, 1.5)), ("tilted", (180.0, 2.0)), ("tilted", (-90.0, 1.5)),
 ])  # fmt: skip
 def test_a_wheel_rolls_in_a_track(way: str, plane: str, start: tuple[float, float]) -> None:
     run = rolled(text(way, plane, *start))
