@@ -6,7 +6,9 @@ from __future__ import annotations
 import math
 from statistics import median
 
+import numpy
 import pytest
+from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.api import Run
@@ -53,11 +55,30 @@ def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
     system = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
     starts = {f"th[{i}]": math.pi / 2.0 + away for i in range(1, windows + 2)}
     run = _run(system, 10.0, 1e-9, starts)
-    assert abs(run.energy.imbalance) <= 5e-5
     for i in range(1, windows + 1):
         assert abs(run[f"ph[{i}]"]).max() <= 1e-6
-    if away == 0.0:  # the rank is lost there, and it is said which rows
+    if away > 0.0:
+        assert abs(run.energy.imbalance) <= 5e-5
+    else:  # the rank is lost there, and it is said which rows
         assert any("hinge[" in note for note in run.notes), run.notes
+
+
+@pytest.mark.parametrize("windows", [1, 4])
+def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
+    """There multipliers are quotients of rounding: with several windows no tolerance is reached in the
+    first step, and no such accuracy is claimed."""
+    system = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
+    starts = {f"th[{i}]": math.pi / 2.0 for i in range(1, windows + 2)}
+    times = numpy.linspace(0.0, 10.0, 101)
+    rate = 9.81 * ((windows + 1) / 2 + windows) / ((windows + 1) / 3 + windows)
+    exact = solve_ivp(lambda _, x: [x[1], rate * math.sin(x[0])], (0.0, 10.0), [math.pi / 2.0, 1.0],
+                      "DOP853", times, rtol=1e-13, atol=1e-13).y  # fmt: skip
+    for accuracy in (1e-4, 1e-6, 1e-8):
+        run = system.simulate(10.0, accuracy=accuracy, points=101, starts=starts)
+        assert run.status == "ok" or (windows > 1 and accuracy < 1e-4), run.message
+        for i in range(1, windows + 2) if run.status == "ok" else ():
+            for name, column in zip((f"th[{i}]", f"der(th[{i}])"), exact):
+                assert abs(run[name] - column).max() <= accuracy * abs(column).max()
 
 
 @pytest.mark.parametrize("windows", [1, 2, 4])
