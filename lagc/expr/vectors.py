@@ -66,7 +66,8 @@ def matmul(a: Matrix, b: Matrix) -> Matrix:
 
 def axis_rates(axes: Matrix, w: Vector) -> dict[Node, Node]:
     """d(axes)/dt for unit vectors that are the columns of `axes` and turn by w, in their own axes:
-    e_k' = w x e_k.  By component, those that are no constants."""
+    e_k' = w x e_k.  Of the components those that are sums; those of others
+    follow from what they are made of."""
     found: dict[Node, Node] = {}
     for x, y, z in axes:
         for node, rate in ((x, w[2] * y - w[1] * z), (y, w[0] * z - w[2] * x), (z, w[1] * x - w[0] * y)):

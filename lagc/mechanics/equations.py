@@ -177,6 +177,11 @@ class EquationsOfMotion:
         return frozenset(own | {i for i, j in self.further_inertia if i == j})
 
     @property
+    def applied_forces(self) -> list[Node]:
+        """r = tau - h."""
+        return [self.graph.sub(tau, h) for tau, h in zip(self.given_forces, self.bias_forces)]
+
+    @property
     def lam(self) -> tuple[Node, ...]:
         """The multipliers of the rows."""
         return tuple([row.multiplier for row in self.rows])

@@ -3,32 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf
 
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
 
-MOST_SPEEDS = 20  # of a system whose mass matrix is formed though it may be solved without
+LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
+LARGEST_LIFTED = 100_000  # the same of one whose work grows with the size of the model
+SPARSE = 30  # operations for each unknown that are straight, however many unknowns
+_MOST_SPEEDS = 20
 
 
-def solvers(equations: EquationsOfMotion, most: float = inf) -> Iterator[Solver]:
-    """Those of about `most` operations at most."""
+def forms_matrix(equations: EquationsOfMotion) -> bool:
+    """Whether the mass matrix is formed though the equations may be solved without."""
+    return len(equations.v) <= _MOST_SPEEDS
+
+
+def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
+    """Those that straight-line code is made of."""
     for system in _forms(equations):
         plan = eliminate(system.structure)
         if plan is None:
             continue
         solver = Solver(system, plan)
-        if solver.size <= most:
+        if solver.size <= _most(solver):
             yield solver
+
+
+def _most(solver: Solver) -> int:
+    """Operations of a straight right-hand side."""
+    structure = solver.plan.structure
+    return LARGEST_LIFTED if structure.definitions else max(LARGEST, SPARSE * structure.size)
 
 
 def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
     raised = lifted(equations)
     if raised is not None:
         yield raised
-    if raised is None or len(equations.v) <= MOST_SPEEDS:
+    if raised is None or forms_matrix(equations):
         apart = plain(equations)
         yield apart
         one = together(equations, apart)

@@ -12,7 +12,7 @@ from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
 from lagc.optimize.kinds import kinds, rates
-from lagc.optimize.kkt import applied_forces, row_comments
+from lagc.optimize.kkt import row_comments
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 from lagc.records import replace
@@ -32,7 +32,7 @@ def system(places: Places, seldom: bool) -> Function:
         places, "system", STATE,
         (
             ("qdot", equations.qdot), ("M", _matrix(places, packed, n * (n + 1) // 2)),
-            ("r", applied_forces(equations)), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
+            ("r", equations.applied_forces), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
             ("gamma", [row.gamma for row in equations.rows]),
         ),
         "mass matrix, forces and constraint rows",

@@ -12,30 +12,15 @@ from functools import cached_property
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
 from lagc.expr.walk import reachable
-from lagc.mechanics.equations import EquationsOfMotion, Row
+from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
-from lagc.optimize.elimination import (
-    Elimination,
-    Factors,
-    Matrix,
-    factor,
-    flops,
-    pair,
-    refine,
-    residual,
-    substitute,
-)
+from lagc.optimize.elimination import Elimination, flops
+from lagc.optimize.factoring import Factors, Matrix, factor, pair, refine, residual, substitute
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 from lagc.records import dataclass
-
-
-def applied_forces(equations: EquationsOfMotion) -> list[Node]:
-    """r = tau - h."""
-    graph = equations.graph
-    return [graph.sub(tau, h) for tau, h in zip(equations.given_forces, equations.bias_forces)]
 
 
 @dataclass(frozen=True)

@@ -46,13 +46,12 @@ class Lifted:
 def plain(equations: EquationsOfMotion) -> Lifted:
     """Nothing is lifted: [M G^T; G 0], and tau - h."""
     found = {at: node for at, node in equations.mass_matrix.items() if not node.is_zero}
-    n, graph = len(equations.v), equations.graph
+    n = len(equations.v)
     for k, row in enumerate(equations.rows):
         found.update(((n + k, j), node) for j, node in row.jacobian.items() if not node.is_zero)
     entries = dict(sorted(found.items()))
-    r = [graph.sub(tau, h) for tau, h in zip(equations.given_forces, equations.bias_forces)]
     structure = Structure(n, len(equations.rows), tuple(entries))
-    return Lifted(structure, entries, {}, [*r, *_gammas(equations)])
+    return Lifted(structure, entries, {}, [*equations.applied_forces, *_gammas(equations)])
 
 
 def together(equations: EquationsOfMotion, system: Lifted) -> Lifted:

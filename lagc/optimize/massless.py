@@ -8,7 +8,6 @@ from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import rate_symbols
 from lagc.optimize.elimination import eliminate
-from lagc.optimize.kkt import applied_forces
 from lagc.optimize.lift import plain
 from lagc.records import replace
 
@@ -36,7 +35,7 @@ def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:
 def _with_units(equations: EquationsOfMotion, loose: Sequence[int]) -> EquationsOfMotion:
     matrix, given = dict(equations.further_inertia), list(equations.given_forces)
     loads = dict(equations.loads)
-    forces, one = applied_forces(equations), equations.graph.one
+    forces, one = equations.applied_forces, equations.graph.one
     for j in loose:
         rows = [row for row in equations.rows if j in row.jacobian]
         if len(rows) == 1 and forces[j].is_zero:

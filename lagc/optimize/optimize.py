@@ -8,7 +8,7 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
-from lagc.optimize.forms import MOST_SPEEDS, solvers
+from lagc.optimize.forms import forms_matrix, solvers
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import plain
@@ -19,10 +19,6 @@ from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.symbols import Places, places, weight
 from lagc.records import replace
-
-LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
-LARGEST_LIFTED = 100_000  # the same of one whose work grows with the size of the model
-SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 
 
 def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
@@ -37,10 +33,10 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
-    solver = _solver(at, work)
+    solver, rhs = _solver(at, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
-    found, read = preparation.finished(_functions(at, solver, work, preparation))
+    found, read = preparation.finished(_functions(at, solver, rhs, work, preparation))
     return Program(
         interface(
             equations,
@@ -65,28 +61,21 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
     return [*equations.qdot, *(s.value for s in equations.starts), *limits, *sources(equations)]
 
 
-def _solver(at: Places, work: bool) -> Solver | None:
-    """The form of the equations that takes the fewest operations, where a right-hand side stays within
-    `LARGEST` operations, or as many for each unknown as where little is coupled."""
-    equations = at.equations
-    most = max(LARGEST, SPARSE * (len(equations.v) + len(equations.rows)))
-    forms = [
-        solver for solver in solvers(equations, LARGEST_LIFTED)
-        if solver.size <= (LARGEST_LIFTED if solver.plan.structure.definitions else most)
-    ]  # fmt: skip
+def _solver(at: Places, work: bool) -> tuple[Solver | None, Function | None]:
+    """The form of the equations that takes the fewest operations, and its right-hand side, where one can be
+    straight."""
+    forms = [(solver, kkt.rhs(at, solver, work)) for solver in solvers(at.equations)]
     if len(forms) < 2:
-        return forms[0] if forms else None
-    return min(forms, key=lambda solver: weight(kkt.rhs(at, solver, work), len(at.constants)))
+        return forms[0] if forms else (None, None)
+    return min(forms, key=lambda form: weight(form[1], len(at.constants)))
 
 
 def _functions(
-    at: Places, solver: Solver | None, work: bool, preparation: Preparation
+    at: Places, solver: Solver | None, rhs: Function | None, work: bool, preparation: Preparation
 ) -> dict[str, Function]:
     constrained = bool(at.equations.rows)
-    made: list[Function | None] = []
-    if solver is not None:
-        made.append(kkt.rhs(at, solver, work))
-    if solver is None or constrained or len(at.equations.v) <= MOST_SPEEDS:
+    made = [rhs]
+    if solver is None or constrained or forms_matrix(at.equations):
         made.append(functions.system(at, seldom=solver is not None))
     if solver is not None and constrained:
         made += [kkt.assemble(at, solver), kkt.factorize(solver), kkt.solve(solver), kkt.refiner(solver)]

@@ -8,17 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lagc.optimize.block import Block
-from lagc.optimize.elimination import (
-    Elimination,
-    Matrix,
-    Structure,
-    eliminate,
-    factor,
-    pair,
-    refine,
-    residual,
-    substitute,
-)
+from lagc.optimize.elimination import Elimination, Structure, eliminate
+from lagc.optimize.factoring import Matrix, factor, pair, refine, residual, substitute
 from tests.optimize.interpret import interpret
 
 

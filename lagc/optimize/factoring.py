@@ -1,0 +1,239 @@
+"""Straight-line sparse factors of the matrix of the equations, along an `Elimination`, and solves with them.
+
+A substitution of w_k = sum of c_u u makes, with z = A_k. + A_kk c, of the other entries A_uj + c_u z_j,
+and within the definition A_uw + c_u z_w + A_uk c_w.  No pivoting: what goes wrong shows in `health` and
+in the residual, which the caller watches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.optimize.block import Block
+from lagc.optimize.elimination import Elimination, Entry, Step, Structure, entry
+from lagc.records import dataclass
+
+
+@dataclass(frozen=True)
+class Factors:
+    """References: L below the diagonal, 1/D, the smallest pivot ratio, and the sizes that pivots would have
+    if nothing were subtracted."""
+
+    lower: Mapping[Entry, int]
+    inverse: Mapping[int, int]
+    health: int
+    sizes: Mapping[int, int]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """References: the entries that are not zero, and the coefficients of definitions as (k, u)."""
+
+    entries: Mapping[Entry, int]
+    coefficients: Mapping[Entry, int]
+
+
+class _Factoring:
+    """The matrix while it is eliminated, and how large the positive terms of its diagonal are: of the
+    multipliers -sum of L_j^2 d_j over the speeds j."""
+
+    def __init__(self, block: Block, plan: Elimination, matrix: Matrix):
+        self.block, self.structure, self.matrix = block, plan.structure, matrix
+        self.current = dict(matrix.entries)
+        rows = plan.structure.is_row
+        self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
+        self.lessened: set[int] = set()  # what something was subtracted from
+        self.lower: dict[Entry, int] = {}
+        self.inverse: dict[int, int] = {}
+        self.health = block.one
+
+    def add(self, i: int, j: int, value: int) -> None:
+        at = entry(i, j)
+        self.current[at] = self.block.add(self.current.get(at, self.block.zero), value)
+
+    def enlarge(self, k: int, value: int) -> None:
+        self.sizes[k] = self.block.add(self.sizes.get(k, self.block.zero), value)
+
+    def pivot(self, step: Step) -> None:
+        block, k = self.block, step.unknown
+        pivot = self.current[(k, k)]
+        self.inverse[k] = block.div(block.one, pivot)
+        self._watch(k, pivot)
+        scaled = {i: self.current[entry(i, k)] for i in step.near}  # L D of this column
+        for i in step.near:
+            self.lower[(i, k)] = block.mul(scaled[i], self.inverse[k])
+        row = self.structure.is_row
+        for n, i in enumerate(step.near):
+            for j in step.near[: n + 1]:
+                share = ~block.mul(self.lower[(i, k)], scaled[j])
+                self.add(i, j, share)
+                if i == j and row(i) and not row(k):
+                    self.enlarge(i, share)
+                elif i == j:
+                    self.lessened.add(i)
+
+    def _watch(self, k: int, pivot: int) -> None:
+        """The ratio of a pivot to its size: near zero for a speed without inertia and for a redundant row, of
+        the wrong sign where the matrix is indefinite."""
+        size = self.sizes.get(k)
+        if size is None or size == pivot or (k not in self.lessened):
+            return
+        ratio = self.block.div(pivot, size)
+        first = self.health == self.block.one
+        self.health = ratio if first else self.block.apply("min", self.health, ratio)
+
+    def substitution(self, step: Step) -> None:
+        block, k = self.block, step.unknown
+        c = {u: self.matrix.coefficients[(k, u)] for u in step.definition}
+        row = {j: self.current[entry(k, j)] for j in step.near}
+        z = dict(row)
+        if step.massive:
+            own = self.current[(k, k)]
+            for u in step.definition:
+                share = block.mul(own, c[u])
+                z[u] = block.add(z[u], share) if u in z else share
+        for n, u in enumerate(step.definition):
+            for j in z:
+                if j not in c:
+                    self.add(u, j, block.mul(c[u], z[j]))
+            for w in step.definition[: n + 1]:
+                value = block.mul(c[u], z[w]) if w in z else block.zero
+                if u in row:
+                    value = block.add(value, block.mul(c[w], row[u]))
+                if not block.is_zero(value):
+                    self.add(u, w, value)
+            if k in self.sizes:
+                self.enlarge(u, block.mul(block.mul(c[u], c[u]), self.sizes[k]))
+                if k in self.lessened:
+                    self.lessened.add(u)
+
+
+def factor(block: Block, plan: Elimination, matrix: Matrix) -> Factors:
+    """L D L^T of the matrix, lifted velocities substituted.
+
+    The ratio of a speed's pivot is d/M_kk, about; that of a multiplier's, -d / sum(L_j^2 d_j) over the
+    speeds j, the size it would have without the rows eliminated before it: near zero for a
+    redundant row.  A pivot of the wrong sign makes its ratio negative.
+    """
+    work = _Factoring(block, plan, matrix)
+    for step in plan.steps:
+        if step.definition:
+            work.substitution(step)
+        else:
+            work.pivot(step)
+    return Factors(work.lower, work.inverse, work.health, work.sizes)
+
+
+def substitute(
+    block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int]
+) -> list[int]:
+    """The solution for a right-hand side, which is zero where it ends."""
+    x = [*right, *[block.zero] * (plan.structure.unknowns - len(right))]
+    for step in plan.steps:
+        k = step.unknown
+        for u in step.definition:
+            x[u] = block.add(x[u], block.mul(matrix.coefficients[(k, u)], x[k]))
+        if not step.definition:
+            for i in step.near:
+                x[i] = block.sub(x[i], block.mul(factors.lower[(i, k)], x[k]))
+    when = {step.unknown: n for n, step in enumerate(plan.steps)}
+    for step in reversed(plan.steps):
+        k = step.unknown
+        if step.definition:
+            x[k] = _combined(block, plan.structure, matrix, k, x)
+            continue
+        x[k] = block.mul(x[k], factors.inverse[k])
+        for i in sorted(step.near, key=when.__getitem__, reverse=True):  # what is known last comes last
+            x[k] = block.sub(x[k], block.mul(factors.lower[(i, k)], x[i]))
+    return x
+
+
+def _combined(block: Block, structure: Structure, matrix: Matrix, k: int, x: Sequence[int]) -> int:
+    """A lifted velocity by its definition."""
+    return _sum(block, [block.mul(matrix.coefficients[(k, u)], x[u]) for u in structure.definitions[k]])
+
+
+def residual(
+    block: Block,
+    plan: Elimination,
+    factors: Factors,
+    matrix: Matrix,
+    right: Sequence[int],
+    x: Sequence[int],
+) -> tuple[list[int], int]:
+    """What `x` leaves of `right`, and the square of its size relative to that of the right side.
+
+    Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and
+    constraints are alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for
+    the right side, so that what is driven by constraints alone is not judged by rounding errors.
+    """
+    structure = plan.structure
+    y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]
+    for k in sorted(structure.definitions):
+        y[k] = _combined(block, structure, matrix, k, y)
+    products: list[list[int]] = [[] for _ in y]
+    for (i, j), value in matrix.entries.items():
+        products[i].append(block.mul(value, y[j]))
+        if i != j:
+            products[j].append(block.mul(value, y[i]))
+    for k in sorted(structure.definitions, reverse=True):  # a force on it is one on what it is made of
+        force = _sum(block, products[k])
+        if k < len(right):
+            force = block.sub(force, right[k])
+        for u in structure.definitions[k]:
+            products[u].append(block.mul(matrix.coefficients[(k, u)], force))
+    rest = [_rest(block, right[k], products[k]) for k in range(plan.size)]
+    left = total = block.zero
+    for step in plan.pivots:
+        k = step.unknown
+        row = structure.is_row(k)
+        weight = ~factors.inverse[k] if row else factors.inverse[k]
+        left = block.add(left, block.mul(_square(block, rest[k]), weight))
+        size = _square(block, right[k])
+        if k in factors.sizes and not row:
+            size = block.add(size, _square(block, block.mul(factors.sizes[k], x[k])))
+        total = block.add(total, block.mul(size, weight))
+    return rest, block.div(left, block.add(block.const(1e-300), total))
+
+
+def refine(
+    block: Block,
+    plan: Elimination,
+    factors: Factors,
+    matrix: Matrix,
+    right: Sequence[int],
+    x: Sequence[int],
+) -> list[int]:
+    """One step of iterative refinement of the solution `x`, which lowers its residual by about the
+    factor that the residual is below the right side."""
+    rest, _ = residual(block, plan, factors, matrix, right, x)
+    return [block.add(a, da) for a, da in zip(x, substitute(block, plan, factors, matrix, rest))]
+
+
+def _sum(block: Block, terms: Sequence[int]) -> int:
+    total = block.zero
+    for term in terms:
+        total = block.add(total, term)
+    return total
+
+
+def _rest(block: Block, right: int, products: Sequence[int]) -> int:
+    for product in products:
+        right = block.sub(right, product)
+    return right
+
+
+def _square(block: Block, a: int) -> int:
+    return block.mul(a, a)
+
+
+def pair(block: Block, entries: Mapping[Entry, int], right: Sequence[int]) -> tuple[list[int], int]:
+    """The unknowns of a full positive definite 2 x 2 system, and its pivot ratio, by Cramer's rule:
+    one division on the way, where factors need two, one after the other."""
+    m, k, n = entries[(0, 0)], entries[(1, 0)], entries[(1, 1)]
+    whole = block.mul(m, n)
+    determinant = block.sub(whole, block.mul(k, k))
+    inverse = block.div(block.one, determinant)
+    first = block.sub(block.mul(n, right[0]), block.mul(k, right[1]))
+    second = block.sub(block.mul(m, right[1]), block.mul(k, right[0]))
+    return [block.mul(inverse, first), block.mul(inverse, second)], block.div(determinant, whole)
