@@ -61,7 +61,7 @@ def _potential(states: States, name: str, effect: str | None, energy: Node, kind
     conservative = not driven and not _jumps_in_time(states, energy)
     if states.quaternions:  # rounding takes them off the unit sphere: the same there as along the motion
         forces = states.to_speeds({power: graph.one})
-    else:
+    else:  # the same, in shorter terms: the gradient shares more with others than what the speeds multiply
         slopes = gradient(graph, {energy: graph.one}, states.q)
         forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
