@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from operator import attrgetter
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import VALUES
-from lagc.expr.walk import depends, missing, reachable
+from lagc.expr.walk import missing, reachable
 
 
 def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]:
@@ -19,35 +18,18 @@ def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]
     known: dict[Node, float] = dict(values)
     for node in reachable(nodes):
         if node not in known:
-            known[node] = _value(node, known)
+            known[node] = value_of(node, known)
     return [known[node] for node in nodes]
 
 
 def extend(known: dict[Node, float], nodes: Sequence[Node]) -> None:
     """Add to `known` the values of `nodes` and of all below them that it lacks; as `evaluate`."""
     for node in missing(nodes, known):
-        known[node] = _value(node, known)
+        known[node] = value_of(node, known)
 
 
-def along(node: Node, state: Mapping[Node, float], leaf: Node) -> Callable[[float], float]:
-    """`node` as a function of `leaf` alone, where the others are as in `state`."""
-    moving = depends([node], [leaf])
-    still = dict(state)
-    extend(still, [a for x in (moving or (node,)) for a in x.args if a not in moving and a is not leaf])
-    order = [x for x in sorted(moving, key=attrgetter("index")) if x is not leaf]
-    if not moving:
-        extend(still, [node])
-
-    def value(x: float) -> float:
-        still[leaf] = x
-        for below in order:
-            still[below] = _value(below, still)
-        return still[node]
-
-    return value
-
-
-def _value(node: Node, known: Mapping[Node, float]) -> float:
+def value_of(node: Node, known: Mapping[Node, float]) -> float:
+    """Of a node whose arguments are `known`."""
     op = node.op
     if op == "const":
         return float(node.value)

@@ -13,33 +13,25 @@ as much however near where it jumps or bends.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import along, evaluate
+from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import CORNER, END, ENTIRE, LOGIC, OPERATORS, POLE, STEP, Interval, smooth_as
-from lagc.expr.text import text
-from lagc.expr.walk import depends, reachable
-from lagc.mechanics.intervals import intervals
+from lagc.expr.lines import Lines, Shape, terms
+from lagc.expr.operators import LOGIC, smooth_as
+from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.magnitude import magnitudes
-from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.mechanics.switches import ENDS, STEPS, State, Switch, switches, unlike_quotients, ways_of, where
 from lagc.mechanics.zeros import zeros
-from lagc.records import dataclass
+from lagc.records import dataclass, field
 
-State: TypeAlias = dict[Node, float]
+Ranks: TypeAlias = Mapping[Node, int]  # leaves, with their order
 
-STEPS, CORNERS = smooth_as(STEP), smooth_as(CORNER)
-POLES = smooth_as(POLE) | {"mul"}
-ENDS = smooth_as(END)
-_PIECES = STEPS | CORNERS
-_BORDERS = {op: row.border for op, row in OPERATORS.items() if row.border is not None}
-_RATIONAL = frozenset(("add", "scale", "mul"))
-_ENTIRE = smooth_as(ENTIRE)
 _LOGIC = smooth_as(LOGIC)
 _ALIKE = 1e-11  # of their terms: two sides agree
 _BESIDE = 1e-6  # of the way to a change: one side of it
@@ -59,86 +51,62 @@ class Break:
 
 
 @dataclass(frozen=True, slots=True)
-class Switch:
-    """A node that may be another function where `of(side)` is zero."""
-
-    node: Node
-    side: Node
-
-    @property
-    def pieces(self) -> bool:
-        return self.node.op in _PIECES
-
-    def of(self, value: float) -> float:
-        border = _BORDERS.get(self.node.op)
-        return value if border is None else border.zero(value)
-
-    def allowed(self, interval: Interval) -> bool:
-        """Whether it never changes where `side` keeps to `interval`."""
-        low, high = interval
-        border = _BORDERS.get(self.node.op)
-        if border is not None:
-            return border.inside[0] < low and high < border.inside[1]
-        if self.node.op == "floor":
-            return math.isfinite(low) and math.isfinite(high) and math.floor(low) == math.floor(high)
-        return (low >= 0.0 or high <= 0.0) if self.pieces else (low > 0.0 or high < 0.0)
-
-    def active(self, state: State) -> bool:
-        """An angle changes on the negative axis alone."""
-        return self.node.op != "atan2" or not evaluate([self.node.args[1]], state)[0] > 0.0
-
-
-@dataclass(frozen=True, slots=True)
 class Edge:
-    """A state where a switch changes, reached from `state` along `leaf`; those before and after; how far
-    both reach."""
+    """A state where a switch changes: `state` with `leaf` at `x`; one side of it and the other are `step`
+    away, and neighbours that were looked at `reach`."""
 
     state: State
     leaf: Node
-    at: State
-    before: State
-    after: State
+    x: float
+    step: float
     reach: float
     crosses: bool
 
+    def beside(self, way: float) -> State:
+        return {**self.state, self.leaf: self.x + way}
+
+
+def ranked(leaves: Sequence[Node]) -> Ranks:
+    return {leaf: k for k, leaf in enumerate(leaves)}
+
 
 def find_break(
-    states: States, nodes: Sequence[Node], leaves: Sequence[Node], slopes: bool, rows: bool = False
+    states: States, nodes: Sequence[Node], leaves: Ranks, slopes: bool, rows: bool = False
 ) -> Break | None:
     """The first break of `nodes` that is found along `leaves`: a jump, or where `slopes` count a kink.
 
     `rows`: `nodes` are zero along the motion, which does not come to changes where one of them is not.
     """
-    graph = states.graph
     everything = states.in_rates(nodes)
-    nodes = _unlike_quotients(everything, leaves)
-    pairs = [(x, _ways(x, leaves)) for x in _switches(states, nodes, leaves, slopes)]
+    present = symbols(everything)
+    rank = {leaf: leaves[leaf] for leaf in sorted(present & leaves.keys(), key=leaves.__getitem__)}
+    nodes = unlike_quotients(everything, rank)
+    pairs = [(x, ways_of(x, rank)) for x in switches(states, nodes, rank, slopes)]
     pairs = [(x, ways) for x, ways in pairs if ways]
     if not pairs:
         return None
-    switches = [x for x, _ in pairs]
-    starts = [state for spread in (0.3, 3.0, 30.0) for state in samples(states.model, 3, spread=spread)]
+    starts = [{x: state[x] for x in present} for state in states.scattered]
     edges = [_all_edges(x, starts, ways) for x, ways in pairs]
-    if any(x.pieces for x in switches):  # no branch is left out
+    if any(x.pieces for x, _ in pairs):  # no branch is left out
         first = [{e.leaf: e for e in reversed(found) if e.state is starts[0]} for found in edges]
-        more = [_moved(e, end) for table in first for e in table.values() for end in (0.5, -0.5)]
-        for (x, ways), found in zip(pairs, edges):
-            found.extend(e for state in more for e in _edges(x, state, ways))
-    crossed = dict.fromkeys(e.leaf for found in edges for e in found)
-    rates = {leaf: tangent(graph, nodes, {leaf: graph.one}) for leaf in crossed}
+        more = [[_moved(e, end) for e in table.values() for end in (0.5, -0.5)] for table in first]
+        for found, near, (x, ways) in zip(edges, _neighbours(nodes, [x for x, _ in pairs]), pairs):
+            found.extend(e for k in near for state in more[k] for e in _edges(x, state, ways))
+    parts = _moved_parts(states.graph, nodes, dict.fromkeys(e.leaf for found in edges for e in found))
+    sight = _Sight()
     cut: Break | None = None
-    for switch, found in zip(switches, edges):
-        if rows and _never_zero(everything, switch, leaves, found):
+    for (switch, _), found in zip(pairs, edges):
+        if rows and _never_zero(sight, everything, switch, rank, found):
             continue
         if switch.pieces:
-            wrt = leaves if slopes else ()
-            kinds = {_kind(graph, nodes, wrt, e) for e in found if e.crosses}
+            wrt = rank if slopes else ()
+            kinds = {_kind(states.graph, parts[e.leaf], wrt, e) for e in found if e.crosses}
         else:
             ends = switch.node.op in ENDS or switch.node.op == "pow"  # beyond what they cross is nothing
-            kinds = {_kind_beside(nodes, rates[e.leaf], slopes, e) for e in found if not (ends and e.crosses)}
+            kinds = {_kind_beside(parts[e.leaf], slopes, e) for e in found if not (ends and e.crosses)}
         for kind in ("jump", "kink"):
             if kind in kinds:
-                broken = Break(kind, _where(switch), switch.node.op == "atan2")
+                broken = Break(kind, where(switch), switch.node.op == "atan2")
                 if not broken.cut:
                     return broken
                 cut = cut or broken
@@ -146,101 +114,92 @@ def find_break(
     return cut
 
 
-# -- what may change --------------------------------------------------------------------------
+def _neighbours(nodes: Sequence[Node], found: Sequence[Switch]) -> list[list[int]]:
+    """Of each switch, those by number that stand in one term of a sum with it: of others it shows whatever
+    their branch."""
+    numbers: dict[Node, list[int]] = {}
+    for k, x in enumerate(found):
+        numbers.setdefault(x.node, []).append(k)
+    near: list[set[int]] = [set() for _ in found]
+    for term in dict.fromkeys(t for node in nodes for t in terms(node)):
+        together = [k for x in reachable([term]) for k in numbers.get(x, ())]
+        for k in together:
+            near[k].update(together)
+    return [sorted(x) for x in near]
 
 
-def _unlike_quotients(nodes: Sequence[Node], leaves: Sequence[Node]) -> list[Node]:
-    """Those of `nodes` that are not quotients of functions analytic everywhere: where such a quotient has no
-    pole, it is smooth, and beside a pole it grows beyond bounds."""
-    moving = depends(nodes, leaves)
-    poles: set[Node] = set()
-    others: set[Node] = set()
-    for node in reachable(nodes):
-        if node not in moving or not node.args:
-            continue
-        op, args = node.op, node.args
-        if not others.isdisjoint(args) or not (op in _RATIONAL or (op in _ENTIRE and poles.isdisjoint(args))):
-            others.add(node)
-        elif not poles.isdisjoint(args) or (op == "mul" and min(node.value) < 0):
-            poles.add(node)
-    return [node for node in nodes if node in others]
+@dataclass
+class _Part:
+    """What of the nodes one leaf moves, with the rates along it."""
+
+    nodes: list[Node]
+    rates: list[Node]
+    symbols: set[Node]
+
+    def at(self, edge: Edge, way: float) -> State:
+        """The state beside `edge`, as far as the nodes depend on it."""
+        found = {x: edge.state[x] for x in self.symbols}
+        found[edge.leaf] = edge.x + way
+        return found
 
 
-def _switches(
-    states: States, nodes: Sequence[Node], leaves: Sequence[Node], slopes: bool
-) -> Iterator[Switch]:
-    ops = STEPS | POLES | (CORNERS | ENDS if slopes else frozenset())
-    below = reachable(nodes)
-    if not any(node.op in ops for node in below):
-        return
-    moving = depends(nodes, leaves)
-    switches: dict[tuple[str, Node], Switch] = {}  # of all that is divided by the same, one
-    for node in below:
-        if node.op in ops and node in moving:
-            for x in _of_node(states.graph, node):
-                switches.setdefault((node.op, x.side if node.op == "mul" else node), x)
-    found = list(switches.values())
-    if not found:
-        return
-    bounds: dict[Node, Interval] = {p.symbol: (p.minimum, p.maximum) for p in states.model.parameters}
-    kept = intervals([x.side for x in found], bounds)
-    for x in found:
-        if (x.pieces or x.side in moving) and not x.allowed(kept[x.side]):
-            yield x
+def _moved_parts(graph: Graph, nodes: Sequence[Node], leaves: Mapping[Node, None]) -> dict[Node, _Part]:
+    """By leaf; of sums, the terms that it moves."""
+    moved: dict[Node, list[dict[Node, float]]] = {leaf: [] for leaf in leaves}
+    for node in nodes:
+        by_leaf: dict[Node, dict[Node, float]] = {}
+        for term, c in terms(node).items():
+            for leaf in symbols([term]) & moved.keys():
+                by_leaf.setdefault(leaf, {})[term] = c
+        for leaf, own in by_leaf.items():
+            moved[leaf].append(own)
+    found: dict[Node, _Part] = {}
+    for leaf, tables in moved.items():
+        sums = [graph.sum(graph.scale(c, t) for t, c in own.items()) for own in tables]
+        rates = tangent(graph, sums, {leaf: graph.one})
+        found[leaf] = _Part(sums, rates, symbols([*sums, *rates]))
+    return found
 
 
-def _of_node(graph: Graph, node: Node) -> list[Switch]:
-    op, args = node.op, node.args
-    if op == "mul":
-        return [Switch(node, base) for base, exponent in zip(args, node.value) if exponent < 0]
-    if op == "pow":
-        smooth = args[1].is_const and args[1].value >= 1.0
-        return [] if smooth else [Switch(node, args[0])]
-    if op == "atan2" or len(args) == 1:
-        return [Switch(node, args[0])]
-    return [Switch(node, graph.sub(*args))]
+@dataclass
+class _Sight:
+    """Nodes as functions of single leaves, seen from states."""
 
+    shapes: dict[Node, Shape] = field(default_factory=dict)
+    lines: dict[tuple[Node, int], Lines] = field(default_factory=dict)
 
-def _together(node: Node) -> list[Node]:
-    """Expressions that are all zero where `node`, a sum of squares or its root, is."""
-    if node.op == "sqrt" or (node.op == "scale" and node.args):
-        return _together(node.args[0])
-    if node.op == "mul" and len(node.args) == 1 and node.value[0] > 0:
-        return _together(node.args[0])
-    if node.op == "add":
-        low = [x[0] for x in (intervals([a], {})[a] for a in node.args)]
-        if min(low) >= 0.0:
-            return [x for a in node.args for x in _together(a)]
-    return [node]
+    def shape(self, node: Node) -> Shape:
+        if node not in self.shapes:
+            self.shapes[node] = Shape(node)
+        return self.shapes[node]
+
+    def along(self, node: Node, state: State, leaf: Node) -> Callable[[float], float]:
+        key = (node, id(state))
+        if key not in self.lines:
+            self.lines[key] = Lines(self.shape(node), state)
+        return self.lines[key].along(leaf)
 
 
 # -- where it changes -------------------------------------------------------------------------
 
 
-def _ways(switch: Switch, leaves: Sequence[Node]) -> list[Node]:
-    """The leaves along which it may change: what stands still beside squares of others is not zero."""
-    parts = [switch.side]
-    if not switch.pieces and switch.node.op not in _BORDERS:
-        parts = _together(switch.side)
-    below = [set(reachable([part])) for part in parts]
-    return [leaf for leaf in leaves if all(leaf in x for x in below)]
-
-
 def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]:
     """The changes of `switch` that are nearest to `state`, as one of `ways` alone moves."""
+    lines = Lines(switch.shape, state)
     for leaf in ways:
-        value, start = along(switch.side, state, leaf), state[leaf]
+        value, start = lines.along(leaf), state[leaf]
         first, size = value(start), abs(start) or 1.0
         levels = [0.0]
         if switch.node.op == "floor":
             levels = [math.floor(first) + k for k in (0.0, 1.0)] if math.isfinite(first) else []
         for level in levels:
-            for zero in zeros(partial(_changes, switch, level, value), start, size):
+            change = partial(_changes, switch, level, value)
+            for zero in zeros(change, start, size, switch.shape.period(leaf)):
                 reach = max(zero.reach, size / 16.0)
                 step = _BESIDE * max(abs(zero.at), reach)
-                at, before, after = ({**state, leaf: zero.at + d} for d in (0.0, -step, step))
-                if switch.active(before) or switch.active(after):
-                    yield Edge(state, leaf, at, before, after, reach, zero.crosses)
+                edge = Edge(state, leaf, zero.at, step, reach, zero.crosses)
+                if switch.active(edge.beside(-step)) or switch.active(edge.beside(step)):
+                    yield edge
 
 
 def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> list[Edge]:
@@ -256,52 +215,53 @@ def _changes(switch: Switch, level: float, value: Callable[[float], float], x: f
 
 
 def _moved(edge: Edge, end: float) -> State:
-    x = edge.at[edge.leaf]
-    return {**edge.at, edge.leaf: x + end * max(abs(x), edge.reach)}
+    return edge.beside(end * max(abs(edge.x), edge.reach))
 
 
-def _never_zero(nodes: Sequence[Node], switch: Switch, leaves: Sequence[Node], edges: Sequence[Edge]) -> bool:
+def _never_zero(
+    sight: _Sight, nodes: Sequence[Node], switch: Switch, leaves: Ranks, edges: Sequence[Edge]
+) -> bool:
     """Whether one of `nodes` has the same sign at all `edges`, whatever the `leaves` that do not move the
     change."""
-    below = set(reachable([switch.side]))
-    for node in nodes:
-        signs = [_signs(node, e) for e in edges]
-        if not signs or any(len({pair[k] for pair in signs} | {0}) != 2 for k in (0, 1)):
+    for node in nodes if edges else ():
+        signs = [_signs(sight.along(node, e.state, e.leaf), e) for e in edges]
+        if any(len({pair[k] for pair in signs} | {0}) != 2 for k in (0, 1)):
             continue
-        free = [leaf for leaf in leaves if leaf not in below and leaf in reachable([node])]
-        lines = [(end, leaf) for end in (edges[0].before, edges[0].after) for leaf in free]
-        if not any(_meets(node, switch, end, leaf) for end, leaf in lines):
+        within = symbols([node]) - symbols([switch.side])
+        free = [leaf for leaf in leaves if leaf in within]
+        first = edges[0]
+        ends = [Lines(sight.shape(node), first.beside(way)) for way in (-first.step, first.step)]
+        if not any(_meets(end, switch, leaf) for end in ends for leaf in free):
             return True
     return False
 
 
-def _meets(node: Node, switch: Switch, state: State, leaf: Node) -> bool:
-    """Whether `node` is zero somewhere along `leaf` at the change."""
-    found = zeros(along(node, state, leaf), state[leaf], abs(state[leaf]) or 1.0)
-    return any(zero.crosses and switch.active({**state, leaf: zero.at}) for zero in found)
+def _meets(end: Lines, switch: Switch, leaf: Node) -> bool:
+    """Whether a node is zero somewhere along `leaf` at the change."""
+    start = end.known[leaf]
+    found = zeros(end.along(leaf), start, abs(start) or 1.0)
+    return any(zero.crosses and switch.active({**end.state, leaf: zero.at}) for zero in found)
 
 
-def _signs(node: Node, edge: Edge) -> list[int]:
+def _signs(value: Callable[[float], float], edge: Edge) -> list[int]:
     """On both sides of a change, the lesser first; 0 where it is small beside what it is farther away."""
-    x = edge.at[edge.leaf]
-    far = [{**edge.at, edge.leaf: x + d} for d in (-edge.reach, edge.reach)]
-    values = [evaluate([node], state)[0] for state in (edge.before, edge.after, *far)]
-    least = _LITTLE * (abs(values[2]) + abs(values[3]))
-    return sorted([(v > least) - (v < -least) for v in values[:2]])
+    x = edge.x
+    before, after, *far = (value(x + d) for d in (-edge.step, edge.step, -edge.reach, edge.reach))
+    least = _LITTLE * (abs(far[0]) + abs(far[1]))
+    return sorted([(v > least) - (v < -least) for v in (before, after)])
 
 
 # -- what changes -----------------------------------------------------------------------------
 
 
-def _kind_beside(nodes: Sequence[Node], rates: Sequence[Node], slopes: bool, edge: Edge) -> str:
-    """How `nodes`, with their `rates` along the edge's leaf, differ on both sides of an end of a domain,
+def _kind_beside(part: _Part, slopes: bool, edge: Edge) -> str:
+    """How the nodes, with their rates along the edge's leaf, differ on both sides of an end of a domain,
     however near."""
     found: list[list[tuple[float, float]]] = []
-    x = edge.at[edge.leaf]
+    nodes, n = [*part.nodes, *part.rates], len(part.nodes)
     for way in _NEARER:
         h = way * edge.reach
-        before, after = (evaluate([*nodes, *rates], {**edge.at, edge.leaf: x + d}) for d in (-h, h))
-        n = len(nodes)
+        before, after = (evaluate(nodes, part.at(edge, d)) for d in (-h, h))
         jumps = [
             (b - a - h * (q + p), abs(a) + abs(b) + 10.0 * edge.reach * (abs(p) + abs(q)))
             for a, b, p, q in zip(before, after, before[n:], after[n:])
@@ -313,7 +273,7 @@ def _kind_beside(nodes: Sequence[Node], rates: Sequence[Node], slopes: bool, edg
         if not all(math.isfinite(d) and abs(d) > _SEEN * size for d, size in series):
             continue
         ratios = [b / a for (a, _), (b, _) in pairwise(series)]
-        if k < len(nodes):
+        if k < n:
             if all(_STAYS < r < 1.0 / _STAYS for r in ratios):
                 return "jump"
         elif all(_STAYS < r < _GROWS for r in ratios):
@@ -321,10 +281,12 @@ def _kind_beside(nodes: Sequence[Node], rates: Sequence[Node], slopes: bool, edg
     return kind
 
 
-def _kind(graph: Graph, nodes: Sequence[Node], leaves: Sequence[Node], edge: Edge) -> str:
-    """How `nodes` differ in value, and in slope along `leaves`, on both sides of a change of pieces."""
-    at, after = edge.at, edge.after
-    left, right = _branch(graph, nodes, edge.before), _branch(graph, nodes, after)
+def _kind(graph: Graph, part: _Part, rank: Collection[Node], edge: Edge) -> str:
+    """How the nodes differ in value, and in slope along the leaves in `rank`, on both sides of a change of
+    pieces."""
+    before, at, after = (part.at(edge, d) for d in (-edge.step, 0.0, edge.step))
+    left, right = _branch(graph, part.nodes, before), _branch(graph, part.nodes, after)
+    leaves = [leaf for leaf in rank if leaf in part.symbols]
     kind = ""
     for a, b in zip(left, right):
         if a is b:
@@ -365,19 +327,3 @@ def _branch(graph: Graph, nodes: Sequence[Node], state: State) -> list[Node]:
         else:
             held[node] = graph.rebuild(node, args) if node.args else node
     return [held[node] for node in nodes]
-
-
-def _where(switch: Switch) -> str:
-    node, side = switch.node, text(switch.side)
-    if node.op == "floor":
-        return f"`{side}` passes a whole number"
-    if node.op in _BORDERS:
-        return f"`{side}` {_BORDERS[node.op].words}"
-    if node.op == "atan2":
-        return f"`{text(node)}` passes its cut"
-    if not switch.pieces:
-        return f"`{side}` reaches 0"
-    left, right = (*node.args, node.graph.zero)[:2]
-    if left.is_const:
-        left, right = right, left
-    return f"`{text(left)}` passes {text(right) if right.is_const else f'`{text(right)}`'}"

@@ -8,7 +8,7 @@ from typing import TypeVar
 from lagc.diagnostics.faults import Fault
 from lagc.expr.derivative import seeds
 from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import ENTIRE, smooth_as
+from lagc.expr.operators import is_analytic
 from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import Acting, act
 from lagc.mechanics.constraints import Classified, classify
@@ -18,8 +18,6 @@ from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import inertial_loads, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
-
-_ANALYTIC = smooth_as(ENTIRE) | {"const", "symbol", "add", "scale"}
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -83,16 +81,12 @@ def derive(model: Model) -> EquationsOfMotion:
 
 def _cuts(states: States) -> tuple[Fault, ...]:
     """Warnings of energies that jump; what may not break anything is not looked at."""
-    if all(_is_analytic(node) for node in states.graph.nodes):
+    breaking = {node for node in states.graph.nodes if not is_analytic(node.op, node.value)}
+    if not breaking:
         return ()
     from lagc.mechanics.smoothness import refuse_breaks  # loaded where something may
 
-    return refuse_breaks(states)
-
-
-def _is_analytic(node: Node) -> bool:
-    """As a function of its arguments, everywhere."""
-    return node.op in _ANALYTIC or (node.op == "mul" and min(node.value) > 0)
+    return refuse_breaks(states, breaking)
 
 
 def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]]]:

@@ -11,44 +11,54 @@ say the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Node
 from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
-from lagc.mechanics.breaks import CORNERS, ENDS, POLES, STEPS, Break, find_break
+from lagc.mechanics.breaks import Break, Ranks, find_break, ranked
 from lagc.mechanics.states import States
 
 _ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"
-_BREAKING = STEPS | CORNERS | POLES | ENDS
 
 
-def refuse_breaks(states: States) -> tuple[Fault, ...]:
+def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ...]:
     """Warnings, LAG0425, of energies that jump on the cut of an angle.
 
     Raises Refused: LAG0421 a constraint with a kink or jump, LAG0422 a body whose place or frame has
     one, LAG0423 an energy that jumps, LAG0424 a declared speed that does."""
-    if not any(node.op in _BREAKING for node in states.graph.nodes):
-        return ()
-    place = [*states.q, states.model.time]
-    rates = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
+    spelt = () if states.plain else states.spelt.values()
+    above = set(breaking)  # with all that is made of these
+    for node in states.graph.nodes:
+        if not above.isdisjoint(node.args):
+            above.add(node)
+    smooth = above.isdisjoint(spelt)
+
+    def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True, rows: bool = False) -> Break | None:
+        if smooth and above.isdisjoint(nodes):
+            return None
+        return find_break(states, nodes, leaves, slopes, rows)
+
+    positions = ranked(states.q)
+    place = ranked([*states.q, states.model.time])
+    rates = ranked([*states.rates, *(speed.symbol for speed in states.model.speeds)])
+    everything = ranked([*place, *rates])
     faults: list[Fault | None] = []
     for constraint in states.model.constraints:
-        broken = find_break(states, constraint.residuals, [*place, *rates], slopes=True, rows=True)
-        faults.append(_bent_row(constraint, broken))
+        faults.append(_bent_row(constraint, find(constraint.residuals, everything, rows=True)))
     for body in states.model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
-        broken = find_break(states, [*body.position, *axes], place, slopes=True)
-        faults.append(_bent_body(body, broken))
+        faults.append(_bent_body(body, find([*body.position, *axes], place)))
     for action in states.model.actions:
         if isinstance(action, Potential):
-            faults.append(_torn_energy(action.name, action.span, _jump(states, action.energy, states.q)))
+            torn = find([action.energy], positions, slopes=False)
+            faults.append(_torn_energy(action.name, action.span, torn))
         elif isinstance(action, Lagrangian):
-            faults.append(_torn_energy(action.name, action.span, _jump(states, action.function, place)))
-            bent = find_break(states, [action.function], rates, slopes=True)
-            faults.append(_torn_energy(action.name, action.span, bent))
+            for broken in (find([action.function], place, slopes=False), find([action.function], rates)):
+                faults.append(_torn_energy(action.name, action.span, broken))
     for speed in states.model.speeds:
-        faults.append(_torn_speed(speed.name, speed.span, _jump(states, speed.expression, place)))
+        torn = find([speed.expression], place, slopes=False)
+        faults.append(_torn_speed(speed.name, speed.span, torn))
     found = list(dict.fromkeys(fault for fault in faults if fault is not None))
     if any(fault.severity == "error" for fault in found):
         raise Refused(found)
@@ -57,11 +67,7 @@ def refuse_breaks(states: States) -> tuple[Fault, ...]:
 
 def jumps_in_time(states: States, energy: Node) -> bool:
     """Whether `energy` jumps at certain times: what it does then is no change of a stored energy."""
-    return _jump(states, energy, [states.model.time]) is not None
-
-
-def _jump(states: States, node: Node, leaves: Sequence[Node]) -> Break | None:
-    return find_break(states, [node], leaves, slopes=False)
+    return find_break(states, [energy], ranked([states.model.time]), slopes=False) is not None
 
 
 # -- what is said -----------------------------------------------------------------------------

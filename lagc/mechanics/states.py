@@ -7,6 +7,7 @@ from functools import cached_property
 
 from lagc.expr.derivative import gradient, seeds
 from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import Interval
 from lagc.expr.vectors import axis_rates
 from lagc.expr.walk import substitute
 from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
@@ -63,6 +64,18 @@ class States:
     def flow(self) -> dict[Node, Node]:
         """Seeds of d/dt along the motion: `drift` and v -> a."""
         return {**self.drift, **dict(zip(self.v, self.a))}
+
+    @cached_property
+    def scattered(self) -> tuple[dict[Node, float], ...]:
+        """States at random, near the start, farther and far away."""
+        from lagc.mechanics.samples import samples  # for what is asked of some models only
+
+        return tuple([x for spread in (0.3, 3.0, 30.0) for x in samples(self.model, 3, spread=spread)])
+
+    @cached_property
+    def bounds(self) -> dict[Node, Interval]:
+        """Of the parameters."""
+        return {p.symbol: (p.minimum, p.maximum) for p in self.model.parameters}
 
     @cached_property
     def rest(self) -> dict[Node, Node]:

@@ -10,6 +10,7 @@ from lagc.records import dataclass
 Function = Callable[[float], float]
 
 _WAYS = tuple([2.0**k for k in (*range(-6, 13), *range(16, 65, 4))])  # sizes from the start
+_PARTS = 8  # of a period
 _MOST = 3  # zeros, the nearest ones
 _TOUCHES = 1e-9  # of what it is beside: a minimum that is zero
 _BESIDE = 1e-6
@@ -27,9 +28,13 @@ class Zero:
     crosses: bool
 
 
-def zeros(value: Function, start: float, size: float) -> list[Zero]:
-    """Those of `value` that are nearest to `start`."""
-    points = sorted([start, *(start + sign * way * size for way in _WAYS for sign in (1.0, -1.0))])
+def zeros(value: Function, start: float, size: float, period: float = math.inf) -> list[Zero]:
+    """Those of `value` that are nearest to `start`; where it has a `period`, within that."""
+    ways = [way * size for way in _WAYS]
+    if period < math.inf:
+        even = [k * period / _PARTS for k in range(1, _PARTS + 2)]
+        ways = [*(way for way in ways if way < even[0]), *even]
+    points = sorted([start, *(start + sign * way for way in ways for sign in (1.0, -1.0))])
     values = [value(x) for x in points]
     found: list[Zero] = []
     for k in range(1, len(points) - 1):

@@ -98,6 +98,36 @@ def instances(n: int) -> str:
     return f"{ball}model M\n  Ball a[{n}];\nend M;\n"
 
 
+def ladder(n: int) -> str:
+    """Two chains, and how far they are apart: n^2 derivatives, as this depends on all links before."""
+    link = "point {0}[i] = {0}[i-1] + {{sin({1}[i]), 0, cos({1}[i])}}*(1 [m]);"
+    body = "body b{0}[i] = Particle(mass = 1 [kg], at = {0}[i]);"
+    sides = "\n    ".join(text.format(*names) for names in ("Pu", "Qw") for text in (link, body))
+    return f"""model M
+  coordinate Angle u[{n}], w[{n}];
+  point P[0] = {{0, 0, 0}};
+  point Q[0] = {{1, 0, 0}};
+  for i in 1:{n} loop
+    {sides}
+    body slide[i] = Particle(mass = 1 [kg], at = norm(P[i] - Q[i])*world.x);
+  end for;
+end M;
+"""
+
+
+def roots(n: int) -> str:
+    """A body at a sum of roots that touch zero smoothly, each of one of n coordinates."""
+    declared = "".join(f"  coordinate Angle a{k}(start = 1);\n" for k in range(n))
+    place = " + ".join(f"sqrt({k + 2}*sin(a{k})^4 + sin(a{k})^6)" for k in range(n))
+    return (
+        f"model M\n{declared}  body b = Particle(mass = 3 [kg], at = {{({place})*(1 [m]), 0, 0}});\nend M;\n"
+    )
+
+
+def derived(text: str) -> None:
+    compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", text)), Choice()))
+
+
 def through(text: str) -> None:
     source = Source("m.lag", text)
     equations = compiler.derive(compiler.resolve(compiler.parse(source), Choice()))
@@ -138,7 +168,7 @@ def work(job: Callable[[Any], Any], text: Any) -> int:
 CASES = [
     (through, parameters, 200), (through, constants, 100), (through, outputs, 100), (through, effects, 100),
     (through, a_sum, 100), (through, a_product, 30), (formatted, parameters, 100),
-    (through, quotients, 20), (checked, scenes, 10),
+    (through, quotients, 20), (checked, scenes, 10), (derived, roots, 4),
 ]  # fmt: skip
 
 
@@ -148,6 +178,13 @@ def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[i
     one, two, four = (work(job, make(k * n)) for k in (1, 2, 4))
     most = 2.6 if make is a_product else 2.25  # twice as much, where it is linear
     assert four - two < most * (two - one)
+
+
+def test_breaks_are_looked_for_in_the_pieces_of_a_model() -> None:
+    """Twice as long a ladder has four times the pieces; a rung evaluated for each of its links grows faster."""
+    derived(ladder(2))
+    one, two, four = (work(derived, ladder(k * 6)) for k in (1, 2, 4))
+    assert four - two < 4.4 * (two - one)
 
 
 def in_pairs(n: int) -> tuple[Graph, list[Node]]:
