@@ -174,14 +174,14 @@ CASES = [
 
 @pytest.mark.parametrize(("job", "make", "n"), CASES, ids=[f"{c[1].__name__}-{c[0].__name__}" for c in CASES])
 def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[int], str], n: int) -> None:
-    job(make(2))  # what is loaded once
+    job(make(n))  # what is loaded, and written for many objects, once
     one, two, four = (work(job, make(k * n)) for k in (1, 2, 4))
     most = 2.6 if make is a_product else 2.25  # twice as much, where it is linear
     assert four - two < most * (two - one)
 
 
 def test_breaks_are_looked_for_in_the_pieces_of_a_model() -> None:
-    """Twice as long a ladder has four times the pieces; a rung evaluated for each of its links grows faster."""
+    """Twice as long a ladder has four times the pieces; to evaluate rungs whole is 7 times the work."""
     derived(ladder(2))
     one, two, four = (work(derived, ladder(k * 6)) for k in (1, 2, 4))
     assert four - two < 4.4 * (two - one)

@@ -62,8 +62,10 @@ def _kept(name: str, line: str, place: int) -> list[str]:
     return [f"{SHARED}[{place}] = {name};"]
 
 
-def _room(places: Collection[str], declared: Mapping[str, str]) -> int:
-    return sum(2 if _TURN.match(declared[name]) else 1 for name in places)
+def _room(places: Mapping[str, int], declared: Mapping[str, str]) -> int:
+    """What the values that have places take, one behind the other."""
+    last = next(reversed(places), None)
+    return 0 if last is None else places[last] + (2 if _TURN.match(declared[last]) else 1)
 
 
 def _words(line: str) -> list[str]:
