@@ -13,8 +13,8 @@ FILES = (
     "statuses", "limits", "trigonometry",
     "records", "binding", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening", "step", "recording",
-    "startrecords", "leastnorm", "startrows", "startsizes", "starttable", "startalone", "startsteps",
-    "startfind", "startchoice", "startsearch", "start",
+    "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",
+    "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip
 WORDS = ("words", "sizes", "tables", "model", "tableau")  # what kernels may name
 METHODS = (

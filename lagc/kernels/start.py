@@ -16,7 +16,7 @@ from lagc.kernels.startrecords import DECLARED, FIXED, UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, arrange, confine, farthest, row_begin
 from lagc.kernels.startsearch import choose, hold_little
 from lagc.kernels.startsizes import weigh
-from lagc.kernels.startsteps import attempt, strayed
+from lagc.kernels.startsteps import attempt, loosen, rough, strayed
 from lagc.kernels.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
 from lagc.kernels.tables import column, ends, quaternion
 from lagc.kernels.words import IVec, Params, Real, Status, Vec, present, public, size, vector
@@ -143,6 +143,14 @@ def lay_still(w: StartWork) -> bool:
     return found
 
 
+def met_by_terms(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
+    """Whether y meets the conditions as near by as their own terms tell."""
+    loosen(0, NU, w)
+    farthest(p, t, y, w.ended, w)
+    w.blurs[:] = w.doubted
+    return rough(w.c, w.sizes, 0, w.ended, w) <= CLOSE
+
+
 def calm(p: Params, t: Real, w: StartWork) -> None:
     """Leave as guessed what went next to no way, if what is left meets the conditions as near by: steps leave
     traces in unknowns that they need not move."""
@@ -150,12 +158,14 @@ def calm(p: Params, t: Real, w: StartWork) -> None:
         w.order[i] = w.all[i]
     confine(NE, w)
     w.let[:] = w.loose
+    exact = met_by_terms(p, t, w.y, w)
     if lay_still(w):
         attempt(p, t, w.answer, w)
         same = farthest(p, t, w.answer, w.ended, w) <= CLOSE
         for i in range(NU):
             same = same and fabs(w.answer[i] - w.y[i]) <= TRACE * w.weights[i]
-        if same:
+        w.loose[:] = w.let
+        if same and (not exact or met_by_terms(p, t, w.answer, w)):
             w.y[:] = w.answer
     w.loose[:] = w.let
 

@@ -25,6 +25,11 @@ def row_begin(i: int) -> int:
     return ends[i - 1] if i > 0 else 0
 
 
+def is_blurred(k: int, w: StartWork) -> bool:
+    """Whether a derivative is rounding: it changes by as much as it is where last places do."""
+    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.blurs[k]
+
+
 def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
     """Residuals, derivatives and sizes of the terms of all conditions."""
     if NCOND > 0:

@@ -7,8 +7,9 @@ from math import fabs, inf
 from lagc.kernels.binding import bind
 from lagc.kernels.limits import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
 from lagc.kernels.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
+from lagc.kernels.startpairs import even_out
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.startrows import SLIGHT, meet, row_begin
+from lagc.kernels.startrows import SLIGHT, is_blurred, meet, row_begin
 from lagc.kernels.tables import angle, column, ends, quaternion, unit
 from lagc.kernels.words import Params, Real, Vec, params
 
@@ -60,11 +61,6 @@ def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
     for k in range(NJ):
         change = fabs(w.trial_J[k] - w.J[k])
         w.blurs[k] = change if change > w.doubted[k] else w.doubted[k]
-
-
-def is_blurred(k: int, w: StartWork) -> bool:
-    """Whether a derivative is rounding: it changes by as much as it is where last places do."""
-    return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.blurs[k]
 
 
 def known_terms(i: int, w: StartWork) -> Real:
@@ -216,6 +212,9 @@ def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     blur(p, t, w.home, w.home, w)
     common_sizes(w)
     stretch(w)
+    for i in range(NU):
+        w.now[i] = usual(i, largest, w)
+    even_out(w)
     for i in range(NU):
         weight = usual(i, largest, w)
         width = w.common[unit[i]] if w.common[unit[i]] < MOST_WEIGHT else MOST_WEIGHT

@@ -8,8 +8,8 @@ from lagc.kernels.leastnorm import least_norm
 from lagc.kernels.limits import ACCEPTED, CLOSE, EXACT, FOLLOWING, SURELY_FOLLOWING
 from lagc.kernels.sizes import NE, NQ, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.startrows import farthest, judge, meet, norm, ratio, row_begin, weight_of
-from lagc.kernels.startsizes import blur, is_blurred
+from lagc.kernels.startrows import farthest, is_blurred, judge, meet, norm, ratio, row_begin, weight_of
+from lagc.kernels.startsizes import blur
 from lagc.kernels.tables import angle, column, ends
 from lagc.kernels.words import Params, Real, Size, Vec
 
@@ -102,7 +102,8 @@ def shortest_step(w: StartWork, m: int, turn: int) -> bool:
 
 def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Real:
     """The norm of the residuals of w.rows[first..end-1] that something free takes part in, by the terms of
-    their rows; what is no more than the rounding of rounding is none."""
+    their rows; what is no more than the rounding of rounding is none, where there were no terms at the
+    guess."""
     total = 0.0
     for k in range(first, end):
         i = w.rows[k]
@@ -112,7 +113,10 @@ def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Rea
         for e in range(begin, behind):
             free = free or (w.places[column[e]] >= 0 and not is_blurred(e, w))
         if free:
-            size = ratio(c[i], w.floors[i], sizes[i] + CLOSE * w.scales[i])
+            faint = CLOSE * w.scales[i]
+            if 0.0 < w.terms[i] and w.terms[i] < faint:
+                faint = w.terms[i]
+            size = ratio(c[i], w.floors[i], sizes[i] + faint)
             total += size * size
     return sqrt(total)
 

@@ -51,6 +51,10 @@ class Block:
             return ~self._value("const", (), -value)
         return self._value("const", (), value + 0.0)
 
+    def unsigned(self, a: int) -> int:
+        """The value number of `a` or of its negative."""
+        return a if a >= 0 else ~a
+
     def plain(self, a: int) -> int:
         """The value number that holds `a`, sign and all."""
         return a if a >= 0 else self._value("neg", (~a,))
@@ -107,7 +111,7 @@ class Block:
         return self._value("div", (a, b))
 
     def abs(self, a: int) -> int:
-        return self._value("abs", (a if a >= 0 else ~a,))
+        return self._value("abs", (self.unsigned(a),))
 
     def is_zero(self, a: int) -> bool:
         return a == self.zero or a == ~self.zero
@@ -130,6 +134,10 @@ class Block:
     def row(self, a: int) -> Row:
         """The operation that makes value number `a`."""
         return self._rows[a]
+
+    def below(self, roots: Sequence[int]) -> set[int]:
+        """The value numbers that `roots` are made of."""
+        return set(_schedule(self._rows, [self.unsigned(a) for a in roots]))
 
     # -- the result -----------------------------------------------------------
 

@@ -6,7 +6,7 @@ unknowns (a, -lam).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from lagc.expr.graph import Node
@@ -59,7 +59,10 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     first, last = len(solver.nodes), len(solver.nodes) + len(solver.system.right)
     matrix, b, qdot = solver.matrix(values[:first]), values[first:last], values[last:]
     if plan.structure.unknowns == 1:
-        x, left, health = [block.div(b[0], matrix.entries[0, 0])], block.zero, block.one
+        mass = matrix.entries[0, 0]
+        x, left, health = [block.div(b[0], mass)], block.zero, block.one
+        if block.is_zero(x[0]):
+            health = _with_inertia(block, plan, {0: block.div(block.one, mass)}, (), health)
     elif plan.structure.unknowns == plan.speeds == 2 and len(matrix.entries) == 3:
         (x, health), left = pair(block, matrix.entries, b), block.zero
     else:
@@ -67,6 +70,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
         x, left, health = substitute(block, plan, factors, matrix, b), block.zero, factors.health
         if plan.multipliers:
             _, left = residual(block, plan, factors, matrix, b, x)
+        health = _with_inertia(block, plan, factors.inverse, [*x[: plan.size], left], health)
     found = _signed(plan, x)
     a, lam = found[: plan.speeds], found[plan.speeds :]
     lowering.known.update(zip(equations.a, a))
@@ -77,6 +81,23 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     _store_all(block, "health", [health, left])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
     return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
+
+
+def _with_inertia(
+    block: Block, plan: Elimination, inverses: Mapping[int, int], found: Sequence[int], health: int
+) -> int:
+    """`health`, not above zero where a pivot of a speed is, though nothing that was `found` is divided by it:
+    there must be inertia where no force acts, too."""
+    used = block.below([*found, health])
+    for step in plan.pivots:
+        inverse = block.unsigned(inverses[step.unknown])
+        op, operands, _ = block.row(inverse)
+        if op == "div" and not plan.structure.is_row(step.unknown) and inverse not in used:
+            pivot = operands[1]
+            if block.row(pivot)[0] != "const":
+                sign = block.apply("sign", pivot)
+                health = sign if health == block.one else block.apply("min", health, sign)
+    return health
 
 
 def work_size(solver: Solver) -> int:

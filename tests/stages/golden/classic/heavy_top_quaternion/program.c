@@ -2,26 +2,27 @@
 static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 {
     const lagc_real d_ = p->d;
-    prepared[9] = d_;
+    prepared[10] = d_;
     const lagc_real m = p->m;
-    prepared[8] = m;
+    prepared[9] = m;
     const lagc_real t0 = d_ * m;
     const lagc_real t1 = d_ * t0;
     prepared[0] = t1;
     prepared[1] = t1 * 4.0;
     prepared[2] = 2.0 * t1;
     const lagc_real I1 = p->I1;
-    prepared[10] = I1;
+    prepared[11] = I1;
     const lagc_real I2 = p->I2;
-    prepared[11] = I2;
+    prepared[12] = I2;
     prepared[3] = I1 - I2;
     const lagc_real field_g = p->field_g;
-    prepared[12] = field_g;
+    prepared[13] = field_g;
     const lagc_real t2 = t0 * field_g;
     prepared[5] = t2;
     prepared[4] = 2.0 * t2;
-    prepared[6] = 0.5 * t1;
-    prepared[7] = 2.0 * d_;
+    prepared[6] = lagc_sign(I2);
+    prepared[7] = 0.5 * t1;
+    prepared[8] = 2.0 * d_;
 }
 
 /* right-hand side: qdot, accelerations, multipliers */
@@ -89,7 +90,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     health[1] = 0.0;
     /* der(o.rate.z) */
     xdot[6] = t19 * t33 + t20 * t35;
-    health[0] = t21 / t10;
+    health[0] = lagc_min(t21 / t10, p->prepared[6]);
     (void)(t);
     (void)(lam);
 }
@@ -192,7 +193,7 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t6 = o_y * o_z;
     const lagc_real t7 = o_x * o_w;
     const lagc_real t8 = o_rate_x * (t6 - t7) - o_rate_z * (o_y * o_x + o_z * o_w);
-    const lagc_real t9 = t0 * 0.5 + (t4 * t4 + (t5 * t5 + t8 * t8 * 4.0)) * p->prepared[6];
+    const lagc_real t9 = t0 * 0.5 + (t4 * t4 + (t5 * t5 + t8 * t8 * 4.0)) * p->prepared[7];
     /* kinetic energy */
     e[0] = t9;
     const lagc_real t10 = (t6 + t7) * p->prepared[4];
@@ -212,9 +213,9 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real o_w = x[0];
     const lagc_real o_z = x[3];
     const lagc_real t1 = o_w * o_z;
-    const lagc_real prepared7 = p->prepared[7];
+    const lagc_real prepared8 = p->prepared[8];
     /* X */
-    y[0] = (t0 - t1) * prepared7;
+    y[0] = (t0 - t1) * prepared8;
     const lagc_real t2 = o_z * o_z;
     const lagc_real t3 = o_x * o_x;
     /* Y */
@@ -223,7 +224,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t5 = o_x * o_w;
     const lagc_real t6 = t4 + t5;
     /* Z */
-    y[2] = prepared7 * t6;
+    y[2] = prepared8 * t6;
     const lagc_real o_rate_y = x[5];
     const lagc_real o_rate_x = x[4];
     const lagc_real o_rate_z = x[6];
@@ -234,7 +235,7 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t11 = o_rate_x * (1.0 - 2.0 * (t3 + t8)) - 2.0 * (o_rate_z * (t9 - t10));
     const lagc_real t12 = 2.0 * (o_rate_x * (t9 + t10)) - o_rate_z * (1.0 - 2.0 * (t2 + t8));
     const lagc_real t13 = o_rate_x * (t4 - t5) - o_rate_z * (t0 + t1);
-    const lagc_real t14 = t7 * 0.5 + (t11 * t11 + (t12 * t12 + t13 * t13 * 4.0)) * p->prepared[6];
+    const lagc_real t14 = t7 * 0.5 + (t11 * t11 + (t12 * t12 + t13 * t13 * 4.0)) * p->prepared[7];
     /* E */
     y[3] = t6 * p->prepared[4] + t14;
     (void)(t);
