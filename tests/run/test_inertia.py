@@ -1,4 +1,4 @@
-"""Bodies whose mass, a parameter, is zero: motion is determined where masses and rows together are regular."""
+"""Bodies whose mass, a parameter, is zero: motion is determined where masses and rows are regular."""
 
 from __future__ import annotations
 
