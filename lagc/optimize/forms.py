@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from lagc.expr.graph import Node
+from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
+from lagc.optimize.prune import sources
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
 LARGEST_LIFTED = 100_000  # the same of one whose work grows with the size of the model
@@ -38,12 +41,20 @@ def _most(solver: Solver) -> int:
 
 
 def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
+    known = symbols(sources(equations))
     raised = lifted(equations)
-    if raised is not None:
+    if raised is not None and _is_made_of(known, raised):
         yield raised
-    if raised is None or forms_matrix(equations):
-        apart = plain(equations)
-        yield apart
-        one = together(equations, apart)
-        if any(a is not b for a, b in zip(apart.right, one.right)):
-            yield one
+        if not forms_matrix(equations):
+            return
+    apart = plain(equations)
+    yield apart
+    one = together(equations, apart)
+    if any(a is not b for a, b in zip(apart.right, one.right)) and _is_made_of(known, one):
+        yield one
+
+
+def _is_made_of(known: set[Node], system: Lifted) -> bool:
+    """Whether `system` reads nothing but those symbols: what cancels where forces are put together, as those
+    inside a body do, may not where they are not, and parameters and coordinates may be for nothing else."""
+    return symbols([*system.entries.values(), *system.coefficients.values(), *system.right]) <= known

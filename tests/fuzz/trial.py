@@ -91,8 +91,8 @@ class _Trial:
         self.report.stumbles.append((label, what))
 
     def _check(self) -> bool:
-        said = self._call("check", *self.chance.choice([[], ["--json"]]))
-        if said.code == 2:
+        said = self._call("check", *self.case.options, *self.chance.choice([[], ["--json"]]))
+        if said.code == 2 and not self.case.options:
             self._stumble("check", f"exit code 2: {said.err[:200]}")
         return said.code == 0
 

@@ -161,6 +161,25 @@ def test_work_grows_as_the_number_of_bodies(family: str) -> None:
     assert steps[1] <= 1.05 * steps[0]
 
 
+INSIDE = {  # forces of a parameter that is for nothing else, some of which cancel where they are put together
+    "a pair along a rod": "force a[i] = -f*F[i].z at P[i-1];\n    force b[i] = f*F[i].z at P[i];",
+    "a pair at a point": "force a[i] = f*F[i].x at P[i];\n    force b[i] = -f*F[i].x at P[i];",
+    "against what holds": "force a[i] = f*F[1].z at P[1];",
+}
+
+
+@pytest.mark.parametrize("inside", INSIDE)
+@pytest.mark.parametrize("n", [3, 24])
+def test_forces_that_cancel_move_nothing(inside: str, n: int) -> None:
+    text = large.RELATIVE.replace("structural Integer n = 5", f"structural Integer n = {n}")
+    acting = text.replace("    body bob[i]", f"    {INSIDE[inside]}\n    body bob[i]")
+    acting = acting.replace("  parameter Mass m", "  parameter Force f = 3 [N];\n  parameter Mass m", 1)
+    assert "f*F" in acting
+    with_force, without = [lagc.loads(one).compile(backend="numpy") for one in (acting, text)]
+    rates = [system.rhs(0.0, without.start()) for system in (with_force, without)]
+    np.testing.assert_allclose(*rates, rtol=0.0, atol=1e-11 * max(abs(rates[1])))
+
+
 def test_a_health_tells_of_a_speed_without_inertia() -> None:
     """The last link has no mass: its pivot is what rounding leaves."""
     e = large.equations(large.WEIGHTED, 6)
