@@ -47,19 +47,22 @@ class _Factoring:
         self.inverse: dict[int, int] = {}
         self.health = block.one
 
+    def at(self, i: int, j: int) -> int:
+        """An entry; zero where terms cancelled that the structure knows to be there."""
+        return self.current.get(entry(i, j), self.block.zero)
+
     def add(self, i: int, j: int, value: int) -> None:
-        at = entry(i, j)
-        self.current[at] = self.block.add(self.current.get(at, self.block.zero), value)
+        self.current[entry(i, j)] = self.block.add(self.at(i, j), value)
 
     def enlarge(self, k: int, value: int) -> None:
         self.sizes[k] = self.block.add(self.sizes.get(k, self.block.zero), value)
 
     def pivot(self, step: Step) -> None:
         block, k = self.block, step.unknown
-        pivot = self.current[(k, k)]
+        pivot = self.at(k, k)
         self.inverse[k] = block.div(block.one, pivot)
         self._watch(k, pivot)
-        scaled = {i: self.current[entry(i, k)] for i in step.near}  # L D of this column
+        scaled = {i: self.at(i, k) for i in step.near}  # L D of this column
         for i in step.near:
             self.lower[(i, k)] = block.mul(scaled[i], self.inverse[k])
         row = self.structure.is_row
@@ -85,10 +88,10 @@ class _Factoring:
     def substitution(self, step: Step) -> None:
         block, k = self.block, step.unknown
         c = {u: self.matrix.coefficients[(k, u)] for u in step.definition}
-        row = {j: self.current[entry(k, j)] for j in step.near}
+        row = {j: self.at(k, j) for j in step.near}
         z = dict(row)
         if step.massive:
-            own = self.current[(k, k)]
+            own = self.at(k, k)
             for u in step.definition:
                 share = block.mul(own, c[u])
                 z[u] = block.add(z[u], share) if u in z else share

@@ -125,6 +125,18 @@ def test_trees_are_solved_to_rounding(family: str) -> None:
     assert error <= 2e-16 * condition + 2e-15
 
 
+@pytest.mark.parametrize("n", [3, 5, 8])
+def test_entries_may_cancel_that_the_structure_has(n: int) -> None:
+    """Speeds that are the rates of absolute angles, of coordinates that are relative."""
+    rates = [" + ".join(f"der(q[{j}])" for j in range(1, i + 1)) for i in range(1, n + 1)]
+    speeds = "".join(f"  speed AngularVelocity u{i} = {rate};\n" for i, rate in enumerate(rates))
+    e = large.equations(large.RODS.replace("  point P[0]", f"{speeds}  point P[0]"), n)
+    state = random_state(e, n)
+    wanted, condition = dense(e, state)
+    found = run(e, solved(e, lifted_alone(e)), state)[:n]
+    assert np.abs(found - wanted).max() <= (2e-16 * condition + 2e-15) * np.abs(wanted).max()
+
+
 @pytest.mark.parametrize("family", large.LOOPS)
 def test_loops_are_solved_to_rounding(family: str) -> None:
     e = large.equations(large.LOOPS[family], 6)
