@@ -14,6 +14,7 @@ from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
 from lagc.run.solution import Cost, Energy, Solution
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
+from lagc.run.watched import Watched
 
 Progress = Callable[[float], None]
 RTOL = 1e-9  # by hand, where nothing is said
@@ -51,11 +52,12 @@ def simulate(
         notes.append(rest[1])
     else:
         assert request.accuracy is not None
-        found = verified_run(counted, start.x, times, request.accuracy, progress)
+        watched = Watched(times)
+        found = verified_run(counted, start.x, watched, request.accuracy, progress)
         options, tried = found.options, found.tried
         demand(system, tried[0])
         told = judge(counted, found, request.accuracy, times[-1])
-        trajectory = told.trajectory
+        trajectory = watched.told(told.trajectory)
         if found.still:
             from lagc.run.still import told as still_told
 

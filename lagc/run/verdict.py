@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from lagc.limits import reached
 from lagc.records import dataclass
-from lagc.run.accuracy import FINEST, MEANINGLESS, Verified
+from lagc.run.accuracy import MEANINGLESS, Verified
 from lagc.run.names import row_name, speed_name, state_name
 from lagc.run.problem import (
     INCONSISTENT,
@@ -22,6 +22,7 @@ from lagc.run.problem import (
     System,
     Trajectory,
 )
+from lagc.run.truncation import FINEST
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance

@@ -16,14 +16,20 @@ from tests.run.integrated import DoublePendulum, Kepler, Massless, Oscillator, P
 pytestmark = pytest.mark.usefixtures("no_cache")
 
 
+@pytest.mark.parametrize(("stop", "most"), [(10.0, 10.0), (300.0, 4.0)])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12])
-def test_the_estimated_error_is_the_true_one_within_a_factor_of_5(accuracy: float) -> None:
-    run = simulate(Oscillator(), Request(stop=10.0, accuracy=accuracy))
+def test_the_estimate_is_not_less_than_the_true_error_nor_much_more(
+    accuracy: float, stop: float, most: float
+) -> None:
+    """Errors go with the tolerance here.  Of a thousand steps the estimate is twice the true error, and half
+    as much again for what is not believed of that; of few steps little is, and it is that of a run at ten
+    times the tolerance."""
+    run = simulate(Oscillator(), Request(stop=stop, accuracy=accuracy))
     true = max(abs(x - cos(t)) for t, x in zip(run.times, run.column("x")))
     assert run.status == "ok" and run.estimated is not None
     assert true <= run.estimated <= accuracy
-    if accuracy < 1e-4:  # the two pilots serve a coarser one: they know no slope, and say more than is true
-        assert run.estimated <= 5.0 * true  # of few steps it says more, too
+    if run.cost.integrations > 2:  # two tell of the coarser one
+        assert run.estimated <= most * true
 
 
 @pytest.mark.parametrize("e, accuracy", [(0.6, 1e-6), (0.9, 1e-6), (0.9, 1e-9)])

@@ -1,0 +1,146 @@
+"""The error that its steps bring to the finest of some runs, as their differences tell, and which is next.
+
+It behaves as C tol^p.  Where forces may bend or jump, C is chance, and each difference a sample of it; where
+steps are few, p is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from math import floor, inf, log10
+
+from lagc.run.distance import Sizes, spread
+from lagc.run.problem import Trajectory
+
+SAFETY = 2.0  # on every estimate
+FEW = 24.0  # steps: half of the slope found is believed
+BENT = 30.0  # on errors in proportion to their tolerances, where forces may bend or jump
+SAMPLES = 3  # of these
+NEAR = 4.0  # times the finest tolerance is the next
+CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
+FINEST = 1e-15  # no tolerance is below this
+MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
+SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
+SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
+
+Views = Sequence[tuple[Trajectory, Sizes]]  # of a run: each at some times, with the sizes of its kinds there
+
+
+class Truncation:
+    """Of `runs`, by tolerance, to which more are added, by a method of this order.  `views` of each are
+    compared; `bends`: steps may cross a bend or a jump, and errors follow no law."""
+
+    def __init__(
+        self, runs: Mapping[float, Trajectory], views: Callable[[float], Views], order: int, bends: bool
+    ):
+        self.runs, self.views, self.order, self.bends = runs, views, order, bends
+        self.found: dict[tuple[float, float], float] = {}
+
+    @property
+    def sampled(self) -> bool:
+        """Whether there are runs enough for C, where that is chance."""
+        return not self.bends or len(self.runs) > SAMPLES
+
+    def error(self) -> float:
+        """Of the finest run; infinite where there is no other."""
+        if len(self.runs) < 2:
+            return inf
+        return max(self._across_bends() if self.bends else self._by_law(), SMALLEST)
+
+    def on_difference(self) -> float:
+        """What the error of the finest run is taken for, over its difference from the next at one time."""
+        tols = sorted(self.runs)
+        return BENT * tols[0] / tols[1] if self.bends else SAFETY
+
+    def _across_bends(self) -> float:
+        """Where in a step a bend lies is chance, at every tolerance anew, and so is the part that the step
+        errs by of what it may.
+
+        What it may goes with the tolerance.  So each run is a sample of one distribution, of errors over
+        tolerances.  Few are beyond 30 times its median, and that all samples are far below it, or that the
+        finest run and all others err alike, is seldom enough where there are three.  Now and then one of
+        them is a freak, where all that a formula sees of a bend cancels: the largest of four is left out.
+        """
+        tols = sorted(self.runs)
+        found = sorted(self._difference(tols[0], tol) / tol for tol in tols[1 : 2 + SAMPLES])[:SAMPLES]
+        return BENT * found[-1] * tols[0]
+
+    def _by_law(self) -> float:
+        """The error of the next coarser run by their difference, carried on by the slope over three runs
+        where that is consistent.
+
+        Two runs may happen to err alike: their difference counts for no less than the one before
+        lets expect.
+        """
+        tols = sorted(self.runs)
+        difference, alike = self._difference(tols[0], tols[1]), self._alike(tols)
+        if len(tols) == 2:
+            return SAFETY * difference * max(1.0, alike)
+        before, step = self._difference(tols[0], tols[2]), tols[1] / tols[2]
+        if self._slope() is None:
+            return SAFETY * max(difference, before * step * step) * max(1.0, alike)
+        return SAFETY * max(difference, before * step) * max(self._gain(), alike)
+
+    def _gain(self) -> float:
+        """The error of the finest run over that of the next.  Errors of few steps follow no law: the slope is
+        believed in part."""
+        tols = sorted(self.runs)[:2]
+        steps = self.runs[tols[0]].steps
+        believed = CAUTION * steps / (steps + FEW)
+        gain: float = (tols[0] / tols[1]) ** (believed * (self._slope() or 1.0))
+        return gain
+
+    def _alike(self, tols: Sequence[float]) -> float:
+        """The error of the finer run over the difference, as the numbers of steps let expect: an error
+        goes with the power -order of it, so that runs of like numbers differ by less than they err."""
+        fine, coarse = (self.runs[tol].steps for tol in tols[:2])
+        ratio = (fine / max(coarse, 1)) ** self.order
+        return min(1.0 / (ratio - 1.0), MOST_ALIKE) if ratio > 1.0 else MOST_ALIKE
+
+    def _slope(self) -> float | None:
+        """p of C tol^p, from the finest runs; None where two decades disagree."""
+        tols = sorted(self.runs)[:4]
+        if len(tols) < 3:
+            return None
+        errors = [self._difference(tols[0], tol) for tol in tols[1:]]
+        if any(e <= SMALLEST for e in errors):
+            return None
+        slopes = [(log10(b) - log10(a)) / (log10(s) - log10(r))
+                  for a, b, r, s in zip(errors, errors[1:], tols[1:], tols[2:])]  # fmt: skip
+        consistent = all(SLOPES[0] <= s <= SLOPES[1] for s in slopes)
+        return min(1.0, *slopes) if consistent else None
+
+    def following(self, accuracy: float, unbalanced: bool) -> list[float]:
+        """The tolerances of the next runs, to this accuracy; the finest agree, and yet are wrong, where they
+        are `unbalanced`.  Across bends a near one tells most: a run that errs by much differs from it."""
+        fine = self._predicted(accuracy) if not unbalanced else max(FINEST, min(self.runs) / 100.0)
+        if not self.bends:
+            coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
+            return [plain(coarse), plain(coarse / 10.0)]
+        near = len(self.runs) >= SAMPLES and min(self.runs) <= NEAR * fine
+        return [plain(fine)] if near else [plain(NEAR * fine), plain(fine)]
+
+    def _predicted(self, accuracy: float) -> float:
+        """The tolerance that should meet it, in steps of a quarter decade."""
+        tols = sorted(self.runs)
+        slope, error = 1.0, self.error()
+        if not self.bends:
+            slope = self._slope() or 1.0
+            error = SAFETY * max(self._difference(tols[0], tols[1]), SMALLEST) * self._gain()
+        tol: float = tols[0] * (0.5 * accuracy / error) ** (1.0 / slope)
+        tol = max(min(tol, tols[0] / 2.0), FINEST)
+        if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
+            tol = max(tol, tols[0] / (NEAR if self.bends else 100.0))
+        fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
+        return max(FINEST, fine)
+
+    def _difference(self, fine: float, coarse: float) -> float:
+        if (fine, coarse) not in self.found:
+            pairs = zip(self.views(fine), self.views(coarse))
+            self.found[fine, coarse] = max(spread(a, b, of_a, of_b) for (a, of_a), (b, of_b) in pairs)
+        return self.found[fine, coarse]
+
+
+def plain(tol: float) -> float:
+    """To three digits: 1e-8/10 is the tolerance 1e-9 that may have been run already."""
+    return float(f"{tol:.2e}")
