@@ -65,8 +65,9 @@ def test_windows_started_at_the_flat_posture(windows: int, away: float) -> None:
 
 @pytest.mark.parametrize("windows", [1, 4])
 def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
-    """There multipliers are quotients of rounding: with several windows no tolerance is reached in the
-    first step, and no such accuracy is claimed."""
+    """There multipliers are quotients of rounding, and what a first step does is chance: energy is no bound.
+    So the motion is compared with the pendulum that it is; where a fine accuracy is not claimed, the row
+    is named."""
     system = lagc.load("classic/n_four_bar").compile(parameters={"N": windows})
     starts = {f"th[{i}]": math.pi / 2.0 for i in range(1, windows + 2)}
     times = numpy.linspace(0.0, 10.0, 101)
@@ -75,7 +76,7 @@ def test_what_is_claimed_from_the_flat_posture_is_true(windows: int) -> None:
                       "DOP853", times, rtol=1e-13, atol=1e-13).y  # fmt: skip
     for accuracy in (1e-4, 1e-6, 1e-8):
         run = system.simulate(10.0, accuracy=accuracy, points=101, starts=starts)
-        assert run.status == "ok" or (windows > 1 and accuracy < 1e-4), run.message
+        assert run.status == "ok" or (accuracy < 1e-4 and "hinge[" in run.message), run.message
         for i in range(1, windows + 2) if run.status == "ok" else ():
             for name, column in zip((f"th[{i}]", f"der(th[{i}])"), exact):
                 assert abs(run[name] - column).max() <= accuracy * abs(column).max()
