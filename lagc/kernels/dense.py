@@ -1,4 +1,4 @@
-"""The mass matrix, dense."""
+"""The mass matrix, dense; what of a row stands before its first entry costs nothing."""
 
 from __future__ import annotations
 
@@ -23,8 +23,14 @@ def mass_entry(w: Work, i: int, j: int) -> Real:
 def cholesky(w: Work) -> bool:
     """M = L L^T, packed by rows, column after column; false where M is singular."""
     for i in range(NV):
-        for j in range(i + 1):
-            w.low[i * (i + 1) // 2 + j] = mass_entry(w, i, j)
+        row = i * (i + 1) // 2
+        head = i
+        for j in range(i, -1, -1):
+            value = mass_entry(w, i, j)
+            w.low[row + j] = value
+            if value != 0.0:
+                head = j
+        w.heads[i] = head
     for k in range(NV):
         diagonal = k * (k + 1) // 2 + k
         if not w.low[diagonal] > SINGULAR * mass_entry(w, k, k):
@@ -33,6 +39,9 @@ def cholesky(w: Work) -> bool:
         pivot = sqrt(w.low[diagonal])
         w.low[diagonal] = pivot
         for i in range(k + 1, NV):
+            if w.heads[i] > k:
+                w.column[i] = 0.0
+                continue
             row = i * (i + 1) // 2
             factor = w.low[row + k] / pivot
             w.low[row + k] = factor
@@ -47,7 +56,8 @@ def lower(w: Work, z: Vec[NV]) -> None:
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
-        for k in range(i):
+        head = w.heads[i]
+        for k in range(head, i):
             value -= w.low[start + k] * z[k]
         z[i] = value / w.low[start + i]
 
@@ -58,5 +68,6 @@ def upper(w: Work, z: Vec[NV]) -> None:
         start = i * (i + 1) // 2
         value = z[i] / w.low[start + i]
         z[i] = value
-        for k in range(i):
+        head = w.heads[i]
+        for k in range(head, i):
             z[k] -= w.low[start + k] * value

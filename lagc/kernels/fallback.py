@@ -17,21 +17,43 @@ from lagc.kernels.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
 from lagc.kernels.words import Params, Real, Status, Vec, quotient, root
 
 
-def remove(v: Vec[NV], q: Vec[NV]) -> Real:
-    """Take the part of v along q away; its size."""
+def remove(w: Work, i: int, along: int) -> Real:
+    """Take the part of row i of b along another row away; its size."""
+    v = w.b[i]
+    q = w.b[along]
+    begin = w.begins[along]
+    stop = w.stops[along]
     share = 0.0
-    for i in range(NV):
-        share += v[i] * q[i]
-    for i in range(NV):
-        v[i] -= share * q[i]
+    for j in range(begin, stop):
+        share += v[j] * q[j]
+    if share != 0.0:
+        for j in range(begin, stop):
+            v[j] -= share * q[j]
+        if begin < w.begins[i]:
+            w.begins[i] = begin
+        if stop > w.stops[i]:
+            w.stops[i] = stop
     return share
 
 
-def square(v: Vec[NV]) -> Real:
+def square(w: Work, i: int) -> Real:
+    """Of the length of row i of b."""
+    v = w.b[i]
+    begin = w.begins[i]
+    stop = w.stops[i]
     value = 0.0
-    for i in range(NV):
-        value += v[i] * v[i]
+    for j in range(begin, stop):
+        value += v[j] * v[j]
     return value
+
+
+def divide(w: Work, i: int, length: Real) -> None:
+    """Row i of b over a length."""
+    v = w.b[i]
+    begin = w.begins[i]
+    stop = w.stops[i]
+    for j in range(begin, stop):
+        v[j] = v[j] / length
 
 
 def unit_row(w: Work, i: int) -> None:
@@ -40,13 +62,19 @@ def unit_row(w: Work, i: int) -> None:
     for j in range(NV):
         row[j] = w.G[i * NV + j]
     lower(w, row)
-    length = sqrt(square(row))
+    w.begins[i] = 0
+    w.stops[i] = 0
+    for j in range(NV):
+        if row[j] != 0.0:
+            if w.stops[i] == 0:
+                w.begins[i] = j
+            w.stops[i] = j + 1
+    length = sqrt(square(w, i))
     if length > 0.0:
         length = quotient(length, w.slight[i])
     w.lengths[i] = length
     if length > 0.0:
-        for j in range(NV):
-            row[j] = row[j] / length
+        divide(w, i, length)
 
 
 def steadiness(w: Work, i: int) -> Real:
@@ -84,7 +112,7 @@ def orthogonalise(w: Work, dependent: Real) -> None:
     for k in range(NC):
         longest = 0.0
         for j in range(k, NC):
-            value = square(w.b[w.order[j]])
+            value = square(w, w.order[j])
             w.free[w.order[j]] = value
             if value > longest:
                 longest = value
@@ -95,15 +123,13 @@ def orthogonalise(w: Work, dependent: Real) -> None:
         row = w.order[best]
         w.order[best] = w.order[k]
         w.order[k] = row
-        q = w.b[row]
         for j in range(k):
-            w.f[j][row] += remove(q, w.b[w.order[j]])
-        length = sqrt(square(q))
+            w.f[j][row] += remove(w, row, w.order[j])
+        length = sqrt(square(w, row))
         w.f[k][row] = length
-        for j in range(NV):
-            q[j] = q[j] / length
+        divide(w, row, length)
         for j in range(k + 1, NC):
-            w.f[k][w.order[j]] = remove(w.b[w.order[j]], q)
+            w.f[k][w.order[j]] = remove(w, w.order[j], row)
     w.rank = NC
 
 

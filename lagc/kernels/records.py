@@ -82,6 +82,7 @@ class Work:
         M: Vec[NM]  # packed by rows of the lower triangle
         force: Vec[NV]
         low: Vec[NM]
+        heads: IVec[NV]  # where rows of low begin to differ from zero
         column: Vec[NV]
         G: Vec[NG]
         gamma: Vec[NC]
@@ -95,6 +96,8 @@ class Work:
         reaches: Vec[NREACH]
         own: Vec[NKIND]
         b: Mat[NC, NV]
+        begins: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
+        stops: IVec[NC]
         f: Mat[NC, NC]
         table: Mat[NC, NC]
         normal: Mat[NC, NC]

@@ -62,7 +62,7 @@ def _kept(name: str, line: str, place: int) -> list[str]:
     return [f"{SHARED}[{place}] = {name};"]
 
 
-def _room(places: Mapping[str, int], declared: Mapping[str, str]) -> int:
+def _room(places: dict[str, int], declared: Mapping[str, str]) -> int:
     """What the values that have places take, one behind the other."""
     last = next(reversed([*places]), None)
     return 0 if last is None else places[last] + (2 if _TURN.match(declared[last]) else 1)
