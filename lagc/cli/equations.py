@@ -19,6 +19,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("text", "latex", "sympy"), default="text", help="how they are written"
     )
+    parser.add_argument(
+        "--full", action="store_true", help="all equations, where they are many, term by term"
+    )
     add_general_options(parser)
 
 
@@ -29,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
 
     equations = compiler.Compilation(library.read(options.file), choice_of(options)).equations
     with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):
-        text = write(equations, options.format)
+        text = write(equations, options.format, options.full)
     if options.json:
         model = equations.model
         print_json({"status": "ok", "model": model.name, "scene": model.scene,

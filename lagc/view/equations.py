@@ -21,9 +21,10 @@ TITLES = {
 }
 
 
-def write(equations: EquationsOfMotion, format: str = "text") -> str:
-    """The equations in `format`: text, latex or sympy."""
-    found = sheet(equations)
+def write(equations: EquationsOfMotion, format: str = "text", full: bool = True) -> str:
+    """The equations in `format`: text, latex or sympy.  Not in `full`, text and latex hold some of many, and
+    say so."""
+    found = sheet(equations, full or format == "sympy")
     if format == "latex":
         from lagc.view.latex import write_latex
 
@@ -36,13 +37,15 @@ def write(equations: EquationsOfMotion, format: str = "text") -> str:
 
 
 def write_text(found: Sheet) -> str:
-    writer = TextWriter(found.collector, found.names)
+    writer = TextWriter(found.collector, found.names, bool(found.left_out))
     lines: list[str] = []
     for kind, formulas in by_kind(found):
         if len(found.formulas) > 1:
             lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
         for formula in formulas:
             lines.append(f"{writer.sum(formula.left)} = {writer.sum(formula.right)}")
+        if kind in found.left_out:
+            lines.append(f"// ... {found.left_out[kind]}")
     legend = where(writer.seen)
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]

@@ -5,13 +5,15 @@ Each equation is the derived one up to a factor that is a number or a product of
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.records import dataclass
+from lagc.view.abridged import ALL, MOST, chosen
 from lagc.view.algebra import Algebra, NamingAlgebra, NotFinite, Polynomial, TooLarge, scaled
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names
@@ -30,9 +32,12 @@ class Formula:
 
 @dataclass(frozen=True)
 class Sheet:
+    """`left_out`: by kind, words for the formulas that are not here."""
+
     collector: Collector
     names: dict[Node, Name]
     formulas: tuple[Formula, ...]
+    left_out: dict[str, str]
 
 
 KINDS = ("shared", "kinematic", "motion", "position", "velocity")
@@ -44,15 +49,16 @@ def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
     return [(kind, formulas) for kind, formulas in kinds if formulas]
 
 
-def sheet(equations: EquationsOfMotion) -> Sheet:
-    """The formulas of `equations`, multiplied out; where that is too long, with shared parts named
-    s1, s2, ...  Raises Refused (LAG0590) where one of their numbers is not finite."""
+def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
+    """The formulas of `equations`, some where they are many and not all are asked for in `full`; multiplied
+    out, or where that is too long, with shared parts named s1, s2, ...  Raises Refused (LAG0590) where one of
+    their numbers is not finite."""
     known = nonnegative(equations)
     try:
         try:
-            return _sheet(equations, Algebra(known))
+            return _sheet(equations, Algebra(known), full)
         except TooLarge:
-            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations), known))
+            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations), known), full)
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
         remedy = "the numbers of the model are too large, or too different, to be multiplied"
@@ -63,17 +69,36 @@ def nonnegative(equations: EquationsOfMotion) -> list[Node]:
     return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
 
 
-def _sheet(equations: EquationsOfMotion, algebra: Algebra) -> Sheet:
+def _sheet(equations: EquationsOfMotion, algebra: Algebra, full: bool) -> Sheet:
     collector = collector_of(equations, algebra)
     shown = names(equations)
+    own = set(equations.v)
+    rates = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
+    parts = {
+        "kinematic": chosen([equations.q_names[i] for i in rates], full),
+        "motion": chosen(equations.v_names, full),
+        **{
+            level: chosen([row.label for row in equations.rows if row.level.value == level], full)
+            for level in ("position", "velocity")
+        },
+    }
+    left_out = {kind: part.words for kind, part in parts.items() if part.words}
+    rows = [
+        [row for row in equations.rows if row.level.value == level][k]
+        for level in ("position", "velocity") for k in parts[level].numbers
+    ]  # fmt: skip
     formulas = [
-        *_kinematic(equations, collector, shown),
-        *_motion(equations, collector),
-        *_rows(equations, collector),
+        *_kinematic(equations, collector, shown, [rates[k] for k in parts["kinematic"].numbers]),
+        *_motion(equations, collector, parts["motion"].numbers),
+        *_rows(equations, collector, rows),
     ]
     if isinstance(algebra, NamingAlgebra):
-        formulas = [*_definitions(algebra, collector, shown), *formulas]
-    return Sheet(collector, shown, tuple(formulas))
+        definitions = _definitions(algebra, collector, shown)
+        if left_out and len(definitions) > MOST:
+            left_out["shared"] = f"and {len(definitions) - MOST} more: {ALL}"
+            del definitions[MOST:]
+        formulas = [*definitions, *formulas]
+    return Sheet(collector, shown, tuple(formulas), left_out)
 
 
 def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
@@ -107,12 +132,12 @@ def _definitions(algebra: NamingAlgebra, collector: Collector, shown: dict[Node,
     return formulas
 
 
-def _kinematic(equations: EquationsOfMotion, collector: Collector, shown: dict[Node, Name]) -> list[Formula]:
-    """q' = N v + n, where that says more than q' = v."""
-    algebra, own = collector.algebra, set(equations.v)
-    known = [(i, e) for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
-    formulas = []
-    for (i, _), p in zip(known, algebra.polynomials([e for _, e in known])):
+def _kinematic(
+    equations: EquationsOfMotion, collector: Collector, shown: dict[Node, Name], which: Sequence[int]
+) -> list[Formula]:
+    """q' = N v + n of coordinates of which that says more than q' = v."""
+    algebra, formulas = collector.algebra, []
+    for i, p in zip(which, algebra.polynomials([equations.qdot[i] for i in which])):
         right = collector.factored(tidy(equations, algebra, p))
         name = shown[equations.q[i]]
         rate = equations.graph.symbol("shown rate", equations.q_names[i])
@@ -127,18 +152,21 @@ def _is_rate(equations: EquationsOfMotion, speed: Node) -> bool:
     return speed.record.kind == "rate" and not speed.record.turns
 
 
-def _motion(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
-    """M a + h - tau - G^T lam = 0, a formula a speed."""
+def _motion(equations: EquationsOfMotion, collector: Collector, which: Sequence[int]) -> list[Formula]:
+    """M a + h - tau - G^T lam = 0 along some of the speeds."""
     return [
-        Formula("motion", name, collector.collect(collector.cancel(p)), ZERO)
-        for name, p in zip(equations.v_names, motion_polynomials(equations, collector.algebra))
+        Formula("motion", equations.v_names[i], collector.collect(collector.cancel(p)), ZERO)
+        for i, p in zip(which, motion_polynomials(equations, collector.algebra, which))
     ]
 
 
-def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[Polynomial]:
+def motion_polynomials(
+    equations: EquationsOfMotion, algebra: Algebra, which: Sequence[int]
+) -> list[Polynomial]:
     """M a + h - tau - G^T lam, shortened, nothing cancelled."""
     found = []
-    for i, (h, tau) in enumerate(zip(equations.bias_forces, equations.given_forces)):
+    for i in which:
+        h, tau = equations.bias_forces[i], equations.given_forces[i]
         terms: list[tuple[Node, Node]] = []
         for j, a in enumerate(equations.a):
             entry = equations.mass_matrix.get((i, j) if i >= j else (j, i))
@@ -166,10 +194,10 @@ def tidy(equations: EquationsOfMotion, algebra: Algebra, p: Polynomial) -> Polyn
     return p
 
 
-def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
+def _rows(equations: EquationsOfMotion, collector: Collector, rows: Sequence[Row]) -> list[Formula]:
     algebra = collector.algebra
     formulas = []
-    for row, p in zip(equations.rows, algebra.polynomials([row.residual for row in equations.rows])):
+    for row, p in zip(rows, algebra.polynomials([row.residual for row in rows])):
         p = tidy(equations, algebra, p)
         by_rate = row.linear and not row.holonomic
         left = collector.collect(p, sorted(collector.rates)) if by_rate else collector.collect(p)

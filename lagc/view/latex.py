@@ -21,22 +21,36 @@ DOTS = ("", r"\dot", r"\ddot")
 
 
 def equations_latex(equations: EquationsOfMotion) -> str:
-    """For a notebook: the equations as one displayed block."""
-    return f"$$\n{write_latex(sheet(equations))}\n$$"
+    """For a notebook: the equations as one displayed block, some where they are many."""
+    return f"$$\n{write_latex(sheet(equations, full=False))}\n$$"
 
 
 def write_latex(found: Sheet) -> str:
     """One aligned block; the text needs the package amsmath."""
-    writer = LatexWriter(found.collector, found.names)
+    writer = LatexWriter(found.collector, found.names, bool(found.left_out))
     lines = []
-    for _, formulas in by_kind(found):
+    for kind, formulas in by_kind(found):
         for formula in formulas:
             lines.append(f"  {writer.sum(formula.left)} &= {writer.sum(formula.right)}")
+        if kind in found.left_out:
+            lines.append(rf"  & \ldots \text{{ {_worded(found.left_out[kind])}}}")
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+
+
+def _worded(text: str) -> str:
+    """Text among formulas."""
+    return re.sub(r"([_#$%&{}])", r"\\\1", text)
 
 
 class LatexWriter(TextWriter):
     times = r" \, "
+    index = re.compile(r"(?<=[{,])\d+(?=[,}])")
+
+    def series(self, variable: str, first: int, last: int, text: str) -> str:
+        return rf"\sum_{{{variable}={first}}}^{{{last}}} {text}"
+
+    def more(self, count: int) -> str:
+        return rf" + \ldots \text{{ ({count} more terms)}}"
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
         above = self.times.join(([top] if top != "1" or not over else []) + over)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
+from functools import cached_property
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
+from lagc.view.abridged import FEW, TERMS, Series, Term, linear, series
 from lagc.view.algebra import Exponent, Frozen
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
@@ -21,9 +24,11 @@ class TextWriter:
     """Writes sums and products; a subclass changes a notation by overriding one small method."""
 
     times = "*"
+    index = re.compile(r"(?<=[\[,])\d+(?=[,\]])")
 
-    def __init__(self, collector: Collector, names: Mapping[Node, Name]) -> None:
-        self.collector = collector
+    def __init__(self, collector: Collector, names: Mapping[Node, Name], abridged: bool = False) -> None:
+        """`abridged`: long sums are written as series, and cut."""
+        self.collector, self.abridged = collector, abridged
         self.algebra = collector.algebra
         self.names = names
         self.seen: set[Name] = set()
@@ -31,9 +36,51 @@ class TextWriter:
     # -- sums and products ----------------------------------------------------
 
     def sum(self, terms: Sum) -> str:
+        if self.abridged and len(terms.terms) > FEW:
+            return self._abridged(terms)
+        return self._added([self.product(product) for product in terms.terms])
+
+    def _abridged(self, terms: Sum) -> str:
+        plain = [Term(x.coefficient, self.product(Product(Fraction(1), x.factors))) for x in terms.terms]
+        parts = series(plain, self.index)
+        cut = self.more(len(parts) - TERMS) if len(parts) > TERMS else ""
+        return self._added([self._part(part) for part in parts[:TERMS]]) + cut
+
+    def _part(self, part: Term | Series) -> str:
+        if isinstance(part, Term):
+            return self._times(part.coefficient, part.text)
+        k = self._variable
+        pieces = [part.pieces[0]]
+        for index, piece in zip(part.indices, part.pieces[1:]):
+            pieces += [linear(*index, k, self.times), piece]
+        text = "".join(pieces)
+        if part.weight[1]:
+            weight = linear(*part.weight, k, self.times)
+            text = f"{self.parentheses(weight) if part.weight[0] else weight}{self.times}{text}"
+        sign = "-" if part.factor < 0 else ""
+        return sign + self.series(k, part.first, part.last, self._times(abs(part.factor), text))
+
+    def _times(self, c: Fraction, text: str) -> str:
+        """A coefficient and the rest of a product."""
+        top, bottom = self.coefficient(abs(c))
+        factor = self.quotient(top, [], bottom, [])
+        return ("-" if c < 0 else "") + (text if factor == "1" else f"{factor}{self.times}{text}")
+
+    @cached_property
+    def _variable(self) -> str:
+        """The letter that counts in series."""
+        taken = {name.base for name in self.names.values()}
+        return next(x for x in ("k", "j", "m", "n", "index", "count") if x not in taken or x == "count")
+
+    def series(self, variable: str, first: int, last: int, text: str) -> str:
+        return f"sum({variable} = {first}..{last}, {text})"
+
+    def more(self, count: int) -> str:
+        return f" + ... ({count} more terms)"
+
+    def _added(self, parts: Sequence[str]) -> str:
         text = ""
-        for product in terms.terms:
-            written = self.product(product)
+        for written in parts:
             if not text:
                 text = written
             elif written.startswith("-"):
