@@ -181,3 +181,56 @@ def sine_cosine(x: Real) -> Pair:
     if quarters & 2 != 0:
         return -sine, -cosine
     return sine, cosine
+
+
+def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
+    """sin x, cos x, sin y, cos y, to the bits of `sine_cosine`: C compilers run such loops over two numbers
+    at once.  An angle of less than an eighth of a turn is its own rest, less zero times pi/2."""
+    angle = vector(TWO)
+    xx = vector(TWO)
+    least = vector(TWO)
+    n = vector(TWO)
+    hi = vector(TWO)
+    lo = vector(TWO)
+    z = vector(TWO)
+    sine = vector(TWO)
+    cosine = vector(TWO)
+    angle[0] = x
+    angle[1] = y
+    for i in range(2):
+        n[i] = (angle[i] * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
+        above = angle[i] - n[i] * FIRST_PART
+        below = n[i] * FIRST_REST
+        hi[i] = above - below
+        lo[i] = (above - hi[i]) - below
+        z[i] = hi[i] * hi[i]
+        xx[i] = angle[i] * angle[i]
+        least[i] = NEAR_SQUARE * xx[i] + UNROUNDED_SQUARE
+    if not (
+        (z[0] >= least[0] or (z[0] == xx[0] and z[0] > 0.0))
+        and (z[1] >= least[1] or (z[1] == xx[1] and z[1] > 0.0))
+        and xx[0] < FAR_SQUARE
+        and xx[1] < FAR_SQUARE
+        and z[0] <= WIDEST_SQUARE
+        and z[1] <= WIDEST_SQUARE
+    ):
+        pairs[0:2] = sine_cosine(x)
+        pairs[2:4] = sine_cosine(y)
+        return
+    for i in range(2):
+        half = 0.5 * z[i]
+        rough = 1.0 - half
+        zz = z[i] * z[i]
+        zzz = z[i] * zz
+        p = (SINE_0 + z[i] * (SINE_1 + z[i] * SINE_2)) + zzz * (SINE_3 + z[i] * (SINE_4 + z[i] * SINE_5))
+        r = (COSINE_0 + z[i] * (COSINE_1 + z[i] * COSINE_2)) + zzz * (
+            COSINE_3 + z[i] * (COSINE_4 + z[i] * COSINE_5)
+        )
+        sine[i] = hi[i] + (z[i] * hi[i] * p + lo[i] * rough)
+        cosine[i] = rough + (((1.0 - rough) - half) + (zz * r - hi[i] * lo[i]))
+    for i in range(2):
+        quarters = whole(n[i])
+        s = cosine[i] if quarters & 1 != 0 else sine[i]
+        c = -sine[i] if quarters & 1 != 0 else cosine[i]
+        pairs[2 * i] = -s if quarters & 2 != 0 else s
+        pairs[2 * i + 1] = -c if quarters & 2 != 0 else c

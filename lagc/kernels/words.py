@@ -16,7 +16,8 @@ exceptions, and no memory of its own but local vectors.
     p[i]                a parameter or input by its place
     size(NX)            a size as a number, where a local takes it
     whole(a)            a Real without what is behind its point, as a Count; it is less than 2^31
-    return a, b         of a kernel that gives a Pair, which only functions of the model call
+    return a, b         of a kernel that gives a Pair, which functions of the model call
+    v[0:2] = kernel(x)  a Pair put into a vector
 """
 
 from __future__ import annotations
@@ -64,8 +65,8 @@ class Vec(Generic[N]):
     @overload
     def __setitem__(self, i: Size, value: float) -> None: ...
     @overload
-    def __setitem__(self, i: slice, value: Vec[Any] | Slice) -> None: ...
-    def __setitem__(self, i: Size | slice, value: float | Vec[Any] | Slice) -> None: ...
+    def __setitem__(self, i: slice, value: Vec[Any] | Slice | Pair) -> None: ...
+    def __setitem__(self, i: Size | slice, value: float | Vec[Any] | Slice | Pair) -> None: ...
 
 
 class IVec(Generic[N]):

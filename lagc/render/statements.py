@@ -13,6 +13,9 @@ from lagc.expr.operators import COMPARISONS, INFIX, TRUTHS
 from lagc.optimize.program import Function, uses
 from lagc.records import dataclass
 
+SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # computed ahead for an angle, and how many
+MOST_AHEAD = 16
+
 # How tightly an expression binds, in C and in Python alike.
 OR, AND, COMPARISON, SUM, PRODUCT, SIGN, ATOM = range(1, 8)
 
@@ -38,7 +41,7 @@ class Dialect:
     `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
     temporary, `store`: an assignment to an output, `load`: an entry of an input array.
     `turn`: the statement that gives sine and cosine of a value, with `sine` and `cosine` to read them; where
-    there is none they are `calls`.
+    there is none they are `calls`.  `turn_two`: of two values at once, where that is worth while.
     """
 
     calls: Mapping[str, str]
@@ -52,6 +55,7 @@ class Dialect:
     literal: Callable[[float], str] = literal
     width: int = 88
     turn: str = ""
+    turn_two: str = ""
     sine: str = ""
     cosine: str = ""
 
@@ -84,41 +88,24 @@ class _Body:
         self.binds: list[int] = [ATOM] * len(function.operations)
         self.out: list[str] = []
         self.temporaries = 0
-        self.turns: dict[int, int] = {}  # angle -> number of the pair of its sine and cosine
+        self.turns: dict[int, tuple[int, int]] = {}  # angle -> number of its call, place of its sine there
+        self.angles = self._angles()
         self.pending: list[str] = []
         self.declared: set[str] = set()
         written = {(store.array, store.index) for store in function.stores}
         loaded = set(loads(function, self.uses))
         self.overwritten = written & loaded  # entries of an in-out array: read first, stored last
+        self.stores: dict[int, list[int]] = {}
+        for position, store in enumerate(function.stores):
+            self.stores.setdefault(store.value, []).append(position)
 
     def run(self) -> list[str]:
         function = self.function
-        stores: dict[int, list[int]] = {}
-        for position, store in enumerate(function.stores):
-            stores.setdefault(store.value, []).append(position)
-        comments = function.comments
-        for k, operation in enumerate(function.operations):
-            if k in comments:
-                self.pending.append(comments[k])
-            if not self.uses[k]:
-                continue
-            if operation.op == "const":
-                assert isinstance(operation.payload, float | int)
-                self.text[k] = self.dialect.literal(operation.payload)
-                if self.text[k].startswith("-"):
-                    self.binds[k] = SIGN
-            elif operation.op == "load":
-                self._load(k)
-            else:
-                if operation.op in ("sin", "cos") and self.dialect.turn:
-                    self._turn(k)
-                else:
-                    self._expression(k)
-                if self.uses[k] > 1 and not (self.uses[k] == len(stores.get(k, ())) == 1):
-                    self._name(k)
-            if not self.overwritten:
-                for position in stores.get(k, ()):
-                    self._store(position)
+        for k in range(len(function.operations)):
+            if k in function.comments:
+                self.pending.append(function.comments[k])
+            if self.uses[k] and not self.text[k]:
+                self._value(k)
         if self.overwritten:  # all is computed before anything is lost
             for store in function.stores:
                 if function.operations[store.value].op != "const":
@@ -126,6 +113,26 @@ class _Body:
             for position in range(len(function.stores)):
                 self._store(position)
         return self.out
+
+    def _value(self, k: int) -> None:
+        operation = self.function.operations[k]
+        if operation.op == "const":
+            assert isinstance(operation.payload, float | int)
+            self.text[k] = self.dialect.literal(operation.payload)
+            if self.text[k].startswith("-"):
+                self.binds[k] = SIGN
+        elif operation.op == "load":
+            self._load(k)
+        else:
+            if operation.op in ("sin", "cos") and self.dialect.turn:
+                self._turn(k)
+            else:
+                self._expression(k)
+            if self.uses[k] > 1 and not (self.uses[k] == len(self.stores.get(k, ())) == 1):
+                self._name(k)
+        if not self.overwritten:
+            for position in self.stores.get(k, ()):
+                self._store(position)
 
     def _store(self, position: int) -> None:
         comment = self.function.comments.get(len(self.function.operations) + position)
@@ -161,14 +168,47 @@ class _Body:
             self._name(longest)
         self.text[k], self.binds[k] = text, binds
 
+    def _angles(self) -> list[int]:
+        """The angles of sines and cosines, the last first."""
+        operations = self.function.operations
+        turned = [o.operands[0] for o, n in zip(operations, self.uses) if n and o.op in ("sin", "cos")]
+        return list(dict.fromkeys(turned))[::-1]
+
     def _turn(self, k: int) -> None:
-        """One call gives both, of which one may be left unread."""
+        """One call gives both, of which one may be left unread; or those of the next angle too."""
         angle = self.function.operations[k].operands[0]
         if angle not in self.turns:
-            self.turns[angle] = len(self.turns)
-            self._statement(self.dialect.turn.format(number=self.turns[angle], value=self.text[angle]))
+            number = len({number for number, _ in self.turns.values()})
+            self.turns[angle] = number, 0
+            other = self._next_angle() if self.dialect.turn_two else None
+            if other is None:
+                self._statement(self.dialect.turn.format(number=number, value=self.text[angle]))
+            else:
+                self.turns[other] = number, 2
+                words = {"number": number, "value": self.text[angle], "other": self.text[other]}
+                self._statement(self.dialect.turn_two.format(**words))
+        number, place = self.turns[angle]
         form = self.dialect.sine if self.function.operations[k].op == "sin" else self.dialect.cosine
-        self.text[k] = form.format(number=self.turns[angle])
+        self.text[k] = form.format(number=number, sine=place, cosine=place + 1)
+
+    def _next_angle(self) -> int | None:
+        """The next one that has no call, computed now; None where it is made of more than sums and products."""
+        while self.angles and self.angles[-1] in self.turns:
+            self.angles.pop()
+        if not self.angles:
+            return None
+        ahead, asked = set[int](), [self.angles[-1]]
+        while asked:
+            k = asked.pop()
+            operation = self.function.operations[k]
+            if not self.text[k] and k not in ahead:
+                if operation.op not in SIMPLE or len(ahead) == MOST_AHEAD:
+                    return None
+                ahead.add(k)
+                asked += operation.operands
+        for k in sorted(ahead):
+            self._value(k)
+        return self.angles[-1]
 
     def _compose(self, op: str, operands: tuple[int, ...]) -> tuple[str, int]:
         text = self.text

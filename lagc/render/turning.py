@@ -1,17 +1,16 @@
-"""The kernel of sine and cosine, for models that have angles."""
+"""The kernels of sine and cosine, for models that have angles."""
 
 from __future__ import annotations
 
-from lagc.optimize.program import Program, uses
+from collections.abc import Iterable
+
 from lagc.render.kernels.assembly import Chosen, chosen
 from lagc.render.kernels.shipped import parts
 
+NAMES = ("sine_cosine", "sine_cosine_two")
 
-def turning(program: Program) -> Chosen:
-    """`sine_cosine` and what it calls, where a function of the model has a sine or cosine; else nothing."""
-    there = any(
-        n and o.op in ("sin", "cos")
-        for f in program.functions.values()
-        for o, n in zip(f.operations, uses(f))
-    )
-    return chosen(parts(), {}, ["sine_cosine"] if there else [])
+
+def turning(functions: Iterable[str]) -> Chosen:
+    """Those of NAMES that the printed `functions` of a model call, and what these call."""
+    text = "\n".join(functions)
+    return chosen(parts(), {}, [name for name in NAMES if f"{name}(" in text])

@@ -59,10 +59,8 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     names = local_names(made, ())
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
     python: dict[str, Any] = {}
-    exec(
-        "\n".join([ARITHMETIC, *sine_cosine(turning(made)), *(function_text(f, names) for f in functions)]),
-        python,
-    )
+    own = [function_text(f, names) for f in functions]
+    exec("\n".join([ARITHMETIC, *sine_cosine(turning(own)), *own]), python)
     body = "".join(
         c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
         for f in functions
@@ -72,7 +70,7 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         for f in functions
     )
     types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
-    shared = helpers(made) + "".join(runtime.sine_cosine(turning(made)))
+    shared = helpers(made) + "".join(runtime.sine_cosine(turning([body])))
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)
     subprocess.run(

@@ -16,6 +16,7 @@ CALLS = spelling("c")
 
 # Sines and cosines in double precision: see `lagc.kernels.trigonometry`.
 TURN = "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});"
+TURN_TWO = "lagc_real sc{number}[4]; lagc_sine_cosine_two({value}, {other}, sc{number});"
 
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
@@ -57,8 +58,9 @@ def function_text(
         load=load,
         literal=real.literal,
         turn=TURN if real == DOUBLE else "",
-        sine="sc{number}[0]",
-        cosine="sc{number}[1]",
+        turn_two=TURN_TWO if real == DOUBLE else "",
+        sine="sc{number}[{sine}]",
+        cosine="sc{number}[{cosine}]",
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]

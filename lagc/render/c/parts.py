@@ -13,7 +13,7 @@ PART = 300
 SHARED = "lagc_shared"
 
 _DECLARATION = re.compile(r"const (lagc_real|int) (\w+) = (.*);$")
-_TURN = re.compile(r"lagc_real (\w+)\[2\]; lagc_sine_cosine\((.*), \1\);$")  # both values share one name
+_TURN = re.compile(r"lagc_real (\w+)\[(\d)\]; lagc_sine_cosine(?:_two)?\((.*), \1\);$")  # one name for all
 _ENTRY = re.compile(r"(\w+)(->\w+)?(\[\d+\])?$")
 _WORD = re.compile(r"(?<!->)(?<!\w)[A-Za-z_]\w*")  # no member of the parameters
 
@@ -56,22 +56,25 @@ def _declared(line: str) -> str:
 
 
 def _kept(name: str, line: str, place: int) -> list[str]:
-    """A value, or two, into the shared array."""
-    if _TURN.match(line):
-        return [f"{SHARED}[{place + k}] = {name}[{k}];" for k in range(2)]
+    """A value, or those of a call, into the shared array."""
+    if turn := _TURN.match(line):
+        return [f"{SHARED}[{place + k}] = {name}[{k}];" for k in range(int(turn[2]))]
     return [f"{SHARED}[{place}] = {name};"]
 
 
 def _room(places: dict[str, int], declared: Mapping[str, str]) -> int:
     """What the values that have places take, one behind the other."""
-    last = next(reversed([*places]), None)
-    return 0 if last is None else places[last] + (2 if _TURN.match(declared[last]) else 1)
+    last = next(reversed(places), None)
+    if last is None:
+        return 0
+    turn = _TURN.match(declared[last])
+    return places[last] + (int(turn[2]) if turn else 1)
 
 
 def _words(line: str) -> list[str]:
     """The names that a line uses."""
     found, turn = _DECLARATION.match(line), _TURN.match(line)
-    return [] if line[0] == "/" else _WORD.findall(found[3] if found else turn[2] if turn else line)
+    return [] if line[0] == "/" else _WORD.findall(found[3] if found else turn[3] if turn else line)
 
 
 def _again(name: str, declared: Mapping[str, str], written: Collection[str], places: dict[str, int]) -> str:

@@ -59,12 +59,13 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
     interface = program.interface
     names = local_names(program, ())
     fields = header.places(interface)
+    functions = [function_text(f, names, fields, real) for f in program.functions.values()]
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
         demands(real),
         helpers(program),
-        *(sine_cosine(turning(program)) if real == DOUBLE else ()),
-        *(function_text(f, names, fields, real) for f in program.functions.values()),
+        *sine_cosine(turning(functions)),
+        *functions,
         *runtime.definitions(),
         *(verb.definition for verb in verbs(program, real)),
     ]

@@ -187,6 +187,10 @@ class CPrinter:
             out.append(f"{indent}{self.pointed(target.value)} = {self.pointed(value)};")
             return
         first = self.text(cut.lower) if cut.lower else "0"
+        if getattr(value, "type", VOID) == PAIR:
+            offset = "" if first == "0" else f" + {first}"
+            out.append(f"{indent}{self.text(value)[:-1]}, {self.text(target.value)}{offset});")
+            return
         end = self.operand(cut.upper, None, SHIFT) if cut.upper else self.size(kind[1])
         offset = "0"
         if isinstance(value, ast.Call):

@@ -29,9 +29,9 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
-    turn = turning(program)
-    parts += sine_cosine(turn)
-    parts += [function_text(f, names) for f in program.functions.values()]
+    own = [function_text(f, names) for f in program.functions.values()]
+    turn = turning(own)
+    parts += [*sine_cosine(turn), *own]
     parts += runtime.definitions(program, complete, turn.names)
     if complete:
         parts.append(_bounds(program.interface))
@@ -42,7 +42,7 @@ def evaluation(program: Program) -> tuple[str, str]:
     """Texts of the model's functions, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     own = [function_text(f, names) for f in program.functions.values()]
-    turn = turning(program)
+    turn = turning(own)
     sizes, *shared = runtime.evaluation(program, turn.names)
     return "\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(turn), *shared])
 
