@@ -192,7 +192,7 @@ class _Body:
         self.text[k] = form.format(number=number, sine=place, cosine=place + 1)
 
     def _next_angle(self) -> int | None:
-        """The next one that has no call, computed now; None where it is made of more than sums and products."""
+        """The next that has no call, computed now; None where more than sums and products make it."""
         while self.angles and self.angles[-1] in self.turns:
             self.angles.pop()
         if not self.angles:

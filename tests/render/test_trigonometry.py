@@ -13,6 +13,7 @@ import random
 import re
 import shutil
 import subprocess
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -42,12 +43,15 @@ HARD = (
 )  # fmt: skip
 
 
+def printed_c(calls: Iterable[str]) -> str:
+    text = "\n".join(runtime.sine_cosine(turning(calls))).replace("lagc_real", "double")
+    return f"#include <math.h>\n#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n{text}\n"
+
+
 @cache
 def kernel() -> str:
     """The printed C, and how its bits are asked for."""
-    text = "\n".join(runtime.sine_cosine(turning(CALLS))).replace("lagc_real", "double")
-    pragma = "#ifdef __clang__\n#pragma STDC FP_CONTRACT OFF\n#endif\n"
-    return f"#include <math.h>\n{pragma}{text}\n{Path(__file__).with_name('trigonometry.c').read_text()}"
+    return printed_c(CALLS) + Path(__file__).with_name("trigonometry.c").read_text()
 
 
 @cache
@@ -225,7 +229,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     used = {o.operands for o in f.operations if o.op in ("sin", "cos")}
     single, double = (len(re.findall(rf"lagc_{name}\(", text)) for name in NAMES)
     assert 0 < single + 2 * double <= len(used)
-    code = kernel().partition("#include <float.h>")[0] + text
+    code = printed_c([text]) + text
     code += "void f(const double *x, double *y);\nvoid f(const double *x, double *y) { lagc_fn_f(x, y); }\n"
     (tmp_path / "f.c").write_text(code)
     words = ["gcc", "-std=c99", *STRICT, "-O1", "-fPIC", "-shared", "f.c", "-o", "f.so", "-lm"]
@@ -233,9 +237,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     assert done.returncode == 0, done.stderr[:2000]
     space: dict[str, Any] = {}
     exec(
-        "\n\n".join(
-            [ARITHMETIC, *functions.sine_cosine(turning(CALLS)), functions.function_text(f, names)]
-        ),
+        "\n\n".join([ARITHMETIC, *functions.sine_cosine(turning(CALLS)), functions.function_text(f, names)]),
         space,
     )
     x = [random.Random(2).uniform(-4.0, 4.0) for _ in range(6)]

@@ -218,8 +218,8 @@ class Types:
         self.touch(target.value)
         if self.is_pair(value):
             match target.slice:
-                case ast.Slice(lower=ast.Constant(value=int(first)), upper=ast.Constant(value=end)):
-                    if end == first + 2 and self.of(target.value)[0] == "Vec" and self.of(value) == PAIR:
+                case ast.Slice(lower=ast.Constant(value=int(first)), upper=ast.Constant(value=last)):
+                    if last == first + 2 and self.of(target.value)[0] == "Vec" and self.of(value) == PAIR:
                         return
             raise self.fail(node, "a pair is put into two entries of a vector, v[0:2]")
         if isinstance(value, ast.Call) and identifier(value.func) == "part":

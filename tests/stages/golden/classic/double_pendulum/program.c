@@ -47,13 +47,12 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(theta2) */
     xdot[1] = der_theta2;
     const lagc_real theta1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t0 = sc0[0];
     const lagc_real theta2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(theta1, theta2, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[1];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t4 = (t0 * t1 + t2 * t3) * prepared1;
     const lagc_real t5 = p->prepared[0] - t4 * t4;
@@ -80,13 +79,12 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[1] = der_theta2;
     M[0] = p->prepared[5];
     const lagc_real theta1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
-    const lagc_real t0 = sc0[0];
     const lagc_real theta2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(theta1, theta2, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[1];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real prepared1 = p->prepared[1];
     M[1] = (t0 * t1 + t2 * t3) * prepared1;
     M[2] = p->prepared[3];
@@ -103,17 +101,16 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real der_theta1 = x[2];
     const lagc_real theta1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
+    const lagc_real theta2 = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(theta1, theta2, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real l1 = p->l1;
     const lagc_real t1 = t0 * l1;
     const lagc_real der_theta2 = x[3];
-    const lagc_real theta2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
     const lagc_real l2 = p->l2;
-    const lagc_real t2 = sc1[1] * l2;
+    const lagc_real t2 = sc0[3] * l2;
     const lagc_real t3 = der_theta1 * t1 + der_theta2 * t2;
-    const lagc_real t4 = l1 * (der_theta1 * sc0[0]) + l2 * (der_theta2 * sc1[0]);
+    const lagc_real t4 = l1 * (der_theta1 * sc0[0]) + l2 * (der_theta2 * sc0[2]);
     const lagc_real t5 = der_theta1 * der_theta1 * p->prepared[7] + (t3 * t3 + t4 * t4) * p->prepared[8];
     /* kinetic energy */
     e[0] = t5;
@@ -131,12 +128,11 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real der_theta2 = x[3];
     const lagc_real der_theta1 = x[2];
     const lagc_real theta1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(theta1, sc0);
     const lagc_real theta2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(theta2, sc1);
+    lagc_real sc0[4]; lagc_sine_cosine_two(theta1, theta2, sc0);
     const lagc_real t0 = sc0[1];
-    const lagc_real t1 = sc1[1];
-    const lagc_real t2 = p->prepared[13] * (der_theta2 * (sc0[0] * sc1[0] + t0 * t1));
+    const lagc_real t1 = sc0[3];
+    const lagc_real t2 = p->prepared[13] * (der_theta2 * (sc0[0] * sc0[2] + t0 * t1));
     const lagc_real t3 = der_theta1 * (der_theta1 * p->prepared[12] + t2) - t0 * p->prepared[14];
     /* E */
     y[0] = der_theta2 * der_theta2 * p->prepared[11] + t3 - t1 * p->prepared[4];

@@ -82,17 +82,16 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real q3 = x[2];
-    lagc_real sc0[2]; lagc_sine_cosine(q3, sc0);
-    const lagc_real t0 = sc0[1];
     const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t1 = sc1[1];
-    const lagc_real t2 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q3, q2, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[3];
+    const lagc_real t2 = sc0[2];
     const lagc_real t3 = sc0[0];
     const lagc_real q1 = x[0];
-    lagc_real sc2[2]; lagc_sine_cosine(q1, sc2);
-    const lagc_real t4 = sc2[1];
-    const lagc_real t5 = sc2[0];
+    lagc_real sc1[2]; lagc_sine_cosine(q1, sc1);
+    const lagc_real t4 = sc1[1];
+    const lagc_real t5 = sc1[0];
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t6 = t0 * prepared0 + prepared1;
@@ -221,22 +220,21 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[2] = der_q3;
     const lagc_real l2 = p->l2;
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
-    const lagc_real t0 = sc0[1];
     const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t1 = sc1[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[3];
     const lagc_real t2 = sc0[0];
-    const lagc_real t3 = sc1[0];
+    const lagc_real t3 = sc0[2];
     const lagc_real t4 = t0 * t1 - t2 * t3;
     const lagc_real l3 = p->l3;
     const lagc_real t5 = t4 * l3;
     const lagc_real t6 = t0 * l2;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t7 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t7 = sc1[1];
     const lagc_real t8 = t0 * t3 + t1 * t2;
-    const lagc_real t9 = sc2[0];
+    const lagc_real t9 = sc1[0];
     const lagc_real t10 = t4 * t7 - t8 * t9;
     const lagc_real l4 = p->l4;
     const lagc_real t11 = t10 * l4;
@@ -318,14 +316,13 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
 static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *w)
 {
     const lagc_real q3 = x[2];
-    lagc_real sc0[2]; lagc_sine_cosine(q3, sc0);
+    const lagc_real q2 = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q3, q2, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real t1 = t0 * p->prepared[2];
-    const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t2 = sc1[1];
+    const lagc_real t2 = sc0[3];
     const lagc_real prepared9 = p->prepared[9];
-    const lagc_real t3 = sc1[0];
+    const lagc_real t3 = sc0[2];
     const lagc_real t4 = sc0[0];
     const lagc_real t5 = t3 * t4;
     const lagc_real t6 = t2 * (t0 * prepared9 + p->prepared[10] + p->prepared[11]) - prepared9 * t5;
@@ -343,10 +340,10 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[4] = t11;
     w[3] = t11 + (t9 - t10);
     const lagc_real q1 = x[0];
-    lagc_real sc2[2]; lagc_sine_cosine(q1, sc2);
-    const lagc_real t12 = sc2[0];
+    lagc_real sc1[2]; lagc_sine_cosine(q1, sc1);
+    const lagc_real t12 = sc1[0];
     const lagc_real l2 = p->l2;
-    const lagc_real t13 = sc2[1];
+    const lagc_real t13 = sc1[1];
     const lagc_real t14 = t3 * t13 + t2 * t12;
     const lagc_real l3 = p->l3;
     const lagc_real t15 = t2 * t13 - t3 * t12;
@@ -495,19 +492,18 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
 {
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
-    const lagc_real t0 = sc0[1];
     const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t1 = sc1[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[3];
     const lagc_real t2 = sc0[0];
-    const lagc_real t3 = sc1[0];
+    const lagc_real t3 = sc0[2];
     const lagc_real t4 = t0 * t1 - t2 * t3;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t5 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t5 = sc1[1];
     const lagc_real t6 = t0 * t3 + t1 * t2;
-    const lagc_real t7 = sc2[0];
+    const lagc_real t7 = sc1[0];
     const lagc_real l4 = p->l4;
     const lagc_real l2 = p->l2;
     const lagc_real l3 = p->l3;
@@ -522,13 +518,12 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
-    const lagc_real t0 = sc0[1];
     const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[0];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real t4 = t0 * t1 + t2 * t3;
     const lagc_real der_q1 = x[3];
     const lagc_real t5 = der_q1 + x[4];
@@ -536,9 +531,9 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t7 = der_q1 * p->l2;
     const lagc_real t8 = t0 * t3 - t1 * t2;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t9 = sc2[0];
-    const lagc_real t10 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t9 = sc1[0];
+    const lagc_real t10 = sc1[1];
     const lagc_real t11 = (t5 + x[5]) * p->l4;
     /* ring[1], four_bar.lag:32 */
     psi[0] = -(t4 * t6 + (t2 * t7 + (t8 * t9 + t4 * t10) * t11));
@@ -551,21 +546,20 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
+    const lagc_real q2 = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real l2 = p->l2;
-    const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t1 = sc1[1];
+    const lagc_real t1 = sc0[3];
     const lagc_real t2 = sc0[0];
-    const lagc_real t3 = sc1[0];
+    const lagc_real t3 = sc0[2];
     const lagc_real t4 = t0 * t1 - t2 * t3;
     const lagc_real l3 = p->l3;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t5 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t5 = sc1[1];
     const lagc_real t6 = t0 * t3 + t1 * t2;
-    const lagc_real t7 = sc2[0];
+    const lagc_real t7 = sc1[0];
     const lagc_real l4 = p->l4;
     const lagc_real t8 = fabs(t0 * l2) + (fabs(t4 * l3) + (fabs((t4 * t5 - t6 * t7) * l4) + 1e-300));
     const lagc_real t9 = t8 + p->prepared[26];
@@ -583,20 +577,19 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
     const lagc_real t2 = t0 + t1;
     const lagc_real t3 = t2 * p->prepared[27];
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
-    const lagc_real t4 = fabs(sc0[1]);
     const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t5 = fabs(sc1[1]);
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
+    const lagc_real t4 = fabs(sc0[1]);
+    const lagc_real t5 = fabs(sc0[3]);
     const lagc_real t6 = fabs(sc0[0]);
-    const lagc_real t7 = fabs(sc1[0]);
+    const lagc_real t7 = fabs(sc0[2]);
     const lagc_real t8 = t4 * t5 + t6 * t7;
     const lagc_real t9 = t2 * t8;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t10 = fabs(sc2[1]);
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t10 = fabs(sc1[1]);
     const lagc_real t11 = t4 * t7 + t5 * t6;
-    const lagc_real t12 = fabs(sc2[0]);
+    const lagc_real t12 = fabs(sc1[0]);
     const lagc_real t13 = fabs(x[5]);
     const lagc_real t14 = t2 + t13;
     const lagc_real t15 = (t8 * t10 + t11 * t12) * t14;
@@ -620,20 +613,19 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
 static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
+    const lagc_real q2 = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
     const lagc_real t0 = fabs(sc0[0]);
     const lagc_real prepared30 = p->prepared[30];
     const lagc_real t1 = fabs(sc0[1]);
-    const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t2 = fabs(sc1[1]);
-    const lagc_real t3 = fabs(sc1[0]);
+    const lagc_real t2 = fabs(sc0[3]);
+    const lagc_real t3 = fabs(sc0[2]);
     const lagc_real t4 = t1 * t2 + t0 * t3;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t5 = fabs(sc2[0]);
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t5 = fabs(sc1[0]);
     const lagc_real t6 = t1 * t3 + t0 * t2;
-    const lagc_real t7 = fabs(sc2[1]);
+    const lagc_real t7 = fabs(sc1[1]);
     const lagc_real prepared32 = p->prepared[32];
     const lagc_real t8 = (t4 * t5 + t6 * t7) * prepared32;
     const lagc_real prepared27 = p->prepared[27];
@@ -648,18 +640,17 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
 {
     const lagc_real size0 = c[0];
     const lagc_real q2 = x[1];
-    lagc_real sc0[2]; lagc_sine_cosine(q2, sc0);
-    const lagc_real t0 = sc0[1];
     const lagc_real q1 = x[0];
-    lagc_real sc1[2]; lagc_sine_cosine(q1, sc1);
-    const lagc_real t1 = sc1[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q2, q1, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[3];
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t2 = sc2[0];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t2 = sc1[0];
     const lagc_real l4 = p->l4;
     const lagc_real t3 = t2 * l4;
-    const lagc_real t4 = sc1[0];
-    const lagc_real t5 = sc2[1];
+    const lagc_real t4 = sc0[2];
+    const lagc_real t5 = sc1[1];
     const lagc_real l3 = p->l3;
     const lagc_real t6 = l4 * t5 + l3;
     const lagc_real t7 = t1 * t3 + t4 * t6;
@@ -705,13 +696,12 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t0 = der_q1 + x[4];
     const lagc_real t1 = x[5] + t0;
     const lagc_real q2 = x[1];
-    lagc_real sc0[2]; lagc_sine_cosine(q2, sc0);
     const lagc_real q3 = x[2];
-    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
-    const lagc_real t2 = t1 * sc1[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q2, q3, sc0);
+    const lagc_real t2 = t1 * sc0[3];
     const lagc_real prepared4 = p->prepared[4];
     const lagc_real t3 = der_q1 * p->prepared[34] + sc0[1] * (t0 * p->prepared[8] + t2 * prepared4);
-    const lagc_real t4 = der_q1 * (t3 - prepared4 * (t1 * (sc0[0] * sc1[0])));
+    const lagc_real t4 = der_q1 * (t3 - prepared4 * (t1 * (sc0[0] * sc0[2])));
     const lagc_real t5 = t1 * t1 * p->prepared[33] + (t4 + t0 * (t0 * p->prepared[35] + t2 * p->prepared[36]));
     /* kinetic energy */
     e[0] = t5;
@@ -739,13 +729,12 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t0 = der_q1 + x[4];
     const lagc_real t1 = x[5] + t0;
     const lagc_real q2 = x[1];
-    lagc_real sc0[2]; lagc_sine_cosine(q2, sc0);
     const lagc_real q3 = x[2];
-    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
-    const lagc_real t2 = t1 * sc1[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q2, q3, sc0);
+    const lagc_real t2 = t1 * sc0[3];
     const lagc_real prepared4 = p->prepared[4];
     const lagc_real t3 = der_q1 * p->prepared[34] + sc0[1] * (t0 * p->prepared[8] + t2 * prepared4);
-    const lagc_real t4 = der_q1 * (t3 - prepared4 * (t1 * (sc0[0] * sc1[0])));
+    const lagc_real t4 = der_q1 * (t3 - prepared4 * (t1 * (sc0[0] * sc0[2])));
     /* E */
     y[5] = t1 * t1 * p->prepared[33] + (t4 + t0 * (t0 * p->prepared[35] + t2 * p->prepared[36]));
     (void)(t);
@@ -773,23 +762,22 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
 static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
 {
     const lagc_real q1 = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(q1, sc0);
+    const lagc_real q2 = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(q1, q2, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real l2 = p->l2;
     const lagc_real t1 = t0 * l2;
-    const lagc_real q2 = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(q2, sc1);
-    const lagc_real t2 = sc1[1];
+    const lagc_real t2 = sc0[3];
     const lagc_real t3 = sc0[0];
-    const lagc_real t4 = sc1[0];
+    const lagc_real t4 = sc0[2];
     const lagc_real t5 = t0 * t2 - t3 * t4;
     const lagc_real l3 = p->l3;
     const lagc_real t6 = t5 * l3;
     const lagc_real q3 = x[2];
-    lagc_real sc2[2]; lagc_sine_cosine(q3, sc2);
-    const lagc_real t7 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(q3, sc1);
+    const lagc_real t7 = sc1[1];
     const lagc_real t8 = t0 * t4 + t2 * t3;
-    const lagc_real t9 = sc2[0];
+    const lagc_real t9 = sc1[0];
     const lagc_real t10 = t5 * t7 - t8 * t9;
     const lagc_real l4 = p->l4;
     const lagc_real t11 = t10 * l4;

@@ -31,13 +31,12 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real t1 = sc0[0];
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t2 = sc1[0];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t2 = sc0[2];
+    const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t4 = t1 * prepared0;
     const lagc_real t5 = t0 * t0;
@@ -205,7 +204,8 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     G[12] = 0.0;
     G[14] = 0.0;
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real spin = x[5];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, spin, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real prepared1 = p->prepared[1];
     M[14] = prepared1;
@@ -216,12 +216,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[18] = t2;
     M[9] = t0 * t0 * prepared1 + t1 * t2;
     r[2] = -p->prepared[6];
-    const lagc_real spin = x[5];
-    lagc_real sc1[2]; lagc_sine_cosine(spin, sc1);
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real t4 = der_lean * t3;
     const lagc_real t5 = der_yaw * t0;
-    const lagc_real t6 = sc1[0];
+    const lagc_real t6 = sc0[2];
     const lagc_real t7 = der_yaw * t1;
     const lagc_real t8 = der_spin + t7;
     const lagc_real t9 = der_lean * t1;
@@ -239,10 +237,10 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t14 = t1 * r_;
     G[4] = t14;
     const lagc_real yaw = x[3];
-    lagc_real sc2[2]; lagc_sine_cosine(yaw, sc2);
-    const lagc_real t15 = sc2[1];
+    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
+    const lagc_real t15 = sc1[1];
     G[9] = -(t14 * t15);
-    const lagc_real t16 = sc2[0];
+    const lagc_real t16 = sc1[0];
     const lagc_real t17 = t0 * r_;
     G[10] = -(t16 * t17);
     G[11] = -(r_ * t15);
@@ -271,7 +269,8 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[1] = m;
     w[2] = m;
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real prepared1 = p->prepared[1];
     w[4] = prepared1;
@@ -286,11 +285,9 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[13] = 1.0;
     const lagc_real r_ = p->r;
     w[8] = t1 * r_;
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t3 = r_ * sc1[1];
+    const lagc_real t3 = r_ * sc0[3];
     w[10] = -(t1 * t3);
-    const lagc_real t4 = r_ * sc1[0];
+    const lagc_real t4 = r_ * sc0[2];
     w[11] = -(t0 * t4);
     w[12] = -t3;
     w[14] = -(t1 * t4);
@@ -487,16 +484,15 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
 {
     const lagc_real r_ = p->r;
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = sc0[0];
     const lagc_real der_lean = x[10];
     /* touch, rolling_disc.lag:29 */
     psi[0] = x[8] + r_ * (t0 * der_lean);
     const lagc_real t1 = sc0[1];
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t2 = sc1[0];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t2 = sc0[2];
+    const lagc_real t3 = sc0[3];
     const lagc_real der_spin = x[11];
     const lagc_real t4 = t1 * der_spin;
     const lagc_real t5 = t0 * (x[9] + t0 * der_spin);
@@ -511,18 +507,17 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real r_ = p->r;
     const lagc_real t1 = t0 * r_;
     s[0] = fabs(t1) + fabs(x[2]) * 2.0 + 1e-300;
     const lagc_real der_spin = x[11];
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t2 = sc1[1];
+    const lagc_real t2 = sc0[3];
     const lagc_real t3 = der_spin * t2;
     const lagc_real der_lean = x[10];
-    const lagc_real t4 = sc1[0];
+    const lagc_real t4 = sc0[2];
     const lagc_real t5 = der_lean * t4;
     const lagc_real der_yaw = x[9];
     const lagc_real t6 = sc0[0];
@@ -546,20 +541,19 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = fabs(sc0[1]);
     const lagc_real t1 = fabs(x[10]);
     s[0] = t0 * (t1 * t1) * p->prepared[8];
     const lagc_real t2 = fabs(x[9]);
     const lagc_real t3 = fabs(sc0[0]);
     const lagc_real t4 = t2 * t3;
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t5 = fabs(sc1[0]);
+    const lagc_real t5 = fabs(sc0[2]);
     const lagc_real prepared9 = p->prepared[9];
     const lagc_real t6 = t5 * prepared9;
     const lagc_real t7 = t4 * t6;
-    const lagc_real t8 = fabs(sc1[1]);
+    const lagc_real t8 = fabs(sc0[3]);
     const lagc_real t9 = t0 * t8;
     const lagc_real t10 = t1 * prepared9;
     const lagc_real t11 = t9 * t10;
@@ -596,15 +590,14 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
 static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = fabs(sc0[0]);
     const lagc_real prepared9 = p->prepared[9];
     s[0] = 1.0 + t0 * prepared9;
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t1 = fabs(sc1[1]);
+    const lagc_real t1 = fabs(sc0[3]);
     const lagc_real t2 = fabs(sc0[1]);
-    const lagc_real t3 = fabs(sc1[0]);
+    const lagc_real t3 = fabs(sc0[2]);
     s[1] = 1.0 + prepared9 * (t0 * t1 + (t1 + t2 * t3));
     s[2] = 1.0 + prepared9 * (t0 * t3 + (t3 + t1 * t2));
     (void)(t);
@@ -615,17 +608,16 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
 {
     const lagc_real t0 = c[1] + 1e-300;
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t1 = sc0[0];
     const lagc_real r_ = p->r;
     const lagc_real t2 = fabs(t1 * r_);
     s[0] = t0 + c[0] * t2;
     const lagc_real size3 = c[3];
     const lagc_real t3 = sc0[1];
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t4 = r_ * sc1[0];
-    const lagc_real t5 = r_ * sc1[1];
+    const lagc_real t4 = r_ * sc0[2];
+    const lagc_real t5 = r_ * sc0[3];
     const lagc_real size2 = c[2];
     const lagc_real t6 = 1e-300 + size2;
     const lagc_real t7 = size3 * (fabs(t3 * t4) + (fabs(t1 * t5) + fabs(t5))) + t6;
@@ -728,7 +720,8 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
 {
     const lagc_real z = x[2];
     const lagc_real lean = x[4];
-    lagc_real sc0[2]; lagc_sine_cosine(lean, sc0);
+    const lagc_real yaw = x[3];
+    lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
     const lagc_real t0 = sc0[1];
     const lagc_real r_ = p->r;
     const lagc_real t1 = t0 * r_;
@@ -742,11 +735,9 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     const lagc_real t4 = der_lean * t3;
     c[1] = der_z + t4;
     const lagc_real der_x = x[6];
-    const lagc_real yaw = x[3];
-    lagc_real sc1[2]; lagc_sine_cosine(yaw, sc1);
-    const lagc_real t5 = sc1[0];
+    const lagc_real t5 = sc0[2];
     const lagc_real der_spin = x[11];
-    const lagc_real t6 = sc1[1];
+    const lagc_real t6 = sc0[3];
     const lagc_real t7 = t0 * t6;
     const lagc_real t8 = der_spin * t7;
     const lagc_real t9 = der_lean * t5 + t8;

@@ -37,13 +37,12 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t0 = sc0[0];
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[1];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t4 = (t0 * t1 - t2 * t3) * prepared0;
     const lagc_real prepared1 = p->prepared[1];
@@ -128,13 +127,12 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[2] = x[5];
     M[0] = p->prepared[2];
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t0 = sc0[0];
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[1];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
     M[1] = (t0 * t1 - t2 * t3) * prepared0;
     M[2] = p->prepared[4];
@@ -169,13 +167,12 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
 {
     w[0] = p->prepared[2];
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real t0 = sc0[0];
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t1 = sc1[0];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real t0 = sc0[0];
+    const lagc_real t1 = sc0[2];
     const lagc_real t2 = sc0[1];
-    const lagc_real t3 = sc1[1];
+    const lagc_real t3 = sc0[3];
     w[1] = (t0 * t1 - t2 * t3) * p->prepared[0];
     w[2] = p->prepared[4];
     w[3] = p->m3;
@@ -295,15 +292,14 @@ static void lagc_fn_refine(const lagc_real *w, const lagc_real *r, lagc_real *s)
 static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *phi)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real r_ = p->r;
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real r_ = p->r;
     const lagc_real l = p->l;
     /* pin[1], slider_crank.lag:25 */
-    phi[0] = sc0[1] * r_ + sc1[1] * l - x[2];
+    phi[0] = sc0[1] * r_ + sc0[3] * l - x[2];
     /* pin[2], slider_crank.lag:25 */
-    phi[1] = r_ * sc0[0] - l * sc1[0];
+    phi[1] = r_ * sc0[0] - l * sc0[2];
     (void)(t);
 }
 
@@ -311,15 +307,14 @@ static void lagc_fn_position(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *psi)
 {
     const lagc_real psi_ = x[1];
-    lagc_real sc0[2]; lagc_sine_cosine(psi_, sc0);
-    const lagc_real t0 = x[4] * p->l;
     const lagc_real phi_ = x[0];
-    lagc_real sc1[2]; lagc_sine_cosine(phi_, sc1);
+    lagc_real sc0[4]; lagc_sine_cosine_two(psi_, phi_, sc0);
+    const lagc_real t0 = x[4] * p->l;
     const lagc_real t1 = x[3] * p->r;
     /* pin[1], slider_crank.lag:25 */
-    psi[0] = -(x[5] + (sc0[0] * t0 + sc1[0] * t1));
+    psi[0] = -(x[5] + (sc0[0] * t0 + sc0[2] * t1));
     /* pin[2], slider_crank.lag:25 */
-    psi[1] = t1 * sc1[1] - t0 * sc0[1];
+    psi[1] = t1 * sc0[3] - t0 * sc0[1];
     (void)(t);
 }
 
@@ -327,13 +322,12 @@ static void lagc_fn_velocity(const lagc_params *p, lagc_real t, const lagc_real 
 static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real r_ = p->r;
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real r_ = p->r;
     const lagc_real l = p->l;
-    const lagc_real t0 = fabs(sc0[1] * r_) + fabs(sc1[1] * l) + fabs(x[2]) * 2.0 + 1e-300;
-    const lagc_real t1 = fabs(l * sc1[0]) + (1e-300 + fabs(r_ * sc0[0]));
+    const lagc_real t0 = fabs(sc0[1] * r_) + fabs(sc0[3] * l) + fabs(x[2]) * 2.0 + 1e-300;
+    const lagc_real t1 = fabs(l * sc0[2]) + (1e-300 + fabs(r_ * sc0[0]));
     const lagc_real t2 = lagc_max(t0, t1) * 1e-06;
     s[0] = lagc_max(t0, t2);
     s[1] = lagc_max(t1, t2);
@@ -344,15 +338,14 @@ static void lagc_fn_scales(const lagc_params *p, lagc_real t, const lagc_real *x
 static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real psi_ = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
     const lagc_real t0 = fabs(x[3]);
     const lagc_real t1 = t0 * t0 * p->prepared[6];
-    const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
     const lagc_real t2 = fabs(x[4]);
     const lagc_real t3 = t2 * t2 * p->prepared[7];
-    s[0] = fabs(sc0[1]) * t1 + fabs(sc1[1]) * t3;
-    s[1] = t1 * fabs(sc0[0]) + t3 * fabs(sc1[0]);
+    s[0] = fabs(sc0[1]) * t1 + fabs(sc0[3]) * t3;
+    s[1] = t1 * fabs(sc0[0]) + t3 * fabs(sc0[2]);
     (void)(t);
 }
 
@@ -360,13 +353,12 @@ static void lagc_fn_gamma_sizes(const lagc_params *p, lagc_real t, const lagc_re
 static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *s)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
-    const lagc_real prepared8 = p->prepared[8];
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real prepared8 = p->prepared[8];
     const lagc_real prepared9 = p->prepared[9];
-    s[0] = 1.0 + (fabs(sc0[0]) * prepared8 + fabs(sc1[0]) * prepared9);
-    s[1] = prepared8 * fabs(sc0[1]) + prepared9 * fabs(sc1[1]);
+    s[0] = 1.0 + (fabs(sc0[0]) * prepared8 + fabs(sc0[2]) * prepared9);
+    s[1] = prepared8 * fabs(sc0[1]) + prepared9 * fabs(sc0[3]);
     (void)(t);
 }
 
@@ -376,17 +368,16 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t0 = c[1] + 1e-300;
     const lagc_real size0 = c[0];
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real psi_ = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
     const lagc_real r_ = p->r;
     const lagc_real t1 = sc0[0] * r_;
-    const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
     const lagc_real l = p->l;
-    const lagc_real t2 = sc1[0] * l;
+    const lagc_real t2 = sc0[2] * l;
     const lagc_real t3 = fabs(t1) + fabs(t2);
     const lagc_real t4 = t0 + size0 * t3;
     const lagc_real t5 = r_ * sc0[1];
-    const lagc_real t6 = l * sc1[1];
+    const lagc_real t6 = l * sc0[3];
     const lagc_real t7 = fabs(t5) + fabs(t6);
     const lagc_real t8 = 1e-300 + size0 * t7;
     const lagc_real t9 = lagc_max(t4, t8) * 1e-06;
@@ -410,10 +401,9 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real der_s = x[5];
     const lagc_real der_phi = x[3];
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc1[0] - sc0[1] * sc1[1]));
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc0[2] - sc0[1] * sc0[3]));
     const lagc_real t1 = der_s * der_s * p->prepared[11] + der_phi * (der_phi * p->prepared[12] + t0);
     const lagc_real t2 = der_psi * der_psi * p->prepared[10] + t1;
     /* kinetic energy */
@@ -436,10 +426,9 @@ static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real der_s = x[5];
     const lagc_real der_phi = x[3];
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
     const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
-    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc1[0] - sc0[1] * sc1[1]));
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
+    const lagc_real t0 = p->prepared[0] * (der_psi * (sc0[0] * sc0[2] - sc0[1] * sc0[3]));
     const lagc_real t1 = der_s * der_s * p->prepared[11] + der_phi * (der_phi * p->prepared[12] + t0);
     /* E */
     y[2] = der_psi * der_psi * p->prepared[10] + t1;
@@ -470,19 +459,18 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
 static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *c, lagc_real *J, lagc_real *sizes)
 {
     const lagc_real phi_ = x[0];
-    lagc_real sc0[2]; lagc_sine_cosine(phi_, sc0);
+    const lagc_real psi_ = x[1];
+    lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
     const lagc_real r_ = p->r;
     const lagc_real t0 = sc0[1] * r_;
     J[3] = t0;
     J[12] = t0;
-    const lagc_real psi_ = x[1];
-    lagc_real sc1[2]; lagc_sine_cosine(psi_, sc1);
     const lagc_real l = p->l;
-    const lagc_real t1 = sc1[1] * l;
+    const lagc_real t1 = sc0[3] * l;
     const lagc_real s_ = x[2];
     c[0] = t0 + t1 - s_;
     const lagc_real t2 = r_ * sc0[0];
-    const lagc_real t3 = l * sc1[0];
+    const lagc_real t3 = l * sc0[2];
     c[1] = t2 - t3;
     const lagc_real der_s = x[5];
     const lagc_real der_psi = x[4];
