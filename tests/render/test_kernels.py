@@ -91,7 +91,10 @@ REFUSED = {
     "def f(x: Real) -> Real:\n    return x, x": "not in the subset",
     "def f(x: Real) -> Pair:\n    return x": "not assigned",
     "def f(x: Real) -> Pair:\n    return x, x > 1.0": "is bool, not Real",
-    "def g(x: Real) -> Pair:\n    return x, x\ndef f(x: Real) -> None:\n g(x)": "for functions of the model",
+    "def g(x: Real) -> Pair:\n    return x, x\ndef f(x: Real) -> None:\n g(x)": "put into two entries",
+    "def g(x: Real) -> Pair:\n return x, x\ndef f(x: Real) -> Real:\n y = g(x)\n return x": "a Pair is put",
+    "def g(x: Real) -> Pair:\n return x, x\ndef f(v: Vec[NX]) -> None:\n v[0:3] = g(1.0)": "a Pair is put",
+    "def g(x: Real) -> Real:\n return x\ndef f(v: Vec[NX]) -> None:\n v[0:2] = g(1.0)": "only a vector",
     "def f(x: int) -> int:\n    return whole(x)": "no kernel",
 }  # fmt: skip
 

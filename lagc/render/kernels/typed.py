@@ -159,7 +159,7 @@ class Types:
                 self.fits(node, REAL, second)
             case ast.Return(value=value) if value is not None:
                 self.fits(node, self.returns, value)
-            case ast.Expr(value=ast.Call() as call) if not self.is_pair(call):
+            case ast.Expr(value=ast.Call() as call):
                 self.of(call)
             case _:
                 text = ast.unparse(node).splitlines()[0]
@@ -216,12 +216,14 @@ class Types:
 
     def copied(self, node: ast.Assign, target: ast.Subscript, value: ast.expr) -> None:
         self.touch(target.value)
-        if self.is_pair(value):
-            match target.slice:
-                case ast.Slice(lower=ast.Constant(value=int(first)), upper=ast.Constant(value=last)):
-                    if last == first + 2 and self.of(target.value)[0] == "Vec" and self.of(value) == PAIR:
-                        return
-            raise self.fail(node, "a pair is put into two entries of a vector, v[0:2]")
+        match target.slice, value:
+            case (
+                ast.Slice(lower=ast.Constant(value=int(first)), upper=ast.Constant(value=last)),
+                ast.Call(func=ast.Name(id=name), args=args),
+            ) if last == first + 2 and self.of(target.value)[0] == "Vec" and name != "part":
+                value.type = self.call(value, name, args, put=True)  # type: ignore[attr-defined]
+                if value.type == PAIR:  # type: ignore[attr-defined]
+                    return
         if isinstance(value, ast.Call) and identifier(value.func) == "part":
             found = self.of(value.args[0])
             ends = value.args[1:]
@@ -242,11 +244,6 @@ class Types:
             raise self.fail(node, "vectors and records are not assigned: v[:] = w copies")
         if found != wanted and not (wanted in (REAL, *WHOLE) and found in WHOLE):
             raise self.fail(node, f"{ast.unparse(value)} is {found[0]}, not {wanted[0]}")
-
-    def is_pair(self, node: ast.expr) -> bool:
-        """Whether it calls a kernel that gives a Pair."""
-        called = self.known.signatures.get(identifier(node.func)) if isinstance(node, ast.Call) else None
-        return called is not None and called.returns == PAIR
 
     def condition(self, node: ast.expr) -> None:
         if self.of(node) != BOOL:
@@ -350,7 +347,7 @@ class Types:
             return REAL
         raise self.fail(node, f"{name} is not known here")
 
-    def call(self, node: ast.Call, name: str, args: list[ast.expr]) -> Type:
+    def call(self, node: ast.Call, name: str, args: list[ast.expr], put: bool = False) -> Type:
         given = [self.of(a) for a in args]
         if name in MATH and len(args) == MATH[name] and set(given) <= {REAL, INT}:
             return REAL
@@ -365,6 +362,8 @@ class Types:
         callee = self.known.signatures.get(name)
         if callee is None:
             raise self.fail(node, f"{name} is no kernel that stands before, nor a function of the model")
+        if callee.returns == PAIR and not put:
+            raise self.fail(node, f"a Pair is put into two entries of a vector: v[0:2] = {name}(...)")
         self.calls[name] = None
         if len(callee.parameters) != len(given) or not all(map(_passes, given, callee.parameters)):
             raise self.fail(node, f"{name} takes {callee.parameters}, not {tuple(given)}")
