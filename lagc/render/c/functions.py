@@ -21,7 +21,7 @@ TURN_TWO = "lagc_real sc{number}[4]; lagc_sine_cosine_two({value}, {other}, sc{n
 # Written where a function of the model uses them.  min and max keep the first of equal operands,
 # so that they do in C what they do in Python.
 HELPERS = {
-    "sign": "static lagc_real lagc_sign(lagc_real a) { return a > 0.0 ? 1.0 : (a < 0.0 ? -1.0 : 0.0); }\n",
+    "sign": "static lagc_real lagc_sign(lagc_real a) { return (lagc_real)((a > 0) - (a < 0)); }\n",
     "min": "static lagc_real lagc_min(lagc_real a, lagc_real b) { return b < a ? b : a; }\n",
     "max": "static lagc_real lagc_max(lagc_real a, lagc_real b) { return b > a ? b : a; }\n",
 }
