@@ -95,13 +95,14 @@ def _limits(
     way: Sequence[float],
 ) -> list[float]:
     """What each rate changes by where last places do, or the states are off by what rounding brings, in its
-    way, over the time, speeds, and over a step, coordinates."""
-    nq, n = system.nq, system.nq + system.nv
-    soon, found = abs(run.times[-1] - run.times[0]) / max(run.steps, 1), list(changes)
+    way, over the time, speeds, and coordinates by these over the time so far."""
+    nq, n, found = system.nq, system.nq + system.nv, list(changes)
+    step = abs(run.times[-1] - run.times[0]) / max(run.steps, 1)
     for k, (t, x) in enumerate(states):
         y = _without(x, zero)
         last = [generic(7 * k + i) * ULP * abs(a) for i, a in enumerate(y[:n])]
         off = [a + generic(5 * k) * b for a, b in zip(last[nq:], way[nq:])]
+        soon = max(step, abs(t - run.times[0]))
         ways = [a + soon * b for a, b in zip(last, system.displace(t, y, off))] + off
         other = _without([a + b for a, b in zip(y, ways)] + y[n:], zero)
         one, two = rates_at(system, t, y), rates_at(system, t, other)
