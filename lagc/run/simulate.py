@@ -9,7 +9,7 @@ from typing import Any
 from lagc.run.accuracy import verified_run
 from lagc.run.begin import begin, demand, strange_outputs
 from lagc.run.counted import Counted
-from lagc.run.problem import INTERRUPTED, Options, System, Trajectory
+from lagc.run.problem import FAILED, INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
 from lagc.run.solution import Cost, Energy, Solution
@@ -42,9 +42,12 @@ def simulate(
     if request.by_hand:
         options = by_hand(request)
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
-        demand(system, trajectory)
         tried = [trajectory]
-        told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, None)
+        message = _overstepped(system, options, start.x, trajectory, times[-1])
+        if not message:
+            demand(system, trajectory)
+        said = ("failed", message) if message else verdict(system, trajectory, times[-1])
+        told = Verdict(*said, trajectory, None)
     elif (rest := _rest(counted, start.x, times)) is not None:
         trajectory, options = resting(rest[0], times), Options()
         tried = [trajectory]
@@ -99,6 +102,17 @@ def by_hand(request: Request) -> Options:
     rtol = RTOL if request.rtol is None else request.rtol
     atol = 0.0 if request.atol is None else request.atol
     return Options(method=method, rtol=rtol, atol=atol, max_steps=0)
+
+
+def _overstepped(
+    system: System, options: Options, start: Sequence[float], run: Trajectory, stop: float
+) -> str:
+    """Where a fixed step failed, what is to be said of it; else nothing."""
+    if options.step == 0.0 or run.status not in FAILED:
+        return ""
+    from lagc.run.strides import overstepped  # where something failed
+
+    return overstepped(system, options.step, start, run, stop)
 
 
 def energy(system: System, trajectory: Trajectory) -> Energy:

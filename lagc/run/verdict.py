@@ -87,7 +87,7 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", f"at {t} {why or f'the constraints contradict each other: {row_name(system, k)}'}"
     if status != MAX_STEPS and trajectory.steps == 0 and 0.0 < stop < SHORTEST:
         return "failed", f"numbers are too coarse for a run of {stop:g} s: ask for a longer one"
-    if status == NOT_FINITE and trajectory.steps == 0 and _sound(system, trajectory):
+    if status == NOT_FINITE and trajectory.steps == 0 and sound(system, trajectory):
         return "failed", f"the first steps towards {stop:g} s lead beyond all numbers: ask for a shorter run"
     if status == NOT_FINITE:
         when = f"after {t}" if trajectory.steps else "at the start"
@@ -111,7 +111,7 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     return "failed", f"the integration ended at {t} with status {status}"
 
 
-def _sound(system: System, trajectory: Trajectory) -> bool:
+def sound(system: System, trajectory: Trajectory) -> bool:
     """Whether the motion has a rate where the run ended."""
     return system.rhs(trajectory.t, trajectory.x, [0.0] * system.nx, [0.0] * system.nc) in (OK, REDUNDANT)
 
