@@ -5,7 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.run.names import row_name, speed_name, state_name
-from lagc.run.problem import INCONSISTENT, MAX_STEPS, OK, REDUNDANT, SINGULAR_MASS, Options, System, Trajectory
+from lagc.run.problem import (
+    INCONSISTENT,
+    MAX_STEPS,
+    OK,
+    REDUNDANT,
+    SINGULAR_MASS,
+    Options,
+    System,
+    Trajectory,
+)
 from lagc.run.verdict import sound, verdict
 
 PATIENCE = 500  # steps of any length that show what the motion does
@@ -19,8 +28,8 @@ def overstepped(system: System, step: float, start: Sequence[float], run: Trajec
     shorter = true.status == MAX_STEPS and abs(true.step) < step
     told = f"that from t = {run.t:.6g} s leads to where {_fault(system, run)}"
     if true.status in (OK, REDUNDANT) or shorter:
-        return (f"steps of {step:g} s are too long: {told}, and the motion does not; ask for shorter ones, or "
-                "for an accuracy")  # fmt: skip
+        remedy = "ask for shorter ones, or for an accuracy"
+        return f"steps of {step:g} s are too long: {told}, and the motion does not; {remedy}"
     if not sound(system, run):
         return ""
     ending = "the motion comes there, or they are too long"
