@@ -10,8 +10,10 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from lagc.expr.doubles import double
-from lagc.optimize.program import Function, Operation, Store
+from lagc.optimize.program import LEAVES, Function, Operation, Store
+from lagc.records import replace
 
+STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
@@ -155,9 +157,12 @@ class Block:
         schedule: Schedule | None = None,
     ) -> Function:
         """What is needed for the stores, each operation close before its first use, or in the order
-        that `schedule` gives: (operations and operands, roots) -> value numbers."""
+        that `schedule` gives: (operations and operands, roots) -> value numbers.  What is long is in the
+        order in which it was made, leaves first."""
         roots = [s.value for s in self.stores]
         order = (schedule or _schedule)(self._rows, roots)
+        if len(order) + len(roots) > STRAIGHT:
+            order.sort(key=lambda k: (self._rows[k][0] not in LEAVES, k))
         number = {old: new for new, old in enumerate(order)}
         operations = []
         for old in order:
@@ -187,3 +192,17 @@ def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
                 if not state[operand]:
                     stack.append(operand)
     return order
+
+
+def ordered(function: Function) -> Function:
+    """The same with each operation close before its first use."""
+    rows = [(o.op, o.operands, o.payload) for o in function.operations]
+    order = _schedule(rows, [s.value for s in function.stores])
+    number = {old: new for new, old in enumerate(order)}
+    operations = [function.operations[k] for k in order]
+    return replace(
+        function,
+        operations=tuple([replace(o, operands=tuple([number[k] for k in o.operands])) for o in operations]),
+        stores=tuple([replace(s, value=number[s.value]) for s in function.stores]),
+        comments={len(order) + k - len(rows): text for k, text in function.comments.items()},
+    )

@@ -13,7 +13,7 @@ from lagc.optimize.lift import Lifted, lifted, plain, together
 from lagc.optimize.prune import sources
 
 LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
-LARGEST_LIFTED = 100_000  # the same of one whose work grows with the size of the model
+LARGEST_LIFTED = 2_000_000  # the same of one whose work grows with the size of the model
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
 

@@ -17,6 +17,7 @@ from lagc.optimize.massless import with_pivots
 from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
+from lagc.optimize.rolling import rolled
 from lagc.optimize.symbols import Places, places, weight
 from lagc.records import replace
 
@@ -37,6 +38,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     found, read = preparation.finished(_functions(at, solver, rhs, work, preparation))
+    found = {name: rolled(function) for name, function in found.items()}
     return Program(
         interface(
             equations,

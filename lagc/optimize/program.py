@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from lagc.records import dataclass, field
 
+LEAVES = ("const", "load")
+
 
 def operands() -> dict[str, int]:
     """op -> number of operands.  `load` and `const` have none.  Integer powers are products by now, x*x,
@@ -41,9 +43,24 @@ class Store:
 
 
 @dataclass(frozen=True, slots=True)
+class Run:
+    """`count` times the same `period` operations on other operands, one repetition after the other.  Stores
+    are numbered behind the operations."""
+
+    first: int
+    period: int
+    count: int
+
+    @property
+    def end(self) -> int:
+        return self.first + self.period * self.count
+
+
+@dataclass(frozen=True, slots=True)
 class Function:
     """A straight-line function.  `comments` maps an operation or store position to the
-    formula or source line that starts there."""
+    formula or source line that starts there.  Where it is long, and what it does comes again and again, its
+    leaves come first, and `runs` are all that is behind them: see `rolling`."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam c d w r s
@@ -53,11 +70,12 @@ class Function:
     description: str = ""
     comments: dict[int, str] = field(default_factory=dict)
     cleared: tuple[str, ...] = ()  # outputs that are zero but for what is stored
+    runs: tuple[Run, ...] = ()
 
     @property
     def cost(self) -> int:
         """Arithmetic operations and function calls (loads, constants, negations not counted)."""
-        free = ("const", "load", "neg")
+        free = (*LEAVES, "neg")
         return sum(1 for o in self.operations if o.op not in free)
 
     def verify(self) -> None:

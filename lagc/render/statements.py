@@ -39,7 +39,8 @@ class Dialect:
 
     `calls`: operation -> name of the function.  `infix`: further operators with their binding.
     `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
-    temporary, `store`: an assignment to an output, `load`: an entry of an input array.
+    temporary, `store`: an assignment to an entry of an output, `load`: an entry of an input array,
+    `entry`: the same at an index that is an expression.
     `turn`: the statement that gives sine and cosine of a value, with `sine` and `cosine` to read them; where
     there is none they are `calls`.  `turn_two`: of two values at once, where that is worth while.
     """
@@ -49,9 +50,10 @@ class Dialect:
     select: str
     number: str
     truth: str
-    store: str
+    store: Callable[[str, int | str, str], str]
     comment: Callable[[str], str]
     load: Callable[[str, int], str]
+    entry: Callable[[str, str], str]
     literal: Callable[[float], str] = literal
     width: int = 88
     turn: str = ""
@@ -140,7 +142,7 @@ class _Body:
             self.pending.append(comment)
         store = self.function.stores[position]
         value = self.text[store.value]
-        self._statement(self.dialect.store.format(array=store.array, index=store.index, value=value))
+        self._statement(self.dialect.store(store.array, store.index, value))
 
     def _load(self, k: int) -> None:
         payload = self.function.operations[k].payload

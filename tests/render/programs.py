@@ -126,3 +126,63 @@ def random_function(seed: int, size: int = 120, states: int = 4, name: str = "ou
     for index in range(8):
         build.store("y", index, numbers[-1 - index * 3])
     return build.function("random")
+
+
+def repeated_function(seed: int, name: str, states: int = 60, outputs: int = 64) -> Function:
+    """Kernels of a few operations, each again and again on other operands: entries of x and numbers side by
+    side, from end to beginning and in no order, values of the repetition before and of others before; and
+    between them operations that come once.  All values stay between -1 and 1."""
+    rng = random.Random(seed)
+    build = Builder(name, ("p", "t", "x"), (("y", outputs),))
+    x = [build.load("x", k) for k in range(states)]
+    fixed = [build.load("p", 0), build.load("t"), build.const(-0.5)]
+    half = build.const(0.5)
+    many = [build.const(rng.uniform(-1.0, 1.0)) for _ in range(30)]
+    rows: list[list[int]] = [x, many]
+    for _ in range(rng.randint(2, 5)):
+        times = rng.randint(3, 30)
+        sources = [_source(rng, rows, fixed, times) for _ in range(rng.randint(1, 4))]
+        kernel = [(rng.randrange(7), rng.random(), rng.random()) for _ in range(rng.randint(2, 9))]
+        carried = rng.choice(x)
+        made: list[list[int]] = [[] for _ in kernel]
+        for n in range(times):
+            known = [carried, *(source[n] for source in sources)]
+            for k, (kind, one, other) in enumerate(kernel):
+                a, b = known[int(one * len(known))], known[int(other * len(known))]
+                value = _step(build, kind, a, b, half)
+                known.append(value)
+                made[k].append(value)
+            carried = known[-1]
+        rows += [row for row in made if rng.random() < 0.6]
+        for _ in range(rng.randrange(3)):
+            a, b = (rng.choice(rng.choice(rows)) for _ in range(2))
+            rows.append([_step(build, rng.randrange(7), a, b, half)])
+    known = rng.choice(rows[2:])
+    for index in range(outputs):
+        build.store("y", index, known[index] if index < len(known) else rng.choice(rng.choice(rows)))
+    return build.function("repeated")
+
+
+def _source(rng: random.Random, rows: list[list[int]], fixed: list[int], times: int) -> list[int]:
+    """What an operand is in each of `times` repetitions."""
+    row = rng.choice(rows)
+    kind = rng.randrange(5)
+    if kind == 0:
+        return [rng.choice(fixed)] * times
+    if kind == 1 or len(row) < times:
+        return [rng.choice(row) for _ in range(times)]
+    first = rng.randrange(len(row) - times + 1)
+    found = row[first : first + times]
+    return found[::-1] if kind == 2 else found
+
+
+def _step(build: Builder, kind: int, a: int, b: int, half: int) -> int:
+    if kind < 2:
+        return build.op("mul", build.op(("add", "sub")[kind], a, b), half)
+    if kind == 2:
+        return build.op("mul", a, b)
+    if kind == 3:
+        return build.op("neg", a)
+    if kind == 4:
+        return build.op("select", build.op("lt", a, b), a, build.op("abs", b))
+    return build.op(("min", "max")[kind - 5], a, b)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program, uses
 from lagc.render.c.parts import LONGEST, SHARED, divided
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
+from lagc.render.loops import Forms, loops
 from lagc.render.names import comment
 from lagc.render.statements import AND, OR, Dialect, lines
 
@@ -47,15 +49,19 @@ def function_text(
             return "t"
         return f"p->{fields[index]}" if array == "p" else f"{array}[{index}]"
 
+    def entry(array: str, index: str) -> str:
+        return f"((const lagc_real *)p)[{index}]" if array == "p" else f"{array}[{index}]"
+
     dialect = Dialect(
         calls=CALLS if real == DOUBLE else {op: _of_type(text, real) for op, text in CALLS.items()},
         infix={op: (f" {CALLS[op]} ", binds) for op, binds in (("and", AND), ("or", OR))},
         select="({} ? {} : {})",
         number="const lagc_real {name} = {value};",
         truth="const int {name} = {value};",
-        store="{array}[{index}] = {value};",
+        store=lambda array, index, value: f"{array}[{index}] = {value};",
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
+        entry=entry,
         literal=real.literal,
         turn=TURN if real == DOUBLE else "",
         turn_two=TURN_TWO if real == DOUBLE else "",
@@ -64,6 +70,8 @@ def function_text(
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
+    if function.runs:
+        return _rolled(function, loops(function, dialect, _forms(real)), body)
     body += lines(function, dialect, locals_)
     name = f"lagc_fn_{function.name}"
     about = f"/* {comment(function.description)} */\n" if function.description else ""
@@ -75,6 +83,39 @@ def function_text(
     arguments = ", ".join([*_order(function), *([SHARED] if shared else [])])
     calls = [f"{name}_{k}({arguments});" for k in range(1, len(parts) + 1)]
     return about + "\n".join([*text, _definition(name, function, _room(shared) + calls)])
+
+
+def _forms(real: Arithmetic) -> Forms:
+    def table(name: str, values: Sequence[float]) -> list[str]:
+        whole = all([isinstance(value, int) for value in values])
+        texts = [str(value) if whole else real.literal(value) for value in values]
+        entries = textwrap.wrap(", ".join(texts), 88)
+        return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
+
+    return Forms(
+        room="lagc_real kept[{size}];", variable="lagc_real {name} = {value};",
+        fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
+        head=lambda count, _: f"for (int i = 0; i < {count}; i++) {{", end="}",
+    )  # fmt: skip
+
+
+def _rolled(function: Function, parts: Sequence[list[str]], cleared: list[str]) -> str:
+    """With its loops, in functions of about `PART` lines that share what is kept."""
+    room, *parts = parts
+    blocks = [["{", *(f"    {line}" for line in part), "}"] for part in parts]
+    groups: list[list[str]] = [[]]
+    for block in blocks:
+        if groups[-1] and len(groups[-1]) + len(block) > LONGEST:
+            groups.append([])
+        groups[-1] += block
+    about = f"/* {comment(function.description)} */\n" if function.description else ""
+    name, more = f"lagc_fn_{function.name}", ", lagc_real *kept" if room else ""
+    if len(groups) == 1:
+        return about + _definition(name, function, [*room, *cleared, *groups[0]])
+    text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
+    arguments = ", ".join([*_order(function), *(["kept"] if room else [])])
+    calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
+    return about + "\n".join([*text, _definition(name, function, [*room, *cleared, *calls])])
 
 
 def _of_type(text: str, real: Arithmetic) -> str:
@@ -89,9 +130,7 @@ def _room(shared: int) -> list[str]:
 def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:
     code = "\n".join(line for line in body if line[0] != "/")
     words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
-    unused = [
-        f"(void)({word});" for word in [*_order(function), *([SHARED] if more else [])] if word not in words
-    ]
+    unused = [f"(void)({word});" for word in [*_order(function), *more.split("*")[1:]] if word not in words]
     lines_ = "".join(f"    {line}\n" for line in [*body, *unused])
     return f"static void {name}({parameters(function)}{more})\n{{\n{lines_}}}\n"
 

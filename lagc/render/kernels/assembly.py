@@ -164,11 +164,12 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     ends, columns = with_quaternions(
         interface.condition_ends, interface.condition_columns, interface.quaternions
     )
+    angles = frozenset(interface.angles)
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
-        "angle": [int(i in interface.angles) for i in range(len(interface.start_levels))],
+        "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "column": columns or [0],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],

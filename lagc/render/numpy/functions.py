@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
+from lagc.render.loops import Forms, loops
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
 
 CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}
+
+
+def _entry(array: str, index: str) -> str:
+    return "t" if array == "t" else f"{array}[{index}]"
+
 
 DIALECT = Dialect(
     calls=CALLS,
@@ -19,12 +25,39 @@ DIALECT = Dialect(
     select="select({}, {}, {})",
     number="{name} = {value}",
     truth="{name} = {value}",
-    store="{array}[{index}] = {value}",
+    store=lambda array, index, value: f"{array}[{index}] = {value}",
     comment=lambda text: f"# {comment(text)}",
-    load=lambda array, index: "t" if array == "t" else f"{array}[{index}]",
+    load=lambda array, index: _entry(array, str(index)),
+    entry=_entry,
     turn="sin{number}, cos{number} = sine_cosine({value})",
     sine="sin{number}",
     cosine="cos{number}",
+)
+
+
+def _head(count: int, running: Sequence[tuple[str, str]]) -> str:
+    if not running:
+        return f"for i in range({count}):"
+    names, sequences = zip(*running)
+    return f"for i, {', '.join(names)} in zip(range({count}), {', '.join(sequences)}):"
+
+
+def _sequence(array: str, first: int, stride: int, count: int) -> str:
+    end = first + stride * count
+    return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
+
+
+_STRAIGHT = 10_000  # operations that take less time without loops
+
+FORMS = Forms(
+    room="kept = [0.0] * {size}",
+    variable="{name} = {value}",
+    fixed="{name} = {value}",
+    change="{name} = {value}",
+    table=lambda name, values: [f"{name} = ({', '.join(map(repr, values))})"],
+    head=_head,
+    end="",
+    sequence=_sequence,
 )
 
 # Those of math itself; its floor is a whole number, and has no sign of zero.
@@ -151,10 +184,16 @@ _CAREFUL = {
 }
 
 
+def _careful(constant):
+    if type(constant) is tuple:
+        return tuple(_careful(c) for c in constant)
+    return _Ieee(constant) if type(constant) is float else constant
+
+
 def _again(function, inputs, outputs):
     """Compute `function` as C does; lists in `outputs` are written."""
     code = function.__code__
-    constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
+    constants = tuple(_careful(c) for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL)
     values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
@@ -191,7 +230,10 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) ->
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
     size = dict(function.outputs)
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
-    body += lines(function, DIALECT, locals_) or ["pass"]
+    if function.runs and len(function.operations) > _STRAIGHT:
+        body += [line for part in loops(function, DIALECT, FORMS) for line in part]
+    else:
+        body += lines(function, DIALECT, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
     text = [f"def fn_{function.name}({', '.join(order)}):"]
     if description:

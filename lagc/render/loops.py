@@ -1,0 +1,117 @@
+"""Rolled functions as lines of text: loops, and what stands between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from lagc.optimize.program import Function
+from lagc.records import dataclass, replace
+from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
+from lagc.render.statements import Dialect, lines
+
+
+@dataclass(frozen=True)
+class Forms:
+    """What differs between languages: `room` for what is kept; a `variable`, its `change`, and a `fixed` one;
+    the `table` of numbers that a name stands for; the `head` of a loop, of its count and the names that run
+    through sequences, and its `end`; the entries of an array as a `sequence`, if there are such."""
+
+    room: str
+    variable: str
+    fixed: str
+    change: str
+    table: Callable[[str, Sequence[float]], list[str]]
+    head: Callable[[int, Sequence[tuple[str, str]]], str]
+    end: str
+    sequence: Callable[[str, int, int, int], str] | None = None  # array, first, stride, count
+
+
+def loops(function: Function, dialect: Dialect, forms: Forms) -> list[list[str]]:
+    """The body of a function that has `runs`: what is kept, then the lines of each segment, which share no
+    names but those of arrays."""
+    found, size = segments(function)
+    room = [forms.room.format(size=size)] if size else []
+    return [room, *(_Printer(segment, dialect, forms).run() for segment in found)]
+
+
+class _Printer:
+    def __init__(self, segment: Segment, dialect: Dialect, forms: Forms) -> None:
+        self.segment, self.dialect, self.forms = segment, dialect, forms
+        self.tables: dict[tuple[float, ...], str] = {}
+        self.before: list[str] = []
+        self.running: list[tuple[str, str]] = []  # names and the sequences that they run through
+
+    def run(self) -> list[str]:
+        segment, forms = self.segment, self.forms
+        reads = [self._read(k, access) for k, access in enumerate(segment.reads)]
+        writes = [self._index(access) for access in segment.writes]
+
+        def load(array: str, index: int) -> str:
+            return reads[index] if array == READ else f"{CARRIED}{index}"
+
+        def store(array: str, index: int | str, value: str) -> str:
+            if array == WRITTEN:
+                return self.dialect.store(segment.writes[int(index)].array, writes[int(index)], value)
+            return forms.change.format(name=f"{CARRIED}{index}", value=value)
+
+        names = {(READ, k): f"{READ}{k}" for k, text in enumerate(reads) if not text.isidentifier()}
+        body = lines(segment.body, replace(self.dialect, load=load, store=store), names)
+        if segment.count == 1:
+            return body
+        for k, access in enumerate(segment.carries):
+            value = self._entry(access)
+            self.before.append(forms.variable.format(name=f"{CARRIED}{k}", value=value))
+        inner = [f"    {line}" for line in body]
+        end = [forms.end] if forms.end else []
+        return [*self.before, forms.head(segment.count, self.running), *inner, *end]
+
+    def _read(self, k: int, access: Access) -> str:
+        name, forms, count = f"{READ}{k}", self.forms, self.segment.count
+        if count == 1:
+            return self._entry(access)
+        if access.stride == 0:
+            self.before.append(forms.fixed.format(name=name, value=self._entry(access)))
+            return name
+        if forms.sequence is None or (access.array == KEPT and self._is_written(access)):
+            return self._entry(access)
+        if access.stride is None:
+            if access.array == NUMBERS:
+                self.running.append((name, self._table(access.indices)))
+                return name
+            self.running.append((f"i{k}", self._table(access.indices)))
+            return self.dialect.entry(access.array, f"i{k}")
+        self.running.append(
+            (name, forms.sequence(access.array, int(access.indices[0]), access.stride, count))
+        )
+        return name
+
+    def _is_written(self, access: Access) -> bool:
+        """Whether the loop itself writes what it reads there."""
+        first, last = min(access.indices), max(access.indices)
+        return any([
+            written.array == KEPT and written.indices[0] <= last and first <= written.indices[-1]
+            for written in self.segment.writes
+        ])  # fmt: skip
+
+    def _entry(self, access: Access) -> str:
+        if access.array == NUMBERS:
+            return f"{self._table(access.indices)}[i]"
+        if access.stride == 0 and access.array != KEPT:
+            return self.dialect.load(access.array, int(access.indices[0]))
+        return self.dialect.entry(access.array, self._index(access))
+
+    def _index(self, access: Access) -> str:
+        first, stride = int(access.indices[0]), access.stride
+        if stride is None:
+            return f"{self._table(access.indices)}[i]"
+        if not stride:
+            return str(first)
+        times = "i" if abs(stride) == 1 else f"{abs(stride)} * i"
+        return f"{first} - {times}" if stride < 0 else f"{first} + {times}" if first else times
+
+    def _table(self, values: Sequence[float]) -> str:
+        key = tuple(values)
+        if key not in self.tables:
+            self.tables[key] = f"n{len(self.tables)}"
+            self.before += self.forms.table(self.tables[key], key)
+        return self.tables[key]

@@ -1,0 +1,319 @@
+"""The runs of a rolled function (see `lagc.optimize.rolling`) as segments: bodies of loops and what stands
+between them.
+
+A segment computes from arrays into arrays.  What one needs of another, or of a repetition before, is kept in
+an array of the function, where the values that the repetitions make of one operation lie side by side; what
+only the next repetition needs is carried over by a variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from itertools import pairwise
+from typing import TypeAlias
+
+from lagc.optimize.program import LEAVES, Function, Operation, Run, Store
+from lagc.records import dataclass
+
+KEPT = "kept"  # the array of values that other segments need
+NUMBERS = ""  # stands for an array whose entries are their indices
+READ, WRITTEN, CARRIED = "r", "w", "d"  # arrays of a body: entries of `reads`, `writes`, `carries`
+_LARGEST = 400  # operations of a segment that is no loop
+
+_Place: TypeAlias = "tuple[int, int]"  # segment, operation in its body
+
+
+@dataclass(frozen=True, slots=True)
+class Access:
+    """The entries of an array that the repetitions take, one each."""
+
+    array: str
+    indices: Sequence[float]
+
+    @property
+    def stride(self) -> int | None:
+        """From one to the next, where that is always the same."""
+        if self.array == NUMBERS:
+            return None
+        strides = {int(b - a) for a, b in pairwise(self.indices)} or {0}
+        return strides.pop() if len(strides) == 1 else None
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """`count` repetitions of `body`, which loads from READ and CARRIED and stores to WRITTEN and CARRIED."""
+
+    body: Function
+    count: int
+    reads: Sequence[Access]
+    writes: Sequence[Access]
+    carries: Sequence[Access]  # what each is at first: one entry
+
+
+def segments(function: Function) -> tuple[list[Segment], int]:
+    """And how many values are kept."""
+    return _Segments(function).found()
+
+
+class _Segments:
+    def __init__(self, function: Function) -> None:
+        self.function = function
+        self.operations = function.operations
+        self.first = function.runs[0].first
+        self.runs = list(_divided(function.runs))
+        self.owner = [-1] * self.first  # of each operation and store
+        for number, run in enumerate(self.runs):
+            self.owner += [number] * (run.period * run.count)
+        operands = [o.operands for o in self.operations] + [(store.value,) for store in function.stores]
+        self.operands = operands
+        # By place among the operands, as slices give columns; what has none there is not asked.
+        self.slots = [[o[slot] if slot < len(o) else -1 for o in operands] for slot in range(3)]
+        self.columns = [_Columns(self, number) for number in range(len(self.runs))]
+        self.places = _Places(self)
+
+    def found(self) -> tuple[list[Segment], int]:
+        return [columns.segment() for columns in self.columns], self.places.size
+
+
+def _divided(runs: Sequence[Run]) -> Iterator[Run]:
+    for run in runs:
+        if run.count > 1:
+            yield run
+            continue
+        for first in range(run.first, run.end, _LARGEST):
+            yield Run(first, min(_LARGEST, run.end - first), 1)
+
+
+class _Columns:
+    """What the repetitions of one run take from outside: for each operand of its body the values."""
+
+    def __init__(self, all_: _Segments, number: int) -> None:
+        self.all, self.number, self.run = all_, number, all_.runs[number]
+        run = self.run
+        self.outer: dict[tuple[int, int], list[int]] = {}  # operation of the body, slot -> values
+        self.carried: dict[tuple[int, int], int] = {}  # the same -> operation of the body it is made by
+        for k in range(run.period):
+            for slot, operand in enumerate(all_.operands[run.first + k]):
+                if operand >= run.first:
+                    continue
+                column = all_.slots[slot][run.first + k : run.end : run.period]
+                source = self._carrying(column)
+                if source is None:
+                    self.outer[k, slot] = column
+                else:
+                    self.carried[k, slot] = source
+                    self.outer[k, slot] = [operand]
+
+    def _carrying(self, column: Sequence[int]) -> int | None:
+        """The operation of the body whose value of the repetition before these are."""
+        run = self.run
+        if run.count == 1 or not run.first <= column[1] < run.first + run.period:
+            return None
+        before = range(column[1], column[1] + run.period * (run.count - 1), run.period)
+        return column[1] - run.first if column[1:] == [*before] else None
+
+    def values(self) -> Iterator[list[int]]:
+        """Those that have to be kept."""
+        return (column for column in self.outer.values() if column[0] >= self.all.first)
+
+    def segment(self) -> Segment:
+        return _Body(self).segment()
+
+
+class _Places:
+    """Where values are kept: for each operation of a body whose values are needed elsewhere a row of as
+    many places as there are repetitions.  Rows that are read on end lie on end."""
+
+    def __init__(self, all_: _Segments) -> None:
+        self.all = all_
+        self.start: dict[_Place, int] = {}
+        self.last: dict[_Place, int] = {}  # segment that reads it
+        following: dict[_Place, _Place] = {}
+        before: dict[_Place, _Place] = {}
+        for columns in all_.columns:
+            for column in columns.values():
+                rows = (
+                    [self._row(column[0])]
+                    if self.along(column) is not None
+                    else [self._row(value) for value in column]
+                )
+                for row in dict.fromkeys(rows):
+                    self.last[row] = columns.number
+                for k, (one, other) in enumerate(pairwise(rows)):
+                    if one != other:
+                        self._link(column[k], column[k + 1], following, before)
+        self.size = 0
+        self._allocate(following, before)
+
+    def _row(self, value: int) -> _Place:
+        number = self.all.owner[value]
+        run = self.all.runs[number]
+        return number, (value - run.first) % run.period
+
+    def along(self, column: Sequence[int]) -> int | None:
+        """The stride from place to place of values that are all in one row."""
+        number = self.all.owner[column[0]]
+        run, count = self.all.runs[number], len(column)
+        step = column[1] - column[0] if count > 1 else 0
+        inside = run.first <= column[-1] < run.end and step % run.period == 0
+        if inside and column == [column[0] + step * k for k in range(count)]:
+            return step // run.period
+        return None
+
+    def _at(self, value: int) -> int:
+        run = self.all.runs[self.all.owner[value]]
+        return (value - run.first) // run.period
+
+    def _link(self, a: int, b: int, following: dict[_Place, _Place], before: dict[_Place, _Place]) -> None:
+        """Rows that a column goes from end to beginning of, forwards or backwards."""
+        for one, other in ((a, b), (b, a)):
+            left, right = self._row(one), self._row(other)
+            at_end = self._at(one) == self.all.runs[left[0]].count - 1 and self._at(other) == 0
+            if (
+                at_end
+                and left not in following
+                and right not in before
+                and not _leads(right, left, following)
+            ):
+                following[left], before[right] = right, left
+                return
+
+    def _allocate(self, following: Mapping[_Place, _Place], before: Mapping[_Place, _Place]) -> None:
+        """One after the other, in what is free again behind the last segment that reads it."""
+        free: list[tuple[int, int]] = []  # first, count
+        ends: dict[int, list[tuple[int, int]]] = {}
+        heads = sorted(row for row in self.last if row not in before)
+        by_segment: dict[int, list[list[_Place]]] = {}
+        for head in heads:
+            chain = [head]
+            while chain[-1] in following:
+                chain.append(following[chain[-1]])
+            by_segment.setdefault(min(chain)[0], []).append(chain)
+        for number in range(len(self.all.runs)):
+            for chain in by_segment.get(number, ()):
+                count = sum([self.all.runs[row[0]].count for row in chain])
+                at = self._take(free, count)
+                ends.setdefault(max([self.last[row] for row in chain]), []).append((at, count))
+                for row in chain:
+                    self.start[row] = at
+                    at += self.all.runs[row[0]].count
+            free = _joined([*free, *ends.get(number, ())])
+
+    def _take(self, free: list[tuple[int, int]], count: int) -> int:
+        for k, (first, room) in enumerate(free):
+            if room >= count:
+                free[k : k + 1] = [(first + count, room - count)] if room > count else []
+                return first
+        self.size += count
+        return self.size - count
+
+    def of(self, column: Sequence[int]) -> Sequence[int]:
+        """Where the values of a column are."""
+        stride, first = self.along(column), self._place(column[0])
+        if stride:
+            return range(first, first + stride * len(column), stride)
+        return [first] * len(column) if stride == 0 else [self._place(value) for value in column]
+
+    def _place(self, value: int) -> int:
+        return self.start[self._row(value)] + self._at(value)
+
+
+def _leads(row: _Place, end: _Place, following: Mapping[_Place, _Place]) -> bool:
+    while row != end and row in following:
+        row = following[row]
+    return row == end
+
+
+def _joined(free: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    found: list[tuple[int, int]] = []
+    for first, count in sorted(free):
+        if found and sum(found[-1]) == first:
+            found[-1] = found[-1][0], found[-1][1] + count
+        else:
+            found.append((first, count))
+    return found
+
+
+class _Body:
+    """One segment as it is made."""
+
+    def __init__(self, columns: _Columns) -> None:
+        self.columns, self.all, self.run = columns, columns.all, columns.run
+        self.operations: list[Operation] = []
+        self.stores: list[Store] = []
+        self.comments: dict[int, str] = {}  # by store
+        self.number: dict[int, int] = {}  # operation of the body -> position
+        self.reads: dict[tuple[str, Hashable], int] = {}  # -> position
+        self.accesses: list[Access] = []
+        self.writes: list[Access] = []
+        self.carries: dict[tuple[int, int], int] = {}  # what is carried, and at first -> position of its load
+        self.initial: list[Access] = []
+
+    def segment(self) -> Segment:
+        run, count = self.run, len(self.all.operations)
+        for k in range(run.period):
+            item = run.first + k
+            operands = tuple([self._operand(k, slot, a) for slot, a in enumerate(self.all.operands[item])])
+            if item < count:
+                self.number[k] = len(self.operations)
+                self.operations.append(Operation(self.all.operations[item].op, operands))
+                row = (self.columns.number, k)
+                if row in self.all.places.start:
+                    first = self.all.places.start[row]
+                    self._write(Access(KEPT, range(first, first + run.count)), self.number[k])
+            else:
+                stores = self.all.function.stores[item - count : run.end - count : run.period]
+                self._write(Access(stores[0].array, [s.index for s in stores]), operands[0], item)
+        for number, (source, _) in enumerate(self.carries):
+            self.stores.append(Store(CARRIED, number, self.number[source]))
+        comments = {len(self.operations) + k: text for k, text in self.comments.items()}
+        body = Function("", (), (), tuple(self.operations), tuple(self.stores), "", comments)
+        return Segment(body, run.count, self.accesses, self.writes, self.initial)
+
+    def _write(self, access: Access, value: int, item: int = -1) -> None:
+        comments = self.all.function.comments
+        if item in comments and self.run.count == 1:
+            self.comments[len(self.stores)] = comments[item]
+        self.stores.append(Store(WRITTEN, len(self.writes), value))
+        self.writes.append(access)
+
+    def _operand(self, k: int, slot: int, operand: int) -> int:
+        """Its position in the body."""
+        if operand >= self.run.first:
+            return self.number[operand - self.run.first]
+        source = self.columns.carried.get((k, slot))
+        if source is None:
+            return self._read(self.columns.outer[k, slot])
+        if (source, operand) not in self.carries:
+            self.carries[source, operand] = self._load(CARRIED, len(self.initial))
+            self.initial.append(self._access([operand]))
+        return self.carries[source, operand]
+
+    def _read(self, column: list[int]) -> int:
+        access = self._access(column)
+        indices = access.indices
+        key = access.array, indices if isinstance(indices, range) else tuple(indices)
+        if key not in self.reads:
+            if access.array == NUMBERS and len(set(access.indices)) == 1:
+                self.reads[key] = len(self.operations)
+                self.operations.append(Operation("const", (), access.indices[0]))
+            else:
+                self.reads[key] = self._load(READ, len(self.accesses))
+                self.accesses.append(access)
+        return self.reads[key]
+
+    def _access(self, column: Sequence[int]) -> Access:
+        """Where the values of a column are."""
+        if column[0] >= self.all.first:
+            return Access(KEPT, self.all.places.of(column))
+        leaves = [self.all.operations[value] for value in column]
+        assert leaves[0].op in LEAVES
+        if not isinstance(leaves[0].payload, tuple):
+            return Access(
+                NUMBERS, [float(o.payload) for o in leaves if not isinstance(o.payload, tuple | None)]
+            )
+        return Access(leaves[0].payload[0], [o.payload[1] for o in leaves if isinstance(o.payload, tuple)])
+
+    def _load(self, array: str, index: int) -> int:
+        self.operations.append(Operation("load", (), (array, index)))
+        return len(self.operations) - 1

@@ -1,0 +1,68 @@
+"""Functions with loops compute what their operations say, in C and in Python, to the last bit."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import pytest
+
+import lagc
+from lagc.optimize.program import LEAVES, Function, uses
+from lagc.optimize.rolling import rolled
+from lagc.records import replace
+from tests.optimize.interpret import interpret
+from tests.render.programs import repeated_function
+from tests.render.test_functions import both, build, needs_gcc
+from tests.render.tools import bits
+
+
+def sorted_leaves(f: Function) -> Function:
+    """What is used, leaves first, as long functions have it."""
+    needed = [k for k, count in enumerate(uses(f)) if count]
+    order = sorted(needed, key=lambda k: f.operations[k].op not in LEAVES)
+    number = {old: new for new, old in enumerate(order)}
+    operations = [f.operations[k] for k in order]
+    moved = [replace(o, operands=tuple(number[k] for k in o.operands)) for o in operations]
+    stores = [replace(s, value=number[s.value]) for s in f.stores]
+    return replace(f, operations=tuple(moved), stores=tuple(stores))
+
+
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Short functions are rolled, too, and ones with little repetition."""
+    monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
+    monkeypatch.setattr("lagc.optimize.rolling._SHARE", 1.0)
+    monkeypatch.setattr("lagc.optimize.rolling._GRAM", 4)
+    monkeypatch.setattr("lagc.optimize.rolling._WORTH", 6)
+    monkeypatch.setattr("lagc.render.numpy.functions._STRAIGHT", 0)
+
+
+@needs_gcc
+@pytest.mark.parametrize("longest", [600, 20])
+@pytest.mark.usefixtures("short")
+def test_random_repetitions_compute_what_their_operations_say(
+    longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lagc.render.c.functions.LONGEST", longest)
+    functions = [rolled(sorted_leaves(repeated_function(seed, f"f{seed}"))) for seed in range(40)]
+    assert all([f.runs and any([run.count > 1 for run in f.runs]) for f in functions])
+    python, library = build(functions, tmp_path)
+    rng = random.Random(3)
+    for f in functions:
+        for _ in range(5):
+            p, t, *x = [rng.uniform(-1.0, 1.0) for _ in range(62)]
+            ours, theirs = both(python, library, f.name, [p, 1.0, 9.81], t, x, 64)
+            wanted = interpret(f, {"p": [p, 1.0, 9.81], "t": [t], "x": x})["y"]
+            assert ours == theirs == bits(wanted), f.name
+
+
+@needs_gcc
+@pytest.mark.parametrize(("name", "n"), [("classic/chain", 250), ("large/rope", 60), ("large/net", 8)])
+def test_large_models_agree_in_c_and_in_python(name: str, n: int) -> None:
+    one, other = (lagc.load(name).compile(parameters={"n": n}, backend=backend) for backend in ("c", "numpy"))
+    assert one.program.functions["rhs"].runs
+    rng = random.Random(5)
+    for _ in range(3):
+        x = [rng.uniform(-1.0, 1.0) for _ in range(one.interface.nx)]
+        assert bits(one.rhs(0.0, x)) == bits(other.rhs(0.0, x))
