@@ -39,7 +39,7 @@ def test_the_code_of_a_chain_does_not_grow_with_it(family: str, n: int) -> None:
 
 
 def test_what_grows_with_a_chain_is_little() -> None:
-    """Names in the header, kinds of states, and one line of `bind` while that is straight: bytes of C a link."""
+    """Names, kinds of states, and a line of `bind` while that is straight: bytes of C a link."""
     less, more = (len("".join(render(program("chain", n)).values())) for n in (200, 400))
     assert more - less < 200 * 350
 
