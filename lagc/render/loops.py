@@ -24,6 +24,7 @@ class Forms:
     head: Callable[[int, Sequence[tuple[str, str]]], str]
     end: str
     sequence: Callable[[str, int, int, int], str] | None = None  # array, first, stride, count
+    number: str = "{}"  # an entry of a table of reals
 
 
 def loops(function: Function, dialect: Dialect, forms: Forms) -> list[list[str]]:
@@ -77,7 +78,7 @@ class _Printer:
         if access.stride is None:
             if access.array == NUMBERS:
                 self.running.append((name, self._table(access.indices)))
-                return name
+                return forms.number.format(name)
             self.running.append((f"i{k}", self._table(access.indices)))
             return self.dialect.entry(access.array, f"i{k}")
         self.running.append(
@@ -95,7 +96,7 @@ class _Printer:
 
     def _entry(self, access: Access) -> str:
         if access.array == NUMBERS:
-            return f"{self._table(access.indices)}[i]"
+            return self.forms.number.format(f"{self._table(access.indices)}[i]")
         if access.stride == 0 and access.array != KEPT:
             return self.dialect.load(access.array, int(access.indices[0]))
         return self.dialect.entry(access.array, self._index(access))

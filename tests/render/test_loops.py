@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from lagc.optimize.program import LEAVES, Function, uses
 from lagc.optimize.rolling import rolled
 from lagc.records import replace
 from tests.optimize.interpret import interpret
-from tests.render.programs import repeated_function
+from tests.render.programs import Builder, repeated_function
 from tests.render.test_functions import both, build, needs_gcc
 from tests.render.tools import bits
 
@@ -66,3 +67,23 @@ def test_large_models_agree_in_c_and_in_python(name: str, n: int) -> None:
     for _ in range(3):
         x = [rng.uniform(-1.0, 1.0) for _ in range(one.interface.nx)]
         assert bits(one.rhs(0.0, x)) == bits(other.rhs(0.0, x))
+
+
+@needs_gcc
+@pytest.mark.usefixtures("short")
+def test_loops_over_numbers_divide_by_zero_as_c_does(tmp_path: Path) -> None:
+    made = Builder("over", ("p", "t", "x"), (("y", 64),))
+    x = [made.load("x", k) for k in range(64)]
+    numbers = [made.const(float(k % 17 - 8)) for k in range(64)]
+    values = [made.op("div", number, made.op("sub", entry, entry)) for entry, number in zip(x, numbers)]
+    for k, value in enumerate(values):
+        made.store("y", k, value)
+    f = rolled(made.function())
+    assert [run for run in f.runs if run.count > 1]
+    python, library = build([f], tmp_path)
+    ours, theirs = both(python, library, "over", [0.0, 1.0, 9.81], 0.0, [0.5] * 64, 64)
+    assert (
+        ours
+        == theirs
+        == bits([math.copysign(math.inf, k % 17 - 8) if k % 17 != 8 else math.nan for k in range(64)])
+    )

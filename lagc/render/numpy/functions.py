@@ -58,6 +58,7 @@ FORMS = Forms(
     head=_head,
     end="",
     sequence=_sequence,
+    number="(1.0 * {})",  # for `_again`, which changes numbers but none within tuples
 )
 
 # Those of math itself; its floor is a whole number, and has no sign of zero.
@@ -184,16 +185,10 @@ _CAREFUL = {
 }
 
 
-def _careful(constant):
-    if type(constant) is tuple:
-        return tuple(_careful(c) for c in constant)
-    return _Ieee(constant) if type(constant) is float else constant
-
-
 def _again(function, inputs, outputs):
     """Compute `function` as C does; lists in `outputs` are written."""
     code = function.__code__
-    constants = tuple(_careful(c) for c in code.co_consts)
+    constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL)
     values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
