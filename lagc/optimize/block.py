@@ -160,9 +160,9 @@ class Block:
         that `schedule` gives: (operations and operands, roots) -> value numbers.  What is long is in the
         order in which it was made, leaves first."""
         roots = [s.value for s in self.stores]
-        order = (schedule or _schedule)(self._rows, roots)
-        if len(order) + len(roots) > STRAIGHT:
-            order.sort(key=lambda k: (self._rows[k][0] not in LEAVES, k))
+        order = _as_made(self._rows, roots) if len(self._rows) + len(roots) > STRAIGHT else []
+        if len(order) + len(roots) <= STRAIGHT:
+            order = (schedule or _schedule)(self._rows, roots)
         number = {old: new for new, old in enumerate(order)}
         operations = []
         for old in order:
@@ -171,6 +171,21 @@ class Block:
         stores = tuple([Store(s.array, s.index, number[s.value]) for s in self.stores])
         comments = {len(operations) + k: text for k, text in self._comments.items()}
         return Function(name, inputs, tuple(outputs), tuple(operations), stores, description, comments)
+
+
+def _as_made(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
+    """The value numbers that `roots` need, in their order, leaves first."""
+    needed = bytearray(len(rows))
+    for root in roots:
+        needed[root] = 1
+    leaves, others = [], []
+    for k in range(len(rows) - 1, -1, -1):
+        if needed[k]:
+            op, operands, _ = rows[k]
+            (leaves if op in LEAVES else others).append(k)
+            for operand in operands:
+                needed[operand] = 1
+    return leaves[::-1] + others[::-1]
 
 
 def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:

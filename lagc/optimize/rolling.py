@@ -92,11 +92,11 @@ class _Text:
         where = [o.payload[1] if isinstance(o.payload, tuple) else k for k, o in enumerate(operations)]
         operands = [o.operands for o in operations[first:]] + [(store.value,) for store in stores]
         far, items = len(operations) + len(stores), list(enumerate(operands, first))
-        self.outer = [[where[o[slot]] if slot < len(o) else 0 for o in operands] for slot in range(3)]
+        slots = range(max(map(len, operands)))
+        self.outer = [[where[o[slot]] if slot < len(o) else 0 for o in operands] for slot in slots]
         # How far back each is; what is no operation, farther than anything else.
         self.back = [
-            [k - o[slot] if slot < len(o) and o[slot] >= first else far for k, o in items]
-            for slot in range(3)
+            [k - o[slot] if slot < len(o) and o[slot] >= first else far for k, o in items] for slot in slots
         ]
 
     def runs(self) -> Iterator[Run]:
