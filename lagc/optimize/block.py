@@ -178,7 +178,8 @@ def _as_made(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
     needed = bytearray(len(rows))
     for root in roots:
         needed[root] = 1
-    leaves, others = [], []
+    leaves: list[int] = []
+    others: list[int] = []
     for k in range(len(rows) - 1, -1, -1):
         if needed[k]:
             op, operands, _ = rows[k]
