@@ -9,29 +9,49 @@ from lagc.kernels.startrecords import StartWork
 from lagc.kernels.words import Real, Vec
 
 
-def inner(a: Vec[Any], b: Vec[Any], n: int) -> Real:
+def inner(a: Vec[Any], b: Vec[Any], begin: int, stop: int) -> Real:
     total = 0.0
-    for j in range(n):
+    for j in range(begin, stop):
         total += a[j] * b[j]
     return total
 
 
-def clear(values: Vec[Any], direction: Vec[Any], n: int) -> bool:
-    """Take from a vector its part along a unit vector; whether it has one."""
-    part = inner(values, direction, n)
+def widen(w: StartWork, i: int, along: int) -> None:
+    """Row i of w.rests reaches as far as another, too."""
+    if w.begins[along] < w.begins[i]:
+        w.begins[i] = w.begins[along]
+    if w.stops[along] > w.stops[i]:
+        w.stops[i] = w.stops[along]
+
+
+def clear(w: StartWork, i: int, along: int) -> bool:
+    """Take from row i of w.rests its part along a unit vector, another row; whether it has one."""
+    values = w.rests[i]
+    direction = w.rests[along]
+    begin = w.begins[along]
+    stop = w.stops[along]
+    part = inner(values, direction, begin, stop)
     if part == 0.0:
         return False
-    for j in range(n):
+    for j in range(begin, stop):
         values[j] -= part * direction[j]
+    widen(w, i, along)
     return True
 
 
-def clear_exactly(values: Vec[Any], given: Vec[Any], direction: Vec[Any], n: int, lost: Real) -> Real:
+def clear_exactly(w: StartWork, i: int, along: int, lost: Real) -> Real:
     """The same, where what is no more than `lost` of what it is the rest of is rounding and becomes 0; the
     largest that is left."""
-    part = inner(values, direction, n)
+    values = w.rests[i]
+    given = w.matrix[i]
+    direction = w.rests[along]
+    part = inner(values, direction, w.begins[along], w.stops[along])
+    if part != 0.0:
+        widen(w, i, along)
     largest = 0.0
-    for j in range(n):
+    begin = w.begins[i]
+    stop = w.stops[i]
+    for j in range(begin, stop):
         taken = part * direction[j]
         left = fabs(values[j] - taken)
         if left <= lost * fabs(given[j]) or left <= lost * fabs(taken):
@@ -44,18 +64,21 @@ def clear_exactly(values: Vec[Any], given: Vec[Any], direction: Vec[Any], n: int
     return largest
 
 
-def shorten(values: Vec[Any], n: int) -> bool:
-    """Make a vector a unit vector; whether it has a direction."""
+def shorten(w: StartWork, i: int) -> bool:
+    """Make row i of w.rests a unit vector; whether it has a direction."""
+    values = w.rests[i]
+    begin = w.begins[i]
+    stop = w.stops[i]
     largest = 0.0
-    for j in range(n):
+    for j in range(begin, stop):
         if fabs(values[j]) > largest:
             largest = fabs(values[j])
     if largest == 0.0:
         return False
-    for j in range(n):
+    for j in range(begin, stop):
         values[j] = values[j] / largest
-    length = sqrt(inner(values, values, n))
-    for j in range(n):
+    length = sqrt(inner(values, values, begin, stop))
+    for j in range(begin, stop):
         values[j] = values[j] / length
     return True
 
@@ -77,13 +100,18 @@ def unit_rows(w: StartWork, m: int, n: int) -> int:
         scaled = w.matrix[given]
         for j in range(n):
             scaled[j] = row[j] / largest
-        length = sqrt(inner(scaled, scaled, n))
-        for j in range(n):
-            scaled[j] = scaled[j] / length
+        length = sqrt(inner(scaled, scaled, 0, n))
+        w.begins[given] = n
+        w.stops[given] = 0
         rest = w.rests[given]
         for j in range(n):
+            scaled[j] = scaled[j] / length
             rest[j] = scaled[j]
-        w.squares[given] = inner(rest, rest, n)
+            if rest[j] != 0.0:
+                w.stops[given] = j + 1
+                if j < w.begins[given]:
+                    w.begins[given] = j
+        w.squares[given] = inner(rest, rest, 0, n)
         w.right[given] = w.right[i] / largest / length
         w.chosen[given] = 0
         given += 1
@@ -106,8 +134,8 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> boo
     """w.step[n], the shortest solution of the m rows of w.matrix (which are lost) with the right-hand
     sides w.right; False where a number is not finite.  Rows that depend on the ones before (to
     `dependent` of their length) are left out, the longest remaining row first: a modified
-    Gram-Schmidt factorisation, each row orthogonalised twice.  Entry by entry what is no more than `lost` of
-    what it is the rest of is taken for rounding."""
+    Gram-Schmidt factorisation, each row orthogonalised twice, from its first entry to its last.  Entry
+    by entry what is no more than `lost` of what it is the rest of is taken for rounding."""
     for j in range(n):
         w.step[j] = 0.0
     given = unit_rows(w, m, n)
@@ -121,23 +149,25 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> boo
             return True
         w.chosen[best] = 1
         direction = w.rests[best]
-        shorten(direction, n)
+        shorten(w, best)
         for k in range(chosen):
-            clear(direction, w.rests[w.turns[k]], n)
-        if not shorten(direction, n):
+            clear(w, best, w.turns[k])
+        if not shorten(w, best):
             continue
-        along = inner(w.matrix[best], direction, n)
+        begin = w.begins[best]
+        stop = w.stops[best]
+        along = inner(w.matrix[best], direction, begin, stop)
         if along == 0.0:  # the rest was rounding, across the row
             continue
         w.turns[chosen] = best
         chosen += 1
-        above = w.right[best] - inner(w.matrix[best], w.step, n)
+        above = w.right[best] - inner(w.matrix[best], w.step, 0, n)
         factor = above / along
-        for j in range(n):
+        for j in range(begin, stop):
             w.step[j] += factor * direction[j]
         for i in range(given):
             if w.chosen[i] == 0:
                 if lost > 0.0:
-                    w.squares[i] = clear_exactly(w.rests[i], w.matrix[i], direction, n, lost)
-                elif clear(w.rests[i], direction, n):
-                    w.squares[i] = inner(w.rests[i], w.rests[i], n)
+                    w.squares[i] = clear_exactly(w, i, best, lost)
+                elif clear(w, i, best):
+                    w.squares[i] = inner(w.rests[i], w.rests[i], w.begins[i], w.stops[i])

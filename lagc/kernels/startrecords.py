@@ -81,6 +81,8 @@ class StartWork:
     basis: IVec[NE]
     chosen: IVec[NE]
     turns: IVec[NE]  # rows in the order in which they were chosen
+    begins: IVec[NE]  # where rows of rests begin to differ from zero, and where they cease to
+    stops: IVec[NE]
     squares: Vec[NE]
     c: Vec[NE]
     sizes: Vec[NE]

@@ -65,7 +65,9 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     tries = [*samples(model, _STATES, vary=False), *samples(model, _STATES)]
     start = list(samples(model, 1, vary=False, spread=0.0))
     asked = [x for x in classified if x.row.holonomic or not x.row.linear]
-    suspects = [s for s in (_suspect(states, x, start, tries) for x in asked) if s is not None]
+    given, carried, sizes = {p.symbol for p in model.parameters}, _carried(states), scales(states)
+    searches = [(x, _Search(states, not x.row.holonomic, sizes, carried, given)) for x in asked]
+    suspects = [s for s in (_suspect(x, search, start, tries) for x, search in searches) if s is not None]
     if not suspects:
         return
     seen = [s.found for s in suspects]
@@ -85,12 +87,11 @@ def _follows(row: Row, met: Sequence[State]) -> bool:
 
 
 def _suspect(
-    states: States, x: Classified, start: Sequence[State], tries: Sequence[State]
+    x: Classified, search: _Search, start: Sequence[State], tries: Sequence[State]
 ) -> _Suspect | None:
-    given = {p.symbol for p in states.model.parameters}
-    moving, repeated = _factors(x.row.residual, given)
-    search = _Search(states, not x.row.holonomic, scales(states))
-    vanishing = [f for f in repeated if _touches(f, given) or search.finds(f, tries)]
+    states = search.states
+    moving, repeated = _factors(x.row.residual, search.given)
+    vanishing = [f for f in repeated if _touches(f, search.given) or search.finds(f, tries)]
     if vanishing:
         regular = any(search.finds(f, tries) for f in moving if f not in repeated)
         return _Suspect(x, factor=vanishing[0]) if regular else _Suspect(x, everywhere=True)
@@ -103,12 +104,12 @@ def _suspect(
 def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero, tries: Sequence[State]) -> bool:
     """Whether it is multiple, with other parameters too, and zeros all around are and are others than
     this one, where there is room for others: from afar a small circle is a point."""
-    given = [p.symbol for p in search.states.model.parameters]
+    given = [x for x in zero.state if x in search.given]
     turned = [{**zero.state, **{p: other[p] for p in given}} for other in tries]
     if not zero.multiple or not any(z.multiple for z in search.zeros(node, slopes, turned[_STATES:])):
         return False
     sizes, chance = search.sizes, Chance(911)
-    moving = [x for x in search.moving if x in symbols([node])]
+    moving = [x for x in search.moving(slopes) if x in symbols([node])]
     beside = []
     for _ in range(_PAIRS):
         step = {x: _BESIDE * sizes[x] * chance.draw() for x in moving}
@@ -128,15 +129,20 @@ class _Zero:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """Newton's method in the positions, or in the speeds of a velocity row, each over its size."""
+    """Newton's method in the positions, or in the speeds of a velocity row, each over its size; `carried`
+    are the coordinates that each speed moves, and `given` the parameters."""
 
     states: States
     velocity: bool
     sizes: Mapping[Node, float]
+    carried: Mapping[Node, Mapping[Node, Node]]
+    given: set[Node]
 
-    @property
-    def moving(self) -> Sequence[Node]:
-        return self.states.v if self.velocity else self.states.q
+    def moving(self, slopes: Slopes) -> list[Node]:
+        """The unknowns of a row with such slopes."""
+        if self.velocity:
+            return list(slopes)
+        return list(dict.fromkeys(q for v in slopes for q in self.carried.get(v, ())))
 
     def finds(self, node: Node, tries: Sequence[State]) -> bool:
         """Whether `node` is zero anywhere near the states."""
@@ -160,7 +166,10 @@ class _Search:
         return (zero for zero in found if zero is not None)
 
     def _zero(self, node: Node, slopes: Slopes, sample: State) -> _Zero | None:
-        state = dict(sample)
+        moving = self.moving(slopes)
+        rates = {q: rate for v in slopes for q, rate in self.carried.get(v, {}).items()}
+        needed = symbols([node, *slopes.values(), *rates.values()]) | set(moving)
+        state = {x: sample[x] for x in needed}
         rooted = _bare(node).op == "sqrt"
         lengths: list[float] = []
         steepness: list[float] = []
@@ -174,10 +183,10 @@ class _Search:
             steepness.append(steep * (abs(value) if rooted else 1.0))
             length = (0.5 if rooted else 1.0) * value / steep
             step = {v: -length * (a / steep) * self.sizes[v] for v, a in slope.items()}
-            change = step if self.velocity else _displacement(self.states, state, step)
+            change = step if self.velocity else self._displacement(rates, state, step)
             state.update((x, state[x] + d) for x, d in change.items())
             lengths.append(math.hypot(*(d / self.sizes[x] for x, d in change.items())))
-            reach = max(abs(state[x]) / self.sizes[x] for x in self.moving)
+            reach = max(abs(state[x]) / self.sizes[x] for x in moving)
             if lengths[-1] <= _ARRIVED * reach:
                 break
             if len(lengths) > 2 and lengths[-2] < lengths[-1] < _NOISE * reach:
@@ -190,6 +199,13 @@ class _Search:
         slow = len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
         multiple = slow and lengths[-1] > _SLOW * lengths[-2] and steepness[-1] < _FLAT * max(steepness)
         return _Zero(state, multiple)
+
+    def _displacement(self, rates: Slopes, state: State, step: Mapping[Node, float]) -> dict[Node, float]:
+        """What a step of the speeds changes the coordinates with such `rates` by."""
+        still = {x: 0.0 if x in self.carried else value for x, value in state.items()}
+        nodes = list(rates.values())
+        drift, moved = evaluate(nodes, still), evaluate(nodes, {**still, **step})
+        return {q: b - a for q, a, b in zip(rates, drift, moved)}
 
 
 def _bare(node: Node) -> Node:
@@ -232,14 +248,13 @@ def _is_square(term: Node, given: set[Node]) -> bool:
     return not symbols([term]) <= given
 
 
-def _displacement(
-    states: States, state: Mapping[Node, float], step: Mapping[Node, float]
-) -> dict[Node, float]:
-    """What a step of the speeds changes the coordinates by."""
-    still = {**state, **dict.fromkeys(states.v, 0.0)}
-    drift = evaluate(states.qdot, still)
-    moved = evaluate(states.qdot, {**still, **step})
-    return {q: b - a for q, a, b in zip(states.q, drift, moved)}
+def _carried(states: States) -> dict[Node, dict[Node, Node]]:
+    """By speed, the coordinates that it moves, each with its rate."""
+    found: dict[Node, dict[Node, Node]] = {v: {} for v in states.v}
+    for q, rate in zip(states.q, states.qdot):
+        for v in symbols([rate]) & found.keys():
+            found[v][q] = rate
+    return found
 
 
 def _fault(s: _Suspect) -> Fault:

@@ -166,6 +166,6 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
     m, n = len(rows), len(rows[0])
     room = SimpleNamespace(
         matrix=[list(row) for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
-        squares=[0.0] * m, chosen=[0] * m, turns=[0] * m, step=[0.0] * n,
+        squares=[0.0] * m, begins=[0] * m, stops=[0] * m, chosen=[0] * m, turns=[0] * m, step=[0.0] * n,
     )  # fmt: skip
     return room.step if kernels["least_norm"](room, m, n, dependent, 0.0) else []

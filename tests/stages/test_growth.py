@@ -124,6 +124,17 @@ def roots(n: int) -> str:
     )
 
 
+def circles(n: int) -> str:
+    """Parts on circles that there are not: Newton's method goes on for long."""
+    part = """model Part
+  coordinate Length x(start = 1), y;
+  body b = Particle(mass = 3 [kg], at = {x, y, 0});
+  constraint c: x^2 + y^2 = -1 [m2];
+end Part;
+"""
+    return f"{part}model M\n  Part a[{n}];\nend M;\n"
+
+
 def derived(text: str) -> None:
     compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", text)), Choice()))
 
@@ -168,7 +179,7 @@ def work(job: Callable[[Any], Any], text: Any) -> int:
 CASES = [
     (through, parameters, 200), (through, constants, 100), (through, outputs, 100), (through, effects, 100),
     (through, a_sum, 75), (through, a_product, 30), (formatted, parameters, 100),
-    (through, quotients, 20), (checked, scenes, 10), (derived, roots, 4),
+    (through, quotients, 20), (checked, scenes, 10), (derived, roots, 4), (derived, circles, 4),
 ]  # fmt: skip
 
 
