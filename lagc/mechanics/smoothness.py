@@ -6,7 +6,7 @@ without bound that its gradient, zero nearly everywhere, does not show.  Forces 
 
 An angle, `atan2`, jumps by a turn on its cut.  In an energy that is a warning: many a motion never comes
 there, and one that does is seen by its balance of energy.  A row or a place is not, and sine and cosine
-say the same.
+say the same.  A row at a tip, as of a cone, is a warning too.
 """
 
 from __future__ import annotations
@@ -18,12 +18,14 @@ from lagc.expr.graph import Node
 from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
 from lagc.mechanics.breaks import Break, Ranks, find_break, ranked
 from lagc.mechanics.states import States
+from lagc.mechanics.tips import find_tip
 
 _ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"
 
 
 def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ...]:
-    """Warnings, LAG0425, of energies that jump on the cut of an angle.
+    """Warnings: LAG0425 of energies that jump on the cut of an angle, LAG0426 of rows without a gradient at a
+    point.
 
     Raises Refused: LAG0421 a constraint with a kink or jump, LAG0422 a body whose place or frame has
     one, LAG0423 an energy that jumps, LAG0424 a declared speed that does."""
@@ -34,10 +36,16 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
             above.add(node)
     smooth = above.isdisjoint(spelt)
 
-    def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True, rows: bool = False) -> Break | None:
+    def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True) -> Break | None:
         if smooth and above.isdisjoint(nodes):
             return None
-        return find_break(states, nodes, leaves, slopes, rows)
+        return find_break(states, nodes, leaves, slopes)
+
+    def find_in_row(c: Constraint) -> Fault | None:
+        if smooth and above.isdisjoint(c.residuals):
+            return None
+        broken = find_break(states, c.residuals, everything, True, rows=True)
+        return _bent_row(c, broken) if broken else _pointed(c, find_tip(states, c.residuals, everything))
 
     positions = ranked(states.q)
     place = ranked([*states.q, states.model.time])
@@ -45,7 +53,7 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
     everything = ranked([*place, *rates])
     faults: list[Fault | None] = []
     for constraint in states.model.constraints:
-        faults.append(_bent_row(constraint, find(constraint.residuals, everything, rows=True)))
+        faults.append(find_in_row(constraint))
     for body in states.model.bodies:
         axes = [x for row in body.frame.axes for x in row] if body.frame is not None else []
         faults.append(_bent_body(body, find([*body.position, *axes], place)))
@@ -73,15 +81,25 @@ def jumps_in_time(states: States, energy: Node) -> bool:
 # -- what is said -----------------------------------------------------------------------------
 
 
-def _bent_row(c: Constraint, found: Break | None) -> Fault | None:
-    if found is None:
-        return None
+def _bent_row(c: Constraint, found: Break) -> Fault:
     remedy = "write it with a function whose slope does not jump, or let a force act in its place"
     return Fault(
         "LAG0421",
         f"the constraint `{c.name}` has a {found.kind} where {found.where}: the speeds would jump there",
         c.span,
         remedy=_ANGLE if found.cut else remedy,
+    )
+
+
+def _pointed(c: Constraint, tip: str | None) -> Fault | None:
+    if tip is None:
+        return None
+    return Fault(
+        "LAG0426",
+        f"the constraint `{c.name}` has no gradient where {tip}: no motion is determined through there",
+        c.span,
+        severity="warning",
+        remedy="see that the motion stays away from there, or write the surface with a rounded tip",
     )
 
 

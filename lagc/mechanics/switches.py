@@ -90,7 +90,7 @@ def ways_of(switch: Switch, rank: Mapping[Node, int]) -> list[Node]:
     is not zero."""
     parts = [switch.side]
     if not switch.pieces and switch.node.op not in _BORDERS:
-        parts = _together(switch.side)
+        parts = together(switch.side)
     common = set.intersection(*[symbols([part]) for part in parts])
     return sorted(common & rank.keys(), key=rank.__getitem__)
 
@@ -124,7 +124,7 @@ def _of_node(graph: Graph, node: Node) -> list[Switch]:
     return [Switch(node, graph.sub(*args))]
 
 
-def _together(node: Node) -> list[Node]:
+def together(node: Node) -> list[Node]:
     """Expressions that are all zero where `node`, a sum of squares or its root, is."""
     low = intervals([node], {})
     found: list[Node] = []

@@ -268,3 +268,27 @@ def test_initial_conditions_may_bend() -> None:
 def test_rates_in_added_energies_may_not_bend() -> None:
     assert codes("kinetic K = 1/2*1 [kg.m/s]*abs(der(x));") == {"LAG0423"}
     assert codes("kinetic K = 1/2*m*abs(der(x))^3/(1 [m/s]);") == set()
+
+
+POINTED = (  # rows that hold where the norm of what moves is zero, and have no gradient there
+    "z = {u}*{w}/{r}", "z = {u}^3/{r}^2", "z = 2*{r}", "z = l*{u}*{w}/{r}^2", "z = {u}^2*{w}/{r}^2",
+    "l*sin(th) = {r}", "z = sqrt({r}*l)", "z = ({u}^3*{w} - 2*{u}*{w}^3)/{r}^3",
+    "der(z) = der({v})*{u}/{r}", "{{z, th*l}} = {{{r}, x}}", "z = l*({u}^4 - {w}^4)/{r}^4",
+)  # fmt: skip
+ROUND = (  # that have one, or do not hold
+    "{r} = l", "z = {r}^2/l", "z = {r}^4/l^3", "z = ({u}^4 - {w}^4)/{r}^2/l", "z = l*exp(-{r}^2/l^2)",
+    "{r} + norm({{{u} - l, {w}, 0}}) = 3*l", "{r}/l = 2 + sin(th)", "z = l*cos({r}/l)", "z = {r}^3/l^2",
+    "z = l*sin({r}/l)/({r}/l)", "z = {u}^2*{w}^2/{r}^3*sin({u}/l)*sin({w}/l)", "({r} - 3*l)^2 + z^2 = l^2",
+    "z = norm({{{u}, {w}, l}})", "z = {r}^(3/2)/l^(1/2)",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("u, w", [("x", "y"), ("(x - l)", "(y + z0)"), ("(x - y)", "(x + 3*y)")])
+def test_rows_without_a_gradient_at_a_point(u: str, w: str) -> None:
+    head = HEAD.replace("{x, y, 0}", "{x, y, z}")
+    head += "parameter Length z0 = 0.7 [m];\ncoordinate Length z(start = 1 [m]);\n"
+    for forms, expected in ((POINTED, [("LAG0426", "warning")]), (ROUND, [])):
+        for form in forms:
+            row = form.format(u=u, w=w, v="x", r=f"norm({{{u}, {w}, 0}})")
+            faults = check(Source("m.lag", f"{head}constraint k: {row};\nend M;"), Choice())
+            assert [(f.code, f.severity) for f in faults] == expected, row

@@ -16,6 +16,11 @@ def _on_particle(lines: str) -> str:
     return f"{_PARTICLE}{lines}end M;\n"
 
 
+def _cone(height: str) -> str:
+    head = _PARTICLE.replace("x, y;", "x(start = 1 [m]), y, z;").replace("{x, y, 0}", "{x, y, z}")
+    return f"{head}  constraint cone: z = {height};\nend M;\n"
+
+
 _DISC = """\
 model M
   parameter Mass m = 1 [kg];
@@ -170,5 +175,13 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  potential V = 1 [J]*atan2(y, x)^2;\n").replace(
             "Length x,", "Length x(start = 1 [m]),"
         ),
+    ),
+    "LAG0426": Entry(
+        "a constraint without a gradient at a point",
+        "The tip of a cone, and what is like it: the constraint holds there, and has no slope, or another "
+        "one in each direction.  Nothing determines a motion that comes through; one that stays away is as "
+        "good as any.  A rounded tip, `sqrt(x^2 + y^2 + r^2)`, has a slope everywhere.",
+        _cone("sqrt(x^2 + y^2)"),
+        _cone("sqrt(x^2 + y^2 + (1 [mm])^2)"),
     ),
 }
