@@ -35,3 +35,10 @@ def not_finite(values: Vec[Any], n: Size) -> int:
         if not values[i] - values[i] == 0.0:
             return i
     return -1
+
+
+def widen(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
+    """apart[NX] become at least how far rates are apart."""
+    for i in range(NQ + NV):
+        if fabs(one[i] - other[i]) > apart[i]:
+            apart[i] = fabs(one[i] - other[i])

@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import fabs, sqrt
 
 from lagc.kernels.binding import bind
+from lagc.kernels.kinds import widen
 from lagc.kernels.limits import APART, CROSSING, NEARLY
-from lagc.kernels.method import has_parts, last, method_error, method_parts, method_stages
+from lagc.kernels.method import has_parts, last, method_error, method_listened, method_parts, method_stages
 from lagc.kernels.projection import nudge, tangents
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
@@ -42,13 +43,6 @@ def shaken(p: Params, s: State, x: Vec[NX], other: Params) -> Real:
     return s.t * shake(turn)
 
 
-def hear(one: Vec[NX], other: Vec[NX], s: State) -> None:
-    """Raise s.noise to how far rates are apart."""
-    for i in range(NQ + NV):
-        if fabs(one[i] - other[i]) > s.noise[i]:
-            s.noise[i] = fabs(one[i] - other[i])
-
-
 def listen(p: Params, s: State, w: Work) -> None:
     """Raise s.noise to what rounding may change in the rates s.k[0]: to what changes when all is shaken."""
     x = vector(NX)
@@ -56,29 +50,25 @@ def listen(p: Params, s: State, w: Work) -> None:
     t = shaken(p, s, x, other)
     s.rhs += 1
     if not failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
-        hear(w.xdot, s.k[0], s)
+        widen(w.xdot, s.k[0], s.noise)
 
 
 def listen_along(p: Params, s: State, h: Real, method: int, w: Work) -> None:
     """The same in all rates along the step over h that was tried: what is rounding now and then need not be
-    so at the start, and what changes there moves the state along the step."""
-    stages = last(method)
+    so at the start.  Then with states moved by what that brings to them in the step."""
     x = vector(NX)
     other = params()
     t = shaken(p, s, x, other)
-    w.end[:] = s.y
-    for k in range(stages):
-        w.kept[k][:] = s.k[k]
-    s.rhs += stages
-    status = rhs_at(other, t, x, s.k[0], w.lam, w)
-    if not failed(status):
-        status = method_stages(method, other, t, x, h, s, w)
-    if not failed(status):
-        for k in range(stages):
-            hear(s.k[k], w.kept[k], s)
-    for k in range(stages):
-        s.k[k][:] = w.kept[k]
-    s.y[:] = w.end
+    heard = vector(NX)
+    for i in range(NX):
+        heard[i] = 0.0
+    s.rhs += 2 * (last(method) - 1)
+    method_listened(method, other, t, x, h, heard, s, w)
+    for i in range(NQ + NV):
+        x[i] += h * heard[i]
+        if heard[i] > s.noise[i]:
+            s.noise[i] = heard[i]
+    method_listened(method, other, t, x, h, s.noise, s, w)
 
 
 def parts_norm(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:

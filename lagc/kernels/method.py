@@ -16,6 +16,13 @@ def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State
     return OK
 
 
+def method_listened(method: int, p: Params, t: Real, x: Vec[NX], h: Real, apart: Vec[NX],
+                    s: State, w: Work) -> None:  # fmt: skip
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            m.listened(p, t, x, h, apart, s, w)
+
+
 def method_error(method: int, h: Real, s: State, w: Work) -> Real:
     for m in static(METHODS):
         if method == m.NUMBER:

@@ -8,7 +8,6 @@ from lagc.kernels.sizes import (
     NG,
     NH,
     NK,
-    NKEPT,
     NKIND,
     NM,
     NQ,
@@ -73,8 +72,7 @@ class Work:
     weights: Vec[NX]
     longest: Real  # that of the trajectory, in a second attempt at a step
     play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
-    kept: Mat[NKEPT, NX]  # rates of a step that is tried once more
-    end: Vec[NX]  # and its end
+    end: Vec[NX]  # of what is tried beside the step
     health: Vec[TWO]
     power: Vec[TWO]
     qdot: Vec[NQ]

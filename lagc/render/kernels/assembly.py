@@ -10,7 +10,7 @@ from typing import Any
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
-CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "NKEPT": 13, "ND": 8, "NSETS": 3}
+CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
 # Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
