@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from operator import mul
 
 import mpmath
@@ -111,3 +112,24 @@ def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
     exact = _double_pendulum(horizon)  # up to the horizon the points are right
     for name, value in zip(("theta1", "theta2"), exact):
         assert abs(run[name][-1] - value) <= 1e-6 * max(abs(run["theta1"]).max(), abs(run["theta2"]).max())
+
+
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_what_has_settled_stays_where_tolerances_are_below_rounding(method: str) -> None:
+    """Steps there are as long as the method is stable, errors some 30 times the tolerance where it is above
+    rounding."""
+    chance = random.Random(3)
+    for _ in range(12):
+        stiffness, tolerance = 10.0 ** chance.uniform(0.0, 3.0), 10.0 ** chance.uniform(-14.0, -12.0)
+        damping = 2.0 * math.sqrt(stiffness) * 10.0 ** chance.uniform(-0.7, 0.7)
+        system = lagc.loads(f"""model Settles
+          coordinate Length x;
+          body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+          force f = {{2 [N] - ({stiffness!r} [N/m])*x - ({damping!r} [N.s/m])*der(x), 0, 0}} at b;
+        end Settles;""").compile(backend="numpy")
+        slowest = min(damping / 2.0, stiffness / damping)
+        run = system.simulate(100.0 / slowest, method=method, rtol=tolerance)
+        late = run.t > 40.0 / slowest  # exp(-40) is below rounding
+        most = 300.0 * max(tolerance, 3e-13)
+        assert late.any() and abs(run["x"][late] * stiffness / 2.0 - 1.0).max() < most
+        assert abs(run["der(x)"][late]).max() < most * abs(run["der(x)"]).max()
