@@ -37,7 +37,7 @@ def not_finite(values: Vec[Any], n: Size) -> int:
     return -1
 
 
-def widen(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
+def set_apart(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
     """apart[NX] become at least how far rates are apart."""
     for i in range(NQ + NV):
         if fabs(one[i] - other[i]) > apart[i]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fabs, sqrt
 
 from lagc.kernels.binding import bind
-from lagc.kernels.kinds import widen
+from lagc.kernels.kinds import set_apart
 from lagc.kernels.limits import APART, CROSSING, NEARLY
 from lagc.kernels.method import has_parts, last, method_error, method_listened, method_parts, method_stages
 from lagc.kernels.projection import nudge, tangents
@@ -50,7 +50,7 @@ def listen(p: Params, s: State, w: Work) -> None:
     t = shaken(p, s, x, other)
     s.rhs += 1
     if not failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
-        widen(w.xdot, s.k[0], s.noise)
+        set_apart(w.xdot, s.k[0], s.noise)
 
 
 def listen_along(p: Params, s: State, h: Real, method: int, w: Work) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import fabs, sqrt
 
-from lagc.kernels.kinds import widen
+from lagc.kernels.kinds import set_apart
 from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NH, NQ, NV, NX
@@ -40,7 +40,7 @@ def listened(p: Params, t: Real, x: Vec[NX], h: Real, apart: Vec[NX], s: State, 
             w.end[i] = x[i] + h * combination(A[j], s.k, i)
         if failed(rhs_at(p, t + number(C[j]) * h, w.end, w.xdot, w.lam, w)):
             return
-        widen(w.xdot, s.k[j], apart)
+        set_apart(w.xdot, s.k[j], apart)
 
 
 def error(h: Real, s: State, w: Work) -> Real:
