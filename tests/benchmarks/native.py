@@ -145,9 +145,9 @@ class Native:
         assert words is not None, "these benchmarks need a C compiler"
         subprocess.run([*words, *flags, "-o", str(self.path), *units, "-lm"], check=True)
 
-    def rhs(self) -> float:
-        """CPU seconds of one right-hand side."""
-        return float(self._ask("rhs", *self.words)[0])
+    def rhs(self, x: Sequence[float] = ()) -> float:
+        """CPU seconds of one right-hand side, at x0 or at x."""
+        return float(self._ask("rhs", *(map(repr, x) if x else self.words))[0])
 
     def run(self, t1: float, tolerance: float, method: str = "dop853") -> Run:
         """From x0 to t1 with rtol = atol = tolerance."""
