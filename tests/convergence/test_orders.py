@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from fractions import Fraction
 from itertools import pairwise
 from math import cos, exp, factorial, inf, log2, sin, sqrt
 from random import Random
@@ -12,7 +13,7 @@ import pytest
 from mpmath import mpf, workdps
 
 from lagc.compiler import render
-from lagc.kernels.methods import dop853, dopri5
+from lagc.kernels.methods import bs32, dop853, dopri5, rk4
 from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
@@ -24,17 +25,20 @@ Row = dict[int, float]  # stage -> coefficient; stages count from 1, zeros are l
 
 
 class Tableau:
-    """A method of `lagc.kernels.methods`, in numbers."""
+    """A method of `lagc.kernels.methods`, in numbers of a type."""
 
-    def __init__(self, method: Any, error_order: int, dense_order: int) -> None:
+    def __init__(
+        self, method: Any, error_order: int, dense_order: int, number: Callable[[Fraction], Any] = float
+    ) -> None:
         self.name: str = method.__name__.rpartition(".")[2]
         self.order: int = method.ORDER
         self.error_order, self.dense_order = error_order, dense_order
-        self.c, self.extra_c = ([float(exact(c)) for c in row] for row in (method.C, method.EXTRA_C))
+        self.c, self.extra_c = ([number(exact(c)) for c in row] for row in (method.C, method.EXTRA_C))
         self.a, self.errors, self.extra_a, self.dense = (
-            [_row(row) for row in rows] for rows in (method.A, method.ERROR, method.EXTRA_A, method.DENSE)
+            [_row(row, number) for row in rows]
+            for rows in (method.A, method.ERROR, method.EXTRA_A, method.DENSE)
         )
-        self.b = _row(method.B)
+        self.b = _row(method.B, number)
         self.uses_new = bool(method.USES_NEW)
         self.exponent, self.beta = float(exact(method.EXPONENT)), float(exact(method.BETA))
 
@@ -44,8 +48,8 @@ class Tableau:
         return len(self.c)
 
 
-def _row(row: dict[int, str]) -> Row:
-    return {stage: float(exact(text)) for stage, text in row.items()}
+def _row(row: dict[int, str], number: Callable[[Fraction], Any]) -> Row:
+    return {stage: number(exact(text)) for stage, text in row.items()}
 
 
 DOPRI5, DOP853 = Tableau(dopri5, 4, 4), Tableau(dop853, 7, 7)
@@ -125,6 +129,28 @@ def test_order_conditions(tableau: Tableau) -> None:
             assert dot(tableau.b, weights(tree, a)) == pytest.approx(1.0 / density(tree), abs=2e-14), tree
     beyond = (abs(dot(tableau.b, weights(t, a)) - 1.0 / density(t)) for t in trees(tableau.order + 1))
     assert max(beyond) > 1e-7
+
+
+@pytest.mark.parametrize(
+    ("method", "errors", "dense"),
+    [(dop853, (5, 3), 7), (dopri5, (4,), 4), (rk4, (), 3), (bs32, (2,), 3)],
+    ids=["dop853", "dopri5", "rk4", "bs32"],
+)
+def test_coefficients_have_the_digits_of_quadruple_precision(
+    method: Any, errors: tuple[int, ...], dense: int
+) -> None:
+    """Every condition of the method, of its errors, which none up to their orders sees, and of dense output,
+    holds to 1e-24: 30 digits are published."""
+    with workdps(45):
+        tableau = Tableau(method, 0, dense, lambda c: mpf(c.numerator) / c.denominator)
+        a = matrix(tableau)
+        asked = [(tableau.b, method.ORDER, 1), *((row, n, 0) for row, n in zip(tableau.errors, errors))]
+        asked += [(interpolant(tableau, s), dense, s) for s in (mpf(3) / 10, mpf(7) / 8)]
+        for tree in [tree for n in range(1, method.ORDER + 1) for tree in trees(n)]:
+            values = weights(tree, a)
+            for row, order, s in asked:
+                if nodes(tree) <= order:
+                    assert abs(dot(row, values) - mpf(s) ** nodes(tree) / density(tree)) < 1e-24, tree
 
 
 @METHODS
