@@ -158,14 +158,13 @@ def calm(p: Params, t: Real, w: StartWork) -> None:
         w.order[i] = w.all[i]
     confine(NE, w)
     w.let[:] = w.loose
-    exact = met_by_terms(p, t, w.y, w)
     if lay_still(w):
         attempt(p, t, w.answer, w)
         same = farthest(p, t, w.answer, w.ended, w) <= CLOSE
         for i in range(NU):
             same = same and fabs(w.answer[i] - w.y[i]) <= TRACE * w.weights[i]
         w.loose[:] = w.let
-        if same and (not exact or met_by_terms(p, t, w.answer, w)):
+        if same and (met_by_terms(p, t, w.answer, w) or not met_by_terms(p, t, w.y, w)):
             w.y[:] = w.answer
     w.loose[:] = w.let
 
