@@ -94,11 +94,13 @@ def _equations(
     forces = states.in_speeds([left[r] for r in rates])
     weights = seeds(graph, zip(moved, forces))
     matrix: dict[tuple[int, int], Node] = {}
+    number = {v: j for j, v in enumerate(states.v)}
     for i, speed in enumerate(states.v):
         partial = tangent(graph, list(in_v.values()), {speed: graph.one})
-        pairs = [(states.rates[r], x) for r, x in zip(in_v, partial)]
-        row = gradient(graph, seeds(graph, pairs), states.v[: i + 1])
-        matrix.update(((i, j), row[v]) for j, v in enumerate(states.v[: i + 1]) if v in row)
+        pairs = [(states.rates[r], x) for r, x in zip(in_v, partial) if not x.is_zero]
+        if pairs:
+            row = gradient(graph, seeds(graph, pairs), states.v[: i + 1])
+            matrix.update(((i, number[v]), node) for v, node in row.items())
     return matrix, states.to_speeds(weights)
 
 

@@ -17,6 +17,7 @@ found from the structure of the sums alone.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 
 from lagc.expr.derivative import gradient, partial
 from lagc.expr.graph import Graph, Node
@@ -94,7 +95,7 @@ class _Sums:
             if node in made_of or node not in self.linear:
                 continue
             below = [made_of[a] for a in node.args if a in self.linear]
-            made_of[node] = frozenset().union(*below)
+            made_of[node] = frozenset(islice(frozenset().union(*below), 2))  # one, or more than that
             if node.op == "add" and len(below) == 2 and users[node] > 1 and len(made_of[node]) > 1:
                 found.append(node)
                 made_of[node] = frozenset([group.get(node, node)])
