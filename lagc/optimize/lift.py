@@ -69,7 +69,7 @@ def _gammas(equations: EquationsOfMotion) -> list[Node]:
 def lifted(equations: EquationsOfMotion) -> Lifted | None:
     """The lifted form; None where no velocity is shared."""
     sums = _Sums(equations)
-    return sums.system() if sums.shared else None
+    return sums.system() if sums.definitions else None
 
 
 class _Sums:
@@ -81,9 +81,13 @@ class _Sums:
         carried = [x for part in equations.inertias for x in part.velocity]
         self.moving, self.linear, users = _affine([*carried, *self.rates, *equations.loads], equations.v)
         self.number = {v: j for j, v in enumerate(equations.v)}
-        self.shared = self._choose(users)
+        self.definitions: dict[int, _Slopes] = {}
         first = len(equations.v) + len(equations.rows)
-        self.number.update((node, first + k) for k, node in enumerate(self.shared))
+        for node in self._choose(users):
+            slopes = self._slopes(dict.fromkeys(node.args, equations.graph.one))
+            if slopes:  # else its terms cancel
+                k = self.number[node] = first + len(self.definitions)
+                self.definitions[k] = slopes
 
     def _choose(self, users: Mapping[Node, int]) -> list[Node]:
         """The sums of two moving terms that are used twice or more and made of more than one vector: those
@@ -110,13 +114,10 @@ class _Sums:
         for k, rate in enumerate(self.rates):
             for u, slope in self._slopes({rate: graph.one}).items():
                 entries.add(n + k, u, slope)
-        definitions: dict[int, tuple[int, ...]] = {}
-        coefficients: dict[Entry, Node] = {}
-        for node in self.shared:
-            k = self.number[node]
-            slopes = self._slopes(dict.fromkeys(node.args, graph.one))
-            definitions[k] = tuple(slopes)
-            coefficients.update(((k, u), slope) for u, slope in slopes.items())
+        definitions = {k: tuple(slopes) for k, slopes in self.definitions.items()}
+        coefficients = {
+            (k, u): slope for k, slopes in self.definitions.items() for u, slope in slopes.items()
+        }
         kept = dict(sorted(entries.found.items()))
         structure = Structure(n, len(self.rates), tuple(kept), definitions, _influence(definitions, moved))
         acting = self._slopes(self.equations.loads)

@@ -137,6 +137,30 @@ def test_entries_may_cancel_that_the_structure_has(n: int) -> None:
     assert np.abs(found - wanted).max() <= (2e-16 * condition + 2e-15) * np.abs(wanted).max()
 
 
+NOWHERE = """
+model M
+  coordinate Length a, b;
+  point P = {b, -a, 0};
+  point Q = {-a, -a, 0};
+  point R = {b + 2*a, b, 0};
+  body on = Particle(mass = 1 [kg], at = R);
+  point there = P + {a, -a, 0} + (Q - P);  // a moves it along y alone
+  force f = (-1 [N.s/m])*velocity(there) at there;
+  constraint c: dot(there - R, {1, 0, 0}) = 0.1 [m];
+end M;
+"""
+
+
+def test_a_sum_whose_terms_cancel_is_no_unknown() -> None:
+    e = large.equations(NOWHERE, 0)
+    state = consistent_state(e, 5)
+    assert state is not None
+    wanted, condition = dense(e, state)
+    for solver in solvers(e):
+        found = run(e, solved(e, solver), state)[: len(wanted)]
+        assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
+
+
 @pytest.mark.parametrize("family", large.LOOPS)
 def test_loops_are_solved_to_rounding(family: str) -> None:
     e = large.equations(large.LOOPS[family], 6)
