@@ -35,64 +35,93 @@ def solve(matrix: Sequence[Sequence[float]], right: Sequence[float]) -> list[flo
     return x
 
 
+class _Row:
+    """A vector with the window in which it may differ from zero."""
+
+    __slots__ = ("begin", "stop", "values")
+
+    def __init__(self, values: list[float]):
+        self.values = values
+        self.begin = next((j for j, x in enumerate(values) if x), 0)
+        self.stop = next((j for j in range(len(values), self.begin, -1) if values[j - 1]), self.begin)
+
+    def length(self) -> float:
+        own = self.values[self.begin : self.stop]
+        return math.sqrt(dot(own, own))
+
+    def over(self, size: float) -> _Row:
+        return _Row([x / size for x in self.values])
+
+    def along(self, e: _Row) -> float:
+        """The part of this along a unit vector, which is taken away."""
+        if e.begin >= self.stop or self.begin >= e.stop:
+            return 0.0
+        own, other = self.values[e.begin : e.stop], e.values[e.begin : e.stop]
+        part = dot(other, own)
+        if part:
+            self.values[e.begin : e.stop] = [x - part * y for x, y in zip(own, other)]
+            self.begin, self.stop = min(self.begin, e.begin), max(self.stop, e.stop)
+        return part
+
+
 class Span:
     """The span of rows, which are taken to size one: `basis` is orthonormal, `rank` is decided at the
     widest gap among what is left of rows beside those before them, the largest first (`left`)."""
 
     def __init__(self, rows: Sequence[Sequence[float]]):
         self._units = [_unit(row) for row in rows]
-        self.basis: list[list[float]] = []
         self.left: list[float] = []
         self.made: list[tuple[int, list[float]]] = []  # row of each base, its parts along those before
-        rest = {k: row for k, row in enumerate(self._units) if row is not None}
+        self._base: list[_Row] = []
+        rest = {k: _Row(list(row)) for k, row in enumerate(self._units) if row is not None}
+        sizes = {k: row.length() for k, row in rest.items()}
         parts: dict[int, list[float]] = {k: [] for k in rest}
         while rest:
-            sizes = {k: math.sqrt(dot(row, row)) for k, row in rest.items()}
-            best = max(sizes, key=lambda k: sizes[k])
-            size = sizes[best]
+            best = max(sizes, key=sizes.__getitem__)
+            size = sizes.pop(best)
             if size <= _ROUNDING:
                 break
-            e = [x / size for x in rest.pop(best)]
+            e = rest.pop(best).over(size)
             if size < _LITTLE:  # once more: what was left is rounding in part
                 e = self._orthogonal(e)
-            self.basis.append(e)
+            self._base.append(e)
             self.left.append(size)
             self.made.append((best, [*parts.pop(best), size]))
             for k, row in rest.items():
-                part = dot(e, row)
+                part = row.along(e)
                 parts[k].append(part)
                 if part:
-                    rest[k] = [x - part * y for x, y in zip(row, e)]
+                    sizes[k] = row.length()
         self.rank, self._threshold = _gap(self.left)
-        del self.basis[self.rank :]
+        del self._base[self.rank :]
+        self.basis = [e.values for e in self._base]
 
-    def _orthogonal(self, e: list[float]) -> list[float]:
-        e = self.remainder(e)
-        size = math.sqrt(dot(e, e))
-        return [x / size for x in e] if size else e
+    def _orthogonal(self, e: _Row) -> _Row:
+        found = _Row(self.remainder(e.values))
+        size = found.length()
+        return found.over(size) if size else found
 
     def remainder(self, x: Sequence[float]) -> list[float]:
         """`x` less its part in the span."""
-        rest = list(x)
-        for e in self.basis:
-            part = dot(e, rest)
-            rest = [a - part * b for a, b in zip(rest, e)]
-        return rest
+        rest = _Row(list(x))
+        for e in self._base:
+            rest.along(e)
+        return rest.values
 
     def independent(self) -> list[int]:
         """The first rows, in their order, that span all."""
-        held: list[list[float]] = []
+        held: list[_Row] = []
         found: list[int] = []
-        for k, row in enumerate(self._units):
-            if row is None or len(found) == self.rank:
+        for k, unit in enumerate(self._units):
+            if unit is None or len(found) == self.rank:
                 continue
+            row = _Row(list(unit))
             for e in held:
-                part = dot(e, row)
-                row = [x - part * y for x, y in zip(row, e)]
-            size = math.sqrt(dot(row, row))
+                row.along(e)
+            size = row.length()
             if size > self._threshold:
                 found.append(k)
-                held.append([x / size for x in row])
+                held.append(row.over(size))
         return found
 
 
