@@ -21,7 +21,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.modular import P, Point, Undefined, is_square, power
-from lagc.expr.walk import symbols
+from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.finite import RIGHT
@@ -203,8 +203,9 @@ def _squares(
     found: list[_Square] = []
     for residual in residuals[:_MOST_ROWS]:
         held = symbols([residual]) - fixed
-        for x in asked if held else ():
-            if x not in held:
+        polynomial = held - symbols(a for y in reachable([residual]) if not _adds_up(y) for a in y.args)
+        for x in asked if polynomial else ():
+            if x not in polynomial:
                 continue
             graph = x.graph
             slope = tangent(graph, [residual], {x: graph.one})[0]
@@ -217,6 +218,11 @@ def _squares(
                 fixed |= held
                 break
     return found
+
+
+def _adds_up(node: Node) -> bool:
+    """Whether it is a polynomial in its arguments."""
+    return node.op in ("add", "scale") or (node.op == "mul" and min(node.value) > 0)
 
 
 def _scalars(states: States) -> list[Node]:
