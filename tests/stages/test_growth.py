@@ -25,6 +25,7 @@ from lagc.frontend.format import format_source
 from lagc.meaning.context import MOST_FAULTS
 from lagc.meaning.instantiate import Builder
 from lagc.optimize.factors import factored, plan
+from lagc.run.trial import try_start
 
 POINT = """  parameter Mass m = 1 [kg];
   parameter Length L = 1 [m];
@@ -196,6 +197,39 @@ def test_breaks_are_looked_for_in_the_pieces_of_a_model() -> None:
     derived(ladder(2))
     one, two, four = (work(derived, ladder(k * 6)) for k in (1, 2, 4))
     assert four - two < 4.4 * (two - one)
+
+
+def circled(n: int, radius: int) -> str:
+    """Parts on circles of a radius in m, at 1 m from the centre."""
+    start = "x(start = 0.6), y(start = 0.8)"
+    return circles(n).replace("-1 [m2]", f"{radius**2} [m2]").replace("x(start = 1), y", start)
+
+
+def steps_of_start(text: str) -> int:
+    """Lines that kernels run through when the start is tried."""
+    model = compiler.resolve(compiler.parse(Source("m.lag", text)), Choice())
+    program = compiler.optimize(compiler.derive(model), work=True)
+    count = 0
+
+    def look(frame: FrameType, event: str, _: Any) -> Any:
+        nonlocal count
+        count += event == "line"
+        return look if frame.f_code.co_filename.endswith(("evaluation", "search.py")) else None
+
+    sys.settrace(look)
+    try:
+        try_start(program, [p.value or 0.0 for p in program.interface.parameters])
+    finally:
+        sys.settrace(None)
+    return count
+
+
+@pytest.mark.parametrize("radius", [1, 2], ids=["met", "moved"])
+def test_starts_of_parts_that_share_nothing_cost_the_sum_of_theirs(radius: int) -> None:
+    """But for a look at each pair of rows; a dense factorisation takes 8 times as much for twice the rows."""
+    steps_of_start(circled(2, radius))
+    one, two, four = (steps_of_start(circled(n, radius)) for n in (6, 12, 24))
+    assert four - two < 4.5 * (two - one)
 
 
 def in_pairs(n: int) -> tuple[Graph, list[Node]]:
