@@ -139,7 +139,7 @@ def test_a_saddle_on_which_rounding_happens_to_cancel_is_no_rest() -> None:
     assert "unstable" in run.message or "differences grow" in run.message
 
 
-@pytest.mark.parametrize("stiffness", [10.0, 300.0, 1000.0, 3000.0])
+@pytest.mark.parametrize("stiffness", [10.0, 300.0, 1e3, 3e3, 1e5, 1e6])
 def test_a_spring_holds_what_rounding_moves(stiffness: float) -> None:
     run = lagc.loads(pairs(stiffness)).compile(backend="numpy").simulate(3.0, accuracy=1e-6, points=31)
     assert 0.0 < abs(run["x"]).max() < 1e-12
