@@ -60,7 +60,7 @@ class _Segments:
         self.function = function
         self.operations = function.operations
         self.first = function.runs[0].first
-        self.runs = list(_divided(function.runs))
+        self.runs = list(_divided(function.runs, len(self.operations)))
         self.owner = [-1] * self.first  # of each operation and store
         for number, run in enumerate(self.runs):
             self.owner += [number] * (run.period * run.count)
@@ -75,13 +75,17 @@ class _Segments:
         return [columns.segment() for columns in self.columns], self.places.size
 
 
-def _divided(runs: Sequence[Run]) -> Iterator[Run]:
+def _divided(runs: Sequence[Run], stores: int) -> Iterator[Run]:
+    """The runs that segments are made of; all is computed before the first of the `stores` is done."""
     for run in runs:
         if run.count > 1:
             yield run
             continue
-        for first in range(run.first, run.end, _LARGEST):
-            yield Run(first, min(_LARGEST, run.end - first), 1)
+        first = run.first
+        while first < run.end:
+            end = min(first + _LARGEST, run.end, stores if first < stores else run.end)
+            yield Run(first, end - first, 1)
+            first = end
 
 
 class _Columns:

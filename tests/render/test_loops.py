@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,6 +13,7 @@ import lagc
 from lagc.optimize.program import LEAVES, Function, uses
 from lagc.optimize.rolling import rolled
 from lagc.records import replace
+from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.optimize.interpret import interpret
 from tests.render.programs import Builder, repeated_function
 from tests.render.test_functions import both, build, needs_gcc
@@ -56,6 +58,28 @@ def test_random_repetitions_compute_what_their_operations_say(
             ours, theirs = both(python, library, f.name, [p, 1.0, 9.81], t, x, 64)
             wanted = interpret(f, {"p": [p, 1.0, 9.81], "t": [t], "x": x})["y"]
             assert ours == theirs == bits(wanted), f.name
+
+
+@pytest.mark.usefixtures("short")
+def test_an_array_read_and_written_is_read_before_it_is_written() -> None:
+    """By what stands between loops, too."""
+    made = Builder("f", ("x",), (("x", 60), ("y", 58)))
+    x = [made.load("x", k) for k in range(60)]
+    products = [made.op("mul", x[k], x[59 - k]) for k in range(2, 60)]
+    moved = [made.op("sub", x[1], x[2]), made.op("add", x[0], x[3])]
+    for k, value in enumerate(moved):
+        made.store("x", k, value)
+    for k, value in enumerate(products):
+        made.store("y", k, value)
+    f = rolled(made.function())
+    assert [run.count > 1 for run in f.runs] == [True, False, True]
+    python: dict[str, Any] = {}
+    exec(ARITHMETIC + function_text(f, {}), python)
+    rng = random.Random(1)
+    before = [rng.uniform(-1.0, 1.0) for _ in range(60)]
+    after, other = list(before), [0.0] * 58
+    python["fn_f"](after, other)
+    assert {"x": after, "y": other} == interpret(f, {"x": before})
 
 
 @needs_gcc
