@@ -45,9 +45,11 @@ def tangent(
     `within`: the nodes below `outputs` that leaves can change, arguments before users, where these
     are known already.
     """
-    rates: dict[Node, Node] = {leaf: rate for leaf, rate in seeds.items() if not rate.is_zero}
+    order = reachable(outputs) if within is None else within
+    leaves = order if within is None else seeds  # of many seeds, those that are asked for
+    rates = {leaf: seeds[leaf] for leaf in leaves if leaf in seeds and not seeds[leaf].is_zero}
     zero = graph.zero
-    for node in reachable(outputs) if within is None else within:
+    for node in order:
         if node in rates or not node.args:
             continue
         moving = [k for k, a in enumerate(node.args) if a in rates]

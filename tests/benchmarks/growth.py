@@ -150,7 +150,7 @@ class Stages:
     def equations(self) -> Any:
         from lagc.view.equations import write
 
-        return write(self.made["derive"])
+        return write(self.made["derive"], full=False)
 
     def explain(self) -> Any:
         from lagc.view.explain import explanation
