@@ -1,6 +1,6 @@
 """The global error of a run: chosen in advance, estimated by comparing two tolerances.
 
-The error of a trajectory is the largest |x_i - exact_i| / scale_i over all recorded times and all
+The error of a trajectory is the largest |x_i - exact_i| / scale_i over all its times and all
 coordinates and speeds; scale_i is the largest magnitude, over the trajectory, of the states of the
 same kind (coordinates, or speeds, of the same unit).  Pilots at 1e-5 and 1e-6 tell how it goes with the
 tolerance; the run is made at the predicted one and at ten times it, and the finer one is returned with the
@@ -19,8 +19,7 @@ from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays
-from lagc.run.truncation import FINEST, SAFETY, Truncation, Views, plain
-from lagc.run.watched import Watched
+from lagc.run.truncation import FINEST, SAFETY, Truncation, plain
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
@@ -67,25 +66,24 @@ def method_for(accuracy: float) -> str:
 def verified_run(
     system: System,
     x0: Sequence[float],
-    watched: Watched,
+    times: Sequence[float],
     accuracy: float,
     progress: Progress | None = None,
 ) -> Verified:
-    """The motion from x0 on, at all times that are watched, to a global relative error of `accuracy` at those
-    that are asked for, where it can be had."""
-    search = _Search(system, x0, watched, accuracy, progress)
-    name = name_of(system, x0, watched.times, accuracy, search.method)
+    """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
+    search = _Search(system, x0, times, accuracy, progress)
+    name = name_of(system, x0, times, accuracy, search.method)
     remembered = recall(name)
     if remembered is not None:
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
         if trajectory.status == OK:
             still = dict(remembered.still)
-            groups = moving(sizes(watched.told(trajectory), system.interface), still)
+            groups = moving(sizes(trajectory, system.interface), still)
             if strays(trajectory, remembered.end, groups) <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
     before = search.tried
-    search = _Search(system, x0, watched, accuracy, progress)
+    search = _Search(system, x0, times, accuracy, progress)
     found = search.verify()
     found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
@@ -96,15 +94,15 @@ def verified_run(
 
 
 class _Search:
-    def __init__(self, system: System, x0: Sequence[float], watched: Watched, accuracy: float,
+    def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
                  progress: Progress | None):  # fmt: skip
-        self.system, self.x0, self.watched, self.times = system, x0, watched, watched.times
+        self.system, self.x0, self.times = system, x0, times
         self.accuracy, self.progress = accuracy, progress
         self.tried: list[Trajectory] = []
         self.runs: dict[float, Trajectory] = {}  # by tolerance
         self.rounded: dict[float, float] = {}  # by tolerance
-        self.seen: dict[float, Views] = {}  # by tolerance
-        self.truncation = Truncation(self.runs, self._views, order(self.method), system.interface.bends)
+        self.scales: dict[float, Sizes] = {}  # by tolerance
+        self.truncation = Truncation(self.runs, self._sizes, order(self.method), system.interface.bends)
         self.balance: Balance | None = None
         self.along: Rounding | None = None  # the motion
         self.still: dict[int, float] = {}  # kinds that rounding alone moves, and how far
@@ -172,7 +170,7 @@ class _Search:
         system, run, groups = self.system, self.runs[tol], self._sizes(tol)
         look = quick_look(system, run, groups)
         self.still = still_kinds(system, run, groups, look)
-        self.seen.clear()
+        self.scales.clear()
         self.along = Rounding(system, run, self._sizes(tol), look, COARSE, self._integrate)
         if self._interrupted:
             return self._kept()
@@ -263,17 +261,10 @@ class _Search:
         return balance(self.system, self.runs[tol], self._sizes(tol), self.accuracy)
 
     def _sizes(self, tol: float) -> Sizes:
-        """At the times that are asked for."""
-        return self._views(tol)[0][1]
-
-    def _views(self, tol: float) -> Views:
-        """A run at the times that are asked for; all of it, where that is more."""
-        if tol not in self.seen:
-            run, noise = self.runs[tol], self._rounded_away(self.runs[tol])
-            told = self.watched.told(run)
-            self.seen[tol] = [(each, moving(sizes(each, self.system.interface), noise))
-                              for each in ([run] if told is run else [told, run])]  # fmt: skip
-        return self.seen[tol]
+        if tol not in self.scales:
+            run = self.runs[tol]
+            self.scales[tol] = moving(sizes(run, self.system.interface), self._rounded_away(run))
+        return self.scales[tol]
 
     def _rounded_away(self, run: Trajectory) -> dict[int, float]:
         """How far rounding alone moves some kinds in a run; whatever they do where it began displaced."""

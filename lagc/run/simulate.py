@@ -56,7 +56,7 @@ def simulate(
     else:
         assert request.accuracy is not None
         watched = Watched(times)
-        found = verified_run(counted, start.x, watched, request.accuracy, progress)
+        found = verified_run(counted, start.x, watched.times, request.accuracy, progress)
         options, tried = found.options, found.tried
         demand(system, tried[0])
         told = judge(counted, found, request.accuracy, times[-1])

@@ -23,17 +23,15 @@ MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of th
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 
-Views = Sequence[tuple[Trajectory, Sizes]]  # of a run: each at some times, with the sizes of its kinds there
-
 
 class Truncation:
-    """Of `runs`, by tolerance, to which more are added, by a method of this order.  `views` of each are
-    compared; `bends`: steps may cross a bend or a jump, and errors follow no law."""
+    """Of `runs`, by tolerance, to which more are added, by a method of this order; `sizes` of each by its
+    tolerance.  `bends`: steps may cross a bend or a jump, and errors follow no law."""
 
     def __init__(
-        self, runs: Mapping[float, Trajectory], views: Callable[[float], Views], order: int, bends: bool
+        self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int, bends: bool
     ):
-        self.runs, self.views, self.order, self.bends = runs, views, order, bends
+        self.runs, self.sizes, self.order, self.bends = runs, sizes, order, bends
         self.found: dict[tuple[float, float], float] = {}
 
     @property
@@ -136,8 +134,8 @@ class Truncation:
 
     def _difference(self, fine: float, coarse: float) -> float:
         if (fine, coarse) not in self.found:
-            pairs = zip(self.views(fine), self.views(coarse))
-            self.found[fine, coarse] = max(spread(a, b, of_a, of_b) for (a, of_a), (b, of_b) in pairs)
+            runs = self.runs[fine], self.runs[coarse]
+            self.found[fine, coarse] = spread(*runs, self.sizes(fine), self.sizes(coarse))
         return self.found[fine, coarse]
 
 
