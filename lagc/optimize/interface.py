@@ -53,7 +53,6 @@ def interface(
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     places = [span for _, span in equations.initial_conditions]
     slopes = condition_slopes(equations)
-    moving, time = _moving(equations), [equations.time]
     bind = functions.get("bind")
     found = Interface(
         model=model.name,
@@ -98,10 +97,10 @@ def interface(
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
-        bends=_bends(equations, moving),
-        timed=bool(depends(moving, time)),
+        bends=_bends(equations),
+        timed=_timed(functions["system" if "system" in functions else "rhs"]),
         doubtful=_doubtful(model),
-        driven=bool(depends([row.rate for row in equations.rows], time)),
+        driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)
@@ -115,10 +114,15 @@ def _moving(equations: EquationsOfMotion) -> list[Node]:
     return [*found, *equations.further_inertia.values()]
 
 
-def _bends(equations: EquationsOfMotion, moving: Iterable[Node]) -> bool:
+def _timed(function: Function) -> bool:
+    """Whether what it computes depends on time itself: that of frames that turn may cancel."""
+    return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
+
+
+def _bends(equations: EquationsOfMotion) -> bool:
     """Whether an operation that may bend or jump takes what changes during a run."""
     changing = [equations.time, *equations.q, *equations.v]
-    return any(node.op in _BENDING for node in depends(moving, changing))
+    return any(node.op in _BENDING for node in depends(_moving(equations), changing))
 
 
 def _doubtful(model: Model) -> bool:

@@ -23,7 +23,6 @@ from lagc.run.problem import Trajectory, Vector
 from lagc.run.request import Request
 from lagc.run.rounding import close_look, quick_bound, quick_look
 from lagc.run.simulate import simulate
-from lagc.run.watched import Watched
 from tests.run.integrated import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
@@ -218,7 +217,7 @@ def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str)
     system = model.load(backend)
     x0 = model.simulate(1e-3, accuracy=1e-3, points=2).states[0]
     counted: Any = Counted(system)
-    found = verified_run(counted, x0, Watched([0.01 * k for k in range(101)]), 1e-6)
+    found = verified_run(counted, x0, [0.01 * k for k in range(101)], 1e-6)
     assert found.estimated <= 1e-6
     assert counted.evaluations <= 40
     # the quick look is a bound of the close one
