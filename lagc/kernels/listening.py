@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import fabs, sqrt
+from math import fabs, inf, sqrt
 
 from lagc.kernels.binding import bind
 from lagc.kernels.kinds import set_apart
@@ -75,16 +75,16 @@ def parts_norm(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
     """The norm of an error with such parts; see the methods' `error`."""
     first = 0.0
     for i in range(NQ + NV):
-        e = parts[0][i] / w.weights[i]
+        e = h * parts[0][i] / w.weights[i]
         first += e * e
     second = 0.0
     for i in range(NQ + NV):
-        e = parts[1][i] / w.weights[i]
+        e = h * parts[1][i] / w.weights[i]
         second += e * e
-    total = first + 0.01 * second
-    if total == 0.0:
-        return 0.0
-    return fabs(h) * first * sqrt(1.0 / (float(size(NQ) + NV) * total))
+    total = float(size(NQ) + NV) * (first + 0.01 * second)
+    if not total < inf:
+        return inf
+    return first / sqrt(total) if total > 0.0 else 0.0
 
 
 def all_but_dependent(p: Params, s: State, h: Real, w: Work) -> bool:

@@ -6,7 +6,7 @@ Equations I, Springer 1993, sections II.4 (error), II.6 (dense output), II.10 (D
 
 from __future__ import annotations
 
-from math import fabs, sqrt
+from math import inf, sqrt
 
 from lagc.kernels.kinds import set_apart
 from lagc.kernels.records import State, Work
@@ -45,7 +45,8 @@ def listened(p: Params, t: Real, x: Vec[NX], h: Real, apart: Vec[NX], s: State, 
 
 def error(h: Real, s: State, w: Work) -> Real:
     """Root mean square of the error over coordinates and speeds, each over its weight (HNW II.4.11); of
-    two estimates e5 and e3 their combination e5^2 / sqrt(e5^2 + 0.01 e3^2)."""
+    two estimates e5 and e3 their combination e5^2 / sqrt(e5^2 + 0.01 e3^2).  Infinite where it is beyond all
+    numbers."""
     if len(ERROR) == 0:
         return 0.0
     n = size(NQ) + NV
@@ -53,17 +54,17 @@ def error(h: Real, s: State, w: Work) -> Real:
     if len(ERROR) == 2:
         second = 0.0
     for i in range(NQ + NV):
-        e = combination(ERROR[0], s.k, i) / w.weights[i]
+        e = h * combination(ERROR[0], s.k, i) / w.weights[i]
         first += e * e
         if len(ERROR) == 2:
-            e = combination(ERROR[1], s.k, i) / w.weights[i]
+            e = h * combination(ERROR[1], s.k, i) / w.weights[i]
             second += e * e
     if len(ERROR) == 2:
-        total = first + 0.01 * second
-        if total == 0.0:
-            return 0.0
-        return fabs(h) * first * sqrt(1.0 / (n * total))
-    return fabs(h) * sqrt(first / n)
+        total = n * (first + 0.01 * second)
+        if not total < inf:
+            return inf
+        return first / sqrt(total) if total > 0.0 else 0.0
+    return sqrt(first / n) if first < inf else inf
 
 
 def error_parts(s: State, w: Work) -> None:

@@ -11,7 +11,8 @@ REDUNDANT = Status(2)
 INCONSISTENT = Status(3)  # rows of constraints contradict each other; culprit: a row
 # a value is not finite; culprit: index of x: of what is not finite there, else of its rate
 NOT_FINITE = Status(4)
-STEP_UNDERFLOW = Status(5)  # the step became too small for the tolerance
+# the step became too small, for the tolerance or beside the way to go, of more than 1e38 steps; culprit: none
+STEP_UNDERFLOW = Status(5)
 MAX_STEPS = Status(6)  # the steps that one call may take are used up; culprit: none; call again to go on
 INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on
 INVALID = Status(8)  # an option, a time or a parameter makes no sense; culprit: see LAGC_BAD_METHOD and on

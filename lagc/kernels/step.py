@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from lagc.kernels.control import adapt, plan, retreat, too_small
-from lagc.kernels.kinds import enlarge, not_finite
+from lagc.kernels.kinds import enlarge
 from lagc.kernels.listening import forget, reconsider
 from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import factor_dense, rhs_at
 from lagc.kernels.sizes import NC, NKIND, NP, NQUAT, NX, STRAIGHT
-from lagc.kernels.statuses import INTERRUPTED, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
+from lagc.kernels.statuses import INTERRUPTED, MAX_STEPS, OK, STEP_UNDERFLOW, failed
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status, Vec, public
 
@@ -158,9 +158,6 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     a.heard = a.error > 1.0 and (a.rejected > 0 or s.listening or s.recalled > 0.0)
     if a.heard:
         a.error = reconsider(p, s, a.t_new, a.h, o, a.error, a.rejected, w)
-    if a.error != a.error:
-        w.culprit = not_finite(s.y, NX)
-        return NOT_FINITE
     if a.error <= 1.0 and not uses_new(o.method):
         return arrive(p, s, a.t_new, o, w)
     return status

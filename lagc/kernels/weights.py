@@ -15,6 +15,9 @@ from lagc.kernels.statuses import failed
 from lagc.kernels.tables import kind
 from lagc.kernels.words import Params, Real, Vec, vector
 
+BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
+NEARER = 1e-5  # of it is the next
+
 
 def departing(s: State, o: Options, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
     """Enlarge sizes of zero to those that kinds take from rest over the longest step so far, as they set out
@@ -55,28 +58,17 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
         w.weights[i] = weight if weight > TINY else TINY
 
 
-def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Work) -> Real:
-    """The shortest of the times in which the kinds change by their own size, as their rates and the
-    changes of these over a small step tell; a part of it, by the order of the method.  Kinds that begin
-    at rest get the size to which it takes them: a force that jumps there is no error of any size."""
-    largest = fabs(t1 - s.t)
-    rates = vector(NKIND)
-    for k in range(NKIND):
-        rates[k] = 0.0
+def turning(p: Params, s: State, h: Real, direction: Real, rates: Vec[NKIND], largest: Real, w: Work) -> Real:
+    """The shortest of the times, none above `largest`, in which the kinds change by their own size, as their
+    rates and the changes of these over h tell; 0 where there are no rates then."""
     bends = vector(NKIND)
     for k in range(NKIND):
         bends[k] = 0.0
-    h = 0.01 * largest
-    enlarge(s.k[0], rates)
-    for k in range(NKIND):
-        if s.sizes[k] > 0.0 and 0.01 * s.sizes[k] < h * rates[k]:
-            h = 0.01 * s.sizes[k] / rates[k]
     for k in range(NX):
         s.y[k] = s.x[k] + h * direction * s.k[0][k]
-    status = rhs_at(p, s.t + h * direction, s.y, s.k[1], w.lam, w)
     s.rhs += 1
-    if failed(status) or h == 0.0:
-        return h
+    if failed(rhs_at(p, s.t + h * direction, s.y, s.k[1], w.lam, w)):
+        return 0.0
     for k in range(NX):
         s.y[k] = (s.k[1][k] - s.k[0][k]) / h
     enlarge(s.y, bends)
@@ -91,6 +83,31 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
             way = rates[k] / bends[k]
         if way > 0.0 and way < best:
             best = way
+    return best
+
+
+def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Work) -> Real:
+    """A part, by the order of the method, of the shortest of the times in which the kinds change by their own
+    size.  Kinds that begin at rest get the size to which it takes them: a force that jumps there is no error
+    of any size."""
+    largest = fabs(t1 - s.t)
+    rates = vector(NKIND)
+    for k in range(NKIND):
+        rates[k] = 0.0
+    guess = 0.01 * largest
+    enlarge(s.k[0], rates)
+    for k in range(NKIND):
+        if s.sizes[k] > 0.0 and 0.01 * s.sizes[k] < guess * rates[k]:
+            guess = 0.01 * s.sizes[k] / rates[k]
+    h = guess
+    best = 0.0
+    while h > 0.0:
+        best = turning(p, s, h, direction, rates, largest, w)
+        if best > BEYOND * h:
+            break
+        h *= NEARER
+    if h == 0.0:
+        return guess
     tolerance = 1.0
     for k in range(NKIND):
         size = s.sizes[k] if s.sizes[k] > 0.0 else best * rates[k]

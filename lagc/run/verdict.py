@@ -27,7 +27,7 @@ from lagc.run.truncation import FINEST
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
 
-SHORTEST = 1e-140  # s: of a shorter run, errors per step have no squares
+SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
 UNKNOWN = "the cause is not known"
 
