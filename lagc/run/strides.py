@@ -18,6 +18,7 @@ from lagc.run.problem import (
 from lagc.run.verdict import sound, verdict
 
 PATIENCE = 500  # steps of any length that show what the motion does
+CREEPING = 1e-3  # of the mean step: steps so short that it ends there
 
 
 def overstepped(system: System, step: float, start: Sequence[float], run: Trajectory, stop: float) -> str:
@@ -25,7 +26,8 @@ def overstepped(system: System, step: float, start: Sequence[float], run: Trajec
     motion does until its end, followed in steps that are chosen; nothing, where it has no rate before."""
     end = min(run.t + step, stop)
     true = system.integrate(Options(rtol=1e-6, max_steps=PATIENCE), 0.0, start, [0.0, end])
-    shorter = true.status == MAX_STEPS and abs(true.step) < step
+    creeps = true.status == MAX_STEPS and abs(true.step) * true.steps < CREEPING * true.t
+    shorter = true.status == MAX_STEPS and not creeps and abs(true.step) < step
     told = f"that from t = {run.t:.6g} s leads to where {_fault(system, run)}"
     if true.status in (OK, REDUNDANT) or shorter:
         remedy = "ask for shorter ones, or for an accuracy"
@@ -33,7 +35,7 @@ def overstepped(system: System, step: float, start: Sequence[float], run: Trajec
     if not sound(system, run):
         return ""
     ending = "the motion comes there, or they are too long"
-    if true.status != MAX_STEPS:
+    if true.status != MAX_STEPS or creeps:
         ending = f"in steps that are chosen, {verdict(system, true, end)[1]}"
     return f"of steps of {step:g} s {told}; {ending}"
 
