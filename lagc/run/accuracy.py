@@ -42,7 +42,8 @@ class Verified:
 
     `estimated` is infinite where no two runs could be compared; `rounding` is the part of it that no
     tolerance makes smaller, `drift` what it would be if differences did not grow.  `horizon` is the time
-    until which the two finest runs agree to the accuracy asked; None where they do to the end.
+    until which the two finest runs agree to the accuracy asked, and rounding is known to stay below it; None
+    where that is to the end.
     `balance` is None where the estimate missed the target anyway.
     """
 
@@ -283,13 +284,14 @@ class _Search:
         found = Verified(self.runs[tols[0]], self.options(tols[0]), self.estimate(), None, self.tried)
         found.still = self.still
         if len(tols) > 1:
+            assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()
             found.balance, found.beside = self.balance, self.runs[tols[1]]
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 noise = self._rounded_away(found.beside)
                 least = self.accuracy / self.truncation.on_difference()
-                _, found.horizon = difference(finest, found.beside, interface, least, noise)
-                if found.horizon is not None and self.along is not None:
-                    found.horizon = min(found.horizon, self.along.until(self.accuracy))
+                _, alike = difference(finest, found.beside, interface, least, noise)
+                until = min(self.times[-1] if alike is None else alike, self.along.until(self.accuracy))
+                found.horizon = until if until < self.times[-1] else None
         return found

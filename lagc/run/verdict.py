@@ -124,14 +124,19 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
     """
     run, estimated, horizon = found.trajectory, found.estimated, found.horizon
     if estimated < MEANINGLESS or horizon is None or found.beside is None:
+        until = (
+            f"; it is met until t = {horizon:.6g} s" if horizon is not None and horizon > run.times[0] else ""
+        )
         if found.rounding > min(asked, 0.5 * estimated):
             why = f"rounding moves the motion by up to {found.rounding:.2g}, as {_why_rounding(found)}"
         elif found.options.rtol <= 10.0 * FINEST:
             why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
         else:
-            message = f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}"
+            message = (
+                f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}{until}"
+            )
             return Verdict("failed", message, run, estimated)
-        message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}"
+        message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}{until}"
         return Verdict("failed", message, run, estimated)
     from lagc.run.cause import cause, growth
 
