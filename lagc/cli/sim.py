@@ -113,7 +113,7 @@ def check_files(options: argparse.Namespace) -> None:
         from importlib.util import find_spec
 
         if find_spec("matplotlib") is None:
-            raise Usage("a picture needs matplotlib: pip install 'lagc[plot]'")
+            raise Usage("a picture needs matplotlib: pip install matplotlib")
     if options.plot:
         from lagc.saving import obstacle
 

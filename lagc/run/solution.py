@@ -219,8 +219,10 @@ class Solution:
         Raises ImportError where pandas is not installed."""
         import importlib
 
-        pandas = importlib.import_module("pandas")
-
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError:
+            raise ImportError("a table needs pandas: pip install pandas") from None
         frame = pandas.DataFrame({n: self[n] for n in self.columns}, index=pandas.Index(self.t, name="time"))
         frame.attrs.update(self.metadata())
         return frame

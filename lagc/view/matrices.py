@@ -30,7 +30,7 @@ def matrices(equations: EquationsOfMotion) -> Matrices:
     try:
         import sympy
     except ModuleNotFoundError:
-        raise ImportError("matrices need SymPy: pip install 'lagc[sympy]'") from None
+        raise ImportError("matrices need SymPy: pip install sympy") from None
     from lagc.expr.sympy import to_sympy
 
     zero, nv, nc = equations.graph.zero, len(equations.v), len(equations.rows)

@@ -211,5 +211,5 @@ def _matplotlib() -> Any:
         import matplotlib
         import matplotlib.figure
     except ModuleNotFoundError:
-        raise ImportError("a picture needs matplotlib: pip install 'lagc[plot]'") from None
+        raise ImportError("a picture needs matplotlib: pip install matplotlib") from None
     return matplotlib

@@ -29,7 +29,7 @@ def check_path(path: str) -> str:
         reason = f"{ending} is not built yet" if ending in PLANNED else "the ending says the format"
         raise CannotSave(f"`{path}` cannot be written: {reason}; there are {known}")
     if ending == ".parquet" and find_spec("pyarrow") is None:
-        raise CannotSave(f"`{path}` needs the package pyarrow: pip install 'lagc[parquet]'")
+        raise CannotSave(f"`{path}` needs the package pyarrow: pip install pyarrow")
     for each in (path, f"{path}.json") if ending == ".csv" else (path,):
         reason = obstacle(each)
         if reason:
