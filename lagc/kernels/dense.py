@@ -51,12 +51,18 @@ def cholesky(w: Work) -> bool:
     return True
 
 
+def head_of(w: Work, i: int) -> int:
+    """The column where row i begins; that it is none before the first, compilers see here."""
+    head = w.heads[i]
+    return head if head > 0 else 0
+
+
 def lower(w: Work, z: Vec[NV]) -> None:
     """z = L^-1 z"""
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
-        head = w.heads[i]
+        head = head_of(w, i)
         for k in range(head, i):
             value -= w.low[start + k] * z[k]
         z[i] = value / w.low[start + i]
@@ -68,6 +74,6 @@ def upper(w: Work, z: Vec[NV]) -> None:
         start = i * (i + 1) // 2
         value = z[i] / w.low[start + i]
         z[i] = value
-        head = w.heads[i]
+        head = head_of(w, i)
         for k in range(head, i):
             z[k] -= w.low[start + k] * value
