@@ -99,6 +99,8 @@ class _Text:
             [k - o[slot] if slot < len(o) and o[slot] >= first else far for k, o in items] for slot in slots
         ]
 
+        self.same_to: dict[int, int] = {}  # by period: where letters that were the same so far back end
+
     def runs(self) -> Iterator[Run]:
         """Of all letters: of the periods that begin at a place the one that goes farthest."""
         nexts, at, straight = self._nexts(), 0, 0
@@ -147,6 +149,8 @@ class _Text:
 
     def _common(self, a: int, b: int) -> int:
         """How many letters are the same from a and from b > a on."""
+        if self.same_to.get(b - a, 0) > a:
+            return self.same_to[b - a] - a
         letters, length, step = self.letters, 0, 64
         while step:
             end = b + length + step
@@ -154,6 +158,7 @@ class _Text:
                 length, step = length + step, 2 * step
             else:
                 step //= 2
+        self.same_to[b - a] = a + length
         return length
 
     def _same(self, one: _Repeated) -> int:
