@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.optimize.elimination import eliminate
+from lagc.optimize.elimination import Structure, eliminate, flops
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
 from lagc.optimize.prune import sources
 
-LARGEST = 3000  # operations of a straight right-hand side; beyond, the solve is a loop
-LARGEST_LIFTED = 2_000_000  # the same of one whose work grows with the size of the model
+LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
+LARGEST_LIFTED = 2_000_000  # the same of one that grows with the size of the model
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
 
@@ -29,14 +29,12 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
         plan = eliminate(system.structure)
         if plan is None:
             continue
-        solver = Solver(system, plan)
-        if solver.size <= _most(solver):
-            yield solver
+        if flops(plan) <= _most(system.structure):
+            yield Solver(system, plan)
 
 
-def _most(solver: Solver) -> int:
-    """Operations of a straight right-hand side."""
-    structure = solver.plan.structure
+def _most(structure: Structure) -> int:
+    """Operations of a straight solve."""
     return LARGEST_LIFTED if structure.definitions else max(LARGEST, SPARSE * structure.size)
 
 

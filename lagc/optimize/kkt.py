@@ -7,14 +7,12 @@ unknowns (a, -lam).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
-from lagc.expr.walk import reachable
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
-from lagc.optimize.elimination import Elimination, flops
+from lagc.optimize.elimination import Elimination
 from lagc.optimize.factoring import Factors, Matrix, factor, pair, refine, residual, substitute
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
@@ -33,11 +31,6 @@ class Solver:
     @property
     def nodes(self) -> list[Node]:
         return [*self.system.entries.values(), *self.system.coefficients.values()]
-
-    @cached_property
-    def size(self) -> int:
-        """Operations of a right-hand side, about."""
-        return len(reachable([*self.nodes, *self.system.right])) + flops(self.plan)
 
     def matrix(self, values: Sequence[int]) -> Matrix:
         """`values`: references to those of `nodes`."""

@@ -292,6 +292,7 @@ class _Search:
                 noise = self._rounded_away(found.beside)
                 least = self.accuracy / self.truncation.on_difference()
                 _, alike = difference(finest, found.beside, interface, least, noise)
-                until = min(self.times[-1] if alike is None else alike, self.along.until(self.accuracy))
-                found.horizon = until if until < self.times[-1] else None
+                until, last = self.along.until(self.accuracy), self.times[-1]
+                if alike is not None or self.times[0] < until < last:
+                    found.horizon = min(last if alike is None else alike, until)
         return found

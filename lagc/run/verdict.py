@@ -142,13 +142,14 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
 
     kept = sum(1 for t in run.times if t <= horizon)
     times, states = run.times[:kept], run.states[:kept]
-    tenfold = growth(system, run, found.beside, horizon)
+    tenfold, beyond = growth(system, run, found.beside, horizon), "runs of different tolerance part"
     if tenfold is not None:
-        why = f"differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
+        beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
+    elif found.rounding > 0.5 * estimated:
+        beyond = f"rounding moves it by up to {found.rounding:.2g}, as {_why_rounding(found)}"
     else:
-        why = cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN
-    message = (f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, "
-               f"runs of different tolerance part; {why}")  # fmt: skip
+        beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
+    message = f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, {beyond}"
     cut = run.changed(times=times, states=states, t=times[-1], x=states[-1])
     return Verdict("failed", message, cut, asked)
 

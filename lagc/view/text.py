@@ -69,7 +69,7 @@ class TextWriter:
     @cached_property
     def _variable(self) -> str:
         """The letter that counts in series."""
-        taken = {name.base for name in self.names.values()}
+        taken = {name.base.partition("[")[0] for name in self.names.values()}
         return next(x for x in ("k", "j", "m", "n", "index", "count") if x not in taken or x == "count")
 
     def series(self, variable: str, first: int, last: int, text: str) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc import compiler
 from lagc.diagnostics.faults import Refused
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
@@ -240,3 +241,28 @@ def test_code_without_a_mass_matrix_tells_what_it_cannot_solve(backend: str) -> 
     assert massless.rhs(0.0, [0.1 * (k % 5) for k in range(size)], xdot, lam) in (SINGULAR_MASS, NOT_FINITE)
     with pytest.raises(Refused, match="singular"):
         made.simulate(1.0, parameters={"m": 0.0})
+
+
+ATTRACTING = """
+model M
+  structural Integer n = 5;
+  parameter Mass m = 1 [kg];
+  coordinate Length x[n], y[n];
+  for i in 1:n loop
+    body b[i] = Particle(mass = m, at = {x[i], y[i], 0});
+    for j in 1:i-1 loop
+      potential V[i, j] = -(1 [N.m2.kg-2])*m^2/norm(position(b[i]) - position(b[j]));
+    end for;
+  end for;
+end M;
+"""
+
+
+def test_many_forces_make_no_solve_dense() -> None:
+    """Operations for each pair of bodies, with a mass matrix that is diagonal."""
+    found = []
+    for n in (10, 20, 30):
+        program = compiler.optimize(large.equations(ATTRACTING, n), work=False)
+        assert program.interface.solve == "straight"
+        found.append(program.interface.operations / (n * (n - 1) / 2))
+    assert max(found) <= 15.0  # the distance takes 9, the force on both 6

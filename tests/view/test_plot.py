@@ -87,7 +87,7 @@ def test_without_a_display_the_picture_lies_beside(tmp_path: Path, monkeypatch: 
 def test_without_matplotlib_the_fault_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     run = run_of("course/simple_pendulum")
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ImportError, match=r"pip install 'lagc\[plot\]'"):
+    with pytest.raises(ImportError, match=r"pip install matplotlib"):
         plot(run)
     assert solution_html(run) == table(run)
 
