@@ -153,6 +153,7 @@ def test_both_backends_give_the_same_bits() -> None:
 @needs_c
 def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
+    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 600.0)
     short = lagc.load("simple_pendulum").compile(scene="room")
     assert short.simulate(stop=1).system.backend == "numpy"
     monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
