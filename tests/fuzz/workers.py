@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, TypeAlias
 
 SECONDS = 10  # of processor time for one command
-WALL = 60.0  # s for one command, whatever it waits for
+WALL = 600.0  # s for one command, whatever it waits for: others may have the processors
 MEMORY = 2 << 30  # bytes of address space
 BATCH = 20  # tasks of one child
 
