@@ -218,6 +218,7 @@ class CompiledModel:
         rtol: float | None = None,
         atol: float | None = None,
         step: Value | None = None,
+        max_step: Value | None = None,
         every: Value | None = None,
         points: int | None = None,
         parameters: Mapping[str, Value] | None = None,
@@ -230,9 +231,12 @@ class CompiledModel:
         What is not said is the scene's, then the default's.  A run that fails keeps what was
         computed and says why in `status` and `message`.  Raises Refused for wrong requests.
         """
-        times = [_seconds(name, v) for name, v in (("stop", stop), ("step", step), ("every", every))]
-        request = Request(times[0], accuracy, method, rtol, atol, times[1], times[2], points,
-                          bound_starts(self.interface, quantities(starts or {})))  # fmt: skip
+        times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
+        request = Request(
+            accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
+            starts=bound_starts(self.interface, quantities(starts or {})),
+            **{name: _seconds(name, value) for name, value in times.items()},
+        )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:

@@ -50,6 +50,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--atol", metavar="A", help="by hand: absolute tolerance of a step, added for every state; default: 0"
     )
     parser.add_argument("--step", metavar="DT", help="by hand: a fixed step instead of tolerances")
+    parser.add_argument("--max-step", metavar="DT", help="the longest step; default: what the accuracy takes")
     parser.add_argument(
         "--every", metavar="DT", help="record a point every DT (dense output, never the step)"
     )
@@ -139,6 +140,7 @@ def request_of(options: argparse.Namespace) -> Request:
         step=quantity(options.step, "s", "--step"),
         every=quantity(options.every, "s", "--every"),
         points=_whole(options.points, "--points"),
+        max_step=quantity(options.max_step, "s", "--max-step"),
     )
 
 

@@ -19,12 +19,13 @@ from lagc.records import dataclass
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
 
 SIMULATE: dict[str, Dimension] = {
-    "stop": S, "every": S, "step": S, "accuracy": NONE, "points": NONE, "rtol": NONE, "atol": NONE,
+    "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,
+    "atol": NONE,
 }  # fmt: skip
 
 _ALTERNATIVES = (
     ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
-    ("every", "points"),
+    ("step", "maxstep"), ("every", "points"),
 )  # fmt: skip
 
 

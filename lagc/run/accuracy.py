@@ -70,10 +70,12 @@ def verified_run(
     times: Sequence[float],
     accuracy: float,
     progress: Progress | None = None,
+    max_step: float | None = None,
 ) -> Verified:
-    """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had."""
-    search = _Search(system, x0, times, accuracy, progress)
-    name = name_of(system, x0, times, accuracy, search.method)
+    """The motion from (times[0], x0) to a global relative error of `accuracy`, where it can be had, in steps
+    of at most `max_step`."""
+    search = _Search(system, x0, times, accuracy, progress, max_step)
+    name = name_of(system, x0, times, accuracy, search.method, max_step)
     remembered = recall(name)
     if remembered is not None:
         options = search.options(remembered.rtol)
@@ -84,7 +86,7 @@ def verified_run(
             if strays(trajectory, remembered.end, groups) <= remembered.estimated:
                 return Verified(trajectory, options, remembered.estimated, tried=search.tried, still=still)
     before = search.tried
-    search = _Search(system, x0, times, accuracy, progress)
+    search = _Search(system, x0, times, accuracy, progress, max_step)
     found = search.verify()
     found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
@@ -96,9 +98,9 @@ def verified_run(
 
 class _Search:
     def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
-                 progress: Progress | None):  # fmt: skip
+                 progress: Progress | None, max_step: float | None):  # fmt: skip
         self.system, self.x0, self.times = system, x0, times
-        self.accuracy, self.progress = accuracy, progress
+        self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
         self.tried: list[Trajectory] = []
         self.runs: dict[float, Trajectory] = {}  # by tolerance
         self.rounded: dict[float, float] = {}  # by tolerance
@@ -120,7 +122,8 @@ class _Search:
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         share = LONGEST_TIMED if self.system.interface.timed else LONGEST
-        longest = share * abs(self.times[-1] - self.times[0]) * (tol / COARSE) ** (1.0 / order(self.method))
+        longest = share * abs(self.times[-1] - self.times[0])
+        longest = min(longest, self.max_step or longest) * (tol / COARSE) ** (1.0 / order(self.method))
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch())
 
     def _watch(self) -> Callable[[Trajectory], bool]:

@@ -14,10 +14,13 @@ from lagc.run.problem import System, Trajectory
 FORMAT = 4  # which every Python reads
 
 
-def name_of(system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str) -> str:
+def name_of(
+    system: System, x0: Sequence[float], times: Sequence[float], accuracy: float, method: str,
+    max_step: float | None,
+) -> str:  # fmt: skip
     """The same question has the same answer, whether it is remembered or not; so all of it counts."""
     interface = system.interface
-    values = [repr(v) for v in (accuracy, list(system.parameters), list(x0), list(times))]
+    values = [repr(v) for v in (accuracy, max_step, list(system.parameters), list(x0), list(times))]
     tool = tool_fingerprint()
     return cache.key("accuracy 8", tool, interface.model_hash, method, system.backend, *values)
 

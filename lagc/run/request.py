@@ -16,6 +16,7 @@ from lagc.run.problem import System
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
 FINEST = 1e-15  # relative tolerance of a step
+_NUMBERS = ("stop", "accuracy", "rtol", "atol", "step", "max_step", "every", "points")
 POINTS = 501  # recorded where no grid is asked for
 MOST_POINTS = sys.maxsize // 2  # that a list can count
 
@@ -25,7 +26,8 @@ class Request:
     """How long, how accurately and on which grid.  Times in s; None: the scene's value, else a default.
 
     `accuracy` is the global relative error; with `method`, `rtol`, `atol` or `step` the run is
-    steered by hand instead.  `every` or `points` give the recorded grid, never the step.
+    steered by hand instead.  `every` or `points` give the recorded grid, never the step.  No step is
+    longer than `max_step`; those of an `accuracy` are the shorter the finer the tolerance.
     `starts` replaces start values of coordinates and speeds, by name, in SI.
     """
 
@@ -37,6 +39,7 @@ class Request:
     step: float | None = None
     every: float | None = None
     points: int | None = None
+    max_step: float | None = None
     starts: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -54,11 +57,14 @@ class Request:
             skipped |= {"accuracy"}
         if self.accuracy is not None or self.step is not None:
             skipped |= {"rtol", "atol"}
-        if self.accuracy is not None or self.rtol is not None or self.atol is not None:
+        if self.step is not None:
+            skipped |= {"max_step"}
+        if any(x is not None for x in (self.accuracy, self.rtol, self.atol, self.max_step)):
             skipped |= {"step"}
-        for name in ("stop", "accuracy", "rtol", "atol", "step", "every", "points"):
-            if values[name] is None and name in scene and name not in skipped:
-                values[name] = int(scene[name]) if name == "points" else scene[name]
+        for name in _NUMBERS:
+            said = name.replace("_", "")
+            if values[name] is None and said in scene and name not in skipped:
+                values[name] = int(scene[said]) if name == "points" else scene[said]
         if values["stop"] is None:
             values["stop"] = STOP
         done = Request(**values)
@@ -70,10 +76,10 @@ class Request:
     def check(self) -> None:
         """Raises Refused, with all that is wrong."""
         faults = []
-        for name in ("stop", "accuracy", "rtol", "atol", "step", "every"):
+        for name in _NUMBERS:
             value = getattr(self, name)
             may_be_zero = name in ("stop", "rtol", "atol")
-            if value is None:
+            if value is None or name == "points":
                 continue
             if not isfinite(value) or value < 0.0 or (value == 0.0 and not may_be_zero):
                 kind = "not negative" if may_be_zero else "positive"
@@ -97,6 +103,8 @@ class Request:
             faults.append(_request(f"`{self.method}` has no estimate of its errors: give it a fixed `step`"))
         if self.step is not None and (self.rtol is not None or self.atol is not None):
             faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
+        if self.step is not None and self.max_step is not None:
+            faults.append(_request("a fixed `step` is as long as it is: leave out `max_step`"))
         if self.every is not None and self.points is not None:
             faults.append(_request("`every` and `points` both give the grid: leave one out"))
         if self.every and self.stop and not faults and self.stop / self.every > MOST_POINTS:

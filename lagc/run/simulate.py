@@ -56,7 +56,7 @@ def simulate(
     else:
         assert request.accuracy is not None
         watched = Watched(times)
-        found = verified_run(counted, start.x, watched.times, request.accuracy, progress)
+        found = verified_run(counted, start.x, watched.times, request.accuracy, progress, request.max_step)
         options, tried = found.options, found.tried
         demand(system, tried[0])
         told = judge(counted, found, request.accuracy, times[-1])
@@ -101,7 +101,8 @@ def by_hand(request: Request) -> Options:
         return Options(method=method, step=request.step, max_steps=0)
     rtol = RTOL if request.rtol is None else request.rtol
     atol = 0.0 if request.atol is None else request.atol
-    return Options(method=method, rtol=rtol, atol=atol, max_steps=0)
+    longest = request.max_step or 0.0
+    return Options(method=method, rtol=rtol, atol=atol, max_steps=0, max_step=longest)
 
 
 def _overstepped(

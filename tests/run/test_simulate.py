@@ -158,6 +158,8 @@ def test_interrupted_verification_returns_the_run_that_is_complete() -> None:
         (Request(accuracy=1e-6, rtol=1e-6), "accuracy"),
         (Request(step=0.1, rtol=1e-6), "step"),
         (Request(step=0.0), "step"),
+        (Request(max_step=0.0), "max_step"),
+        (Request(step=0.1, max_step=0.1), "max_step"),
         (Request(points=1), "points"),
         (Request(points=10, every=0.1), "every"),
         (Request(every=1e-30), "points"),
@@ -177,6 +179,26 @@ def test_a_scene_gives_what_was_not_asked() -> None:
     assert (done.stop, done.accuracy, done.every) == (3.0, 1e-4, 0.5)
     by_hand = Request(rtol=1e-5, points=7).completed(scene)
     assert (by_hand.accuracy, by_hand.every, by_hand.points) == (None, None, 7)
+    assert Request().completed({"maxstep": 0.25}).max_step == 0.25
+    assert Request(step=0.5).completed({"maxstep": 0.25}).max_step is None
+    assert Request(max_step=0.5).completed({"step": 0.25}).step is None
+
+
+@pytest.mark.parametrize("asked", [{"rtol": 1e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-7}])
+def test_no_step_is_longer_than_the_longest(asked: dict[str, float]) -> None:
+    class Widest(Oscillator):
+        def integrate(self, options, t0, x0, times, progress=None, way=0):  # type: ignore[no-untyped-def]
+            found = super().integrate(options, t0, x0, times, progress, way)
+            assert found.steps >= 4.0 / 0.05 / 1.01  # a step may be 1 % longer to end the run
+            return found
+
+    free = simulate(Oscillator(), Request(stop=4.0, **asked))
+    bound = simulate(Widest(), Request(stop=4.0, max_step=0.05, **asked))
+    assert free.cost.steps / free.cost.integrations < 4.0 / 0.05
+    assert bound.status == "ok" and bound.states[-1][0] == pytest.approx(cos(4.0), abs=1e-3)
+    if bound.estimated is not None:
+        error = max(abs(x[0] - cos(t)) for t, x in zip(bound.times, bound.states))
+        assert error <= bound.estimated
 
 
 def test_the_recorded_grid() -> None:
