@@ -11,13 +11,17 @@ the matrix is symmetric.  There are two steps:
 
 What moves few bodies goes first, from the leaves of a tree to its root; then what is cheapest.
 
+Where loops are many, as in a ladder, each substitution ties all loops further out to each other.  A lifted
+velocity that is one of a body may be *kept* then: its mass is its pivot, its definition a row, whose
+multiplier is the force in the joint, and what is left is the graph of the bodies.
+
 G. Golub, C. Van Loan, *Matrix Computations*, 4.1; R. Vanderbei, *Symmetric quasidefinite
 matrices*, SIAM J. Optim. 5 (1995), for the signs of the pivots.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 
 from lagc.records import dataclass, field
@@ -31,13 +35,15 @@ def entry(i: int, j: int) -> Entry:
 
 @dataclass(frozen=True)
 class Structure:
-    """What is not zero.  Unknowns: speeds, multipliers, lifted velocities."""
+    """What is not zero.  Unknowns: speeds, multipliers, lifted velocities, multipliers of the definitions
+    of those that are kept, in their order."""
 
     speeds: int
     multipliers: int
     entries: tuple[Entry, ...]
     definitions: Mapping[int, tuple[int, ...]] = field(default_factory=dict)  # of lifted velocities
     influence: Mapping[int, int] = field(default_factory=dict)  # bodies that move with an unknown
+    kept: tuple[int, ...] = ()  # lifted velocities that are not substituted
 
     @property
     def size(self) -> int:
@@ -45,11 +51,21 @@ class Structure:
         return self.speeds + self.multipliers
 
     @property
-    def unknowns(self) -> int:
+    def moving(self) -> int:
+        """Speeds, multipliers and lifted velocities."""
         return self.size + len(self.definitions)
 
+    @property
+    def unknowns(self) -> int:
+        return self.moving + len(self.kept)
+
     def is_row(self, k: int) -> bool:
-        return self.speeds <= k < self.size
+        return self.speeds <= k < self.size or k >= self.moving
+
+    @property
+    def ties(self) -> Iterator[tuple[int, int]]:
+        """Each velocity that is kept, with the multiplier of its definition."""
+        return zip(self.kept, range(self.moving, self.unknowns))
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,11 +130,14 @@ class _Search:
             else:
                 self.near[i].add(j)
                 self.near[j].add(i)
+        self.frees = _frees(structure, self.near)
         self.definitions = dict(structure.definitions)
-        self.used = [0] * count  # in how many definitions that are left
-        for definition in self.definitions.values():
-            for u in definition:
-                self.used[u] += 1
+        for k, row in structure.ties:
+            self._tie(row, {k, *self.definitions.pop(k)})
+        self.waits = [0] * count  # for how many that have to go before
+        for unknowns in self.frees.values():
+            for u in unknowns:
+                self.waits[u] += 1
         self.gone = [False] * count
 
     def steps(self) -> Sequence[Step]:
@@ -141,13 +160,14 @@ class _Search:
 
     def _rank(self, k: int) -> tuple[int, int, int] | None:
         """How soon unknown k is eliminated; None where it cannot be now."""
-        if self.gone[k] or self.used[k]:
+        if self.gone[k] or self.waits[k]:
             return None
         near, structure = self.near[k], self.structure
         if structure.is_row(k):
-            if not self.massive[k] or any(not structure.is_row(j) and self._waits(j) for j in near):
+            holds = self._is_lifted if k >= structure.moving else self._holds
+            if not self.massive[k] or any(not structure.is_row(j) and holds(j) for j in near):
                 return None
-            return 0, len(near) * (len(near) + 1) // 2, -k
+            return 1 if structure.kept else 0, len(near) * (len(near) + 1) // 2, -k
         definition = self.definitions.get(k)
         if definition is None:
             return (1, len(near) * (len(near) + 1) // 2, -k) if self.massive[k] else None
@@ -158,21 +178,26 @@ class _Search:
         c = len(definition)
         return 1, c * (c + 1) // 2 + c * len(near), -k
 
-    def _waits(self, j: int) -> bool:
+    def _holds(self, j: int) -> bool:
         """Whether a row waits for j: for all but speeds that only rows can give a pivot."""
-        return j in self.definitions or self.used[j] > 0 or self.massive[j]
+        return j in self.definitions or self.waits[j] > 0 or self.massive[j]
+
+    def _is_lifted(self, j: int) -> bool:
+        """Whether a row that defines what is kept waits for j: speeds in it have their pivots from it."""
+        return j >= self.structure.size
 
     def _goes_before(self, j: int) -> bool:
-        return j in self.definitions or (self.used[j] == 0 and self.massive[j])
+        return j in self.definitions or (self.waits[j] == 0 and self.massive[j])
 
     def _without(self, step: Step) -> set[int]:
         """Takes an unknown out; those whose rank may be another then."""
-        k, near, changed = step.unknown, step.near, {*step.near, *step.definition}
+        k, near, freed = step.unknown, step.near, self.frees.get(step.unknown, ())
+        changed = {*near, *step.definition}
         for j in near:
             self.near[j].discard(k)
+        for u in freed:
+            self.waits[u] -= 1
         if step.definition:
-            for u in step.definition:
-                self.used[u] -= 1
             filled = set(near)
             if step.massive:
                 filled |= changed
@@ -184,7 +209,7 @@ class _Search:
             for i in near:
                 self._tie(i, changed)
         rows = {i for j in changed if not self.structure.is_row(j) for i in self.near[j]}
-        return changed | {i for i in rows if self.structure.is_row(i)}
+        return {*changed, *freed} | {i for i in rows if self.structure.is_row(i)}
 
     def _tie(self, u: int, others: set[int]) -> None:
         for j in others:
@@ -193,6 +218,35 @@ class _Search:
             else:
                 self.near[u].add(j)
                 self.near[j].add(u)
+
+
+def _frees(structure: Structure, near: Sequence[set[int]]) -> dict[int, tuple[int, ...]]:
+    """Those that wait for each unknown, beside what is near.
+
+    A velocity waits for definitions that use it; where these are rows, a lifted one does not.  A
+    constraint on what is kept waits for the speeds in its definitions: all rows but these speeds depend
+    on each other, as what holds two parts together does where both are held at rest."""
+    found = dict(structure.definitions)
+    rows: dict[int, list[int]] = {}
+    for k, row in structure.ties:
+        found[row] = tuple([u for u in found.pop(k) if u < structure.speeds])
+    if structure.kept:
+        for i in range(structure.speeds, structure.size):
+            for j in _nearest_speeds(structure, near[i]):
+                rows.setdefault(j, []).append(i)
+    return found | {j: tuple(waiting) for j, waiting in rows.items()}
+
+
+def _nearest_speeds(structure: Structure, unknowns: Iterable[int]) -> set[int]:
+    """Of `unknowns`, each itself or those of the first definitions below it that have any."""
+    found: set[int] = set()
+    for unknown in unknowns:
+        left, own = {unknown}, set[int]()
+        while left and not own:
+            own = {u for u in left if u < structure.speeds}
+            left = {u for k in left for u in structure.definitions.get(k, ())}
+        found |= own
+    return found
 
 
 def flops(plan: Elimination) -> int:

@@ -39,7 +39,7 @@ class _Factoring:
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix):
         self.block, self.structure, self.matrix = block, plan.structure, matrix
-        self.current = dict(matrix.entries)
+        self.current = {**matrix.entries, **_tied(block, plan.structure, matrix)}
         rows = plan.structure.is_row
         self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
         self.lessened: set[int] = set()  # what something was subtracted from
@@ -111,6 +111,15 @@ class _Factoring:
                     self.lessened.add(u)
 
 
+def _tied(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int]:
+    """The rows sum of c_u u - w_k = 0 of what is kept."""
+    found: dict[Entry, int] = {}
+    for k, row in structure.ties:
+        found[row, k] = ~block.one
+        found.update(((row, u), matrix.coefficients[k, u]) for u in structure.definitions[k])
+    return found
+
+
 def factor(block: Block, plan: Elimination, matrix: Matrix) -> Factors:
     """L D L^T of the matrix, lifted velocities substituted.
 
@@ -169,26 +178,39 @@ def residual(
     Sizes are in the norm of the inverse pivots, sum of r_k^2 / |D_k|, in which forces and
     constraints are alike (it is the energy that an impulse r brings).  The terms M_kk a_k count for
     the right side, so that what is driven by constraints alone is not judged by rounding errors.
+    Where `x` has more than speeds and multipliers, what is kept and its definitions are looked at, too.
     """
     structure = plan.structure
+    ties = dict(structure.ties) if len(x) > plan.size else {}
     y = [*x[: plan.size], *[block.zero] * len(structure.definitions)]
+    products: list[list[int]] = [[] for _ in range(structure.unknowns)]
     for k in sorted(structure.definitions):
         y[k] = _combined(block, structure, matrix, k, y)
-    products: list[list[int]] = [[] for _ in y]
+        if k in ties:
+            products[ties[k]] = [y[k], ~x[k]]
+            y[k] = x[k]
     for (i, j), value in matrix.entries.items():
         products[i].append(block.mul(value, y[j]))
         if i != j:
             products[j].append(block.mul(value, y[i]))
     for k in sorted(structure.definitions, reverse=True):  # a force on it is one on what it is made of
-        force = _sum(block, products[k])
-        if k < len(right):
-            force = block.sub(force, right[k])
+        if k in ties:
+            force = x[ties[k]]
+            products[k].append(~force)
+        else:
+            force = _sum(block, products[k])
+            if k < len(right):
+                force = block.sub(force, right[k])
         for u in structure.definitions[k]:
             products[u].append(block.mul(matrix.coefficients[(k, u)], force))
-    rest = [_rest(block, right[k], products[k]) for k in range(plan.size)]
+    right = [*right, *[block.zero] * (structure.unknowns - len(right))]
+    watched = {*range(plan.size), *ties, *ties.values()}
+    rest = {k: _rest(block, right[k], products[k]) for k in watched}
     left = total = block.zero
     for step in plan.pivots:
         k = step.unknown
+        if k not in watched:
+            continue
         row = structure.is_row(k)
         weight = ~factors.inverse[k] if row else factors.inverse[k]
         left = block.add(left, block.mul(_square(block, rest[k]), weight))
@@ -196,7 +218,7 @@ def residual(
         if k in factors.sizes and not row:
             size = block.add(size, _square(block, block.mul(factors.sizes[k], x[k])))
         total = block.add(total, block.mul(size, weight))
-    return rest, block.div(left, block.add(block.const(1e-300), total))
+    return [rest[k] for k in range(plan.size)], block.div(left, block.add(block.const(1e-300), total))
 
 
 def refine(

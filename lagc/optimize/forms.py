@@ -7,15 +7,17 @@ from collections.abc import Iterator
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.optimize.elimination import Structure, eliminate, flops
+from lagc.optimize.elimination import Elimination, Structure, eliminate, flops
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
 from lagc.optimize.prune import sources
+from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
 LARGEST_LIFTED = 2_000_000  # the same of one that grows with the size of the model
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
+_WORTH = 0.8  # of the operations, at most, where bodies keep their velocities
 
 
 def forms_matrix(equations: EquationsOfMotion) -> bool:
@@ -26,11 +28,19 @@ def forms_matrix(equations: EquationsOfMotion) -> bool:
 def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
     """Those that straight-line code is made of."""
     for system in _forms(equations):
-        plan = eliminate(system.structure)
-        if plan is None:
-            continue
-        if flops(plan) <= _most(system.structure):
+        plan = _plan(system)
+        if plan is not None and flops(plan) <= _most(system.structure):
             yield Solver(system, plan)
+
+
+def _plan(system: Lifted) -> Elimination | None:
+    """All lifted velocities substituted, which loses no digits, or bodies' own kept where that is cheaper
+    by far, as with many loops."""
+    plan = eliminate(system.structure)
+    if plan is None or not (system.heavy and system.structure.multipliers):
+        return plan
+    other = eliminate(replace(system.structure, kept=system.heavy))
+    return other if other is not None and flops(other) < _WORTH * flops(plan) else plan
 
 
 def _most(structure: Structure) -> int:

@@ -20,8 +20,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from lagc.expr.derivative import gradient, partial
+from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable, substitute
+from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import rate_symbols
@@ -42,6 +43,7 @@ class Lifted:
     entries: dict[Entry, Node]
     coefficients: dict[Entry, Node]  # (lifted unknown, unknown of its definition)
     right: list[Node]  # r and gamma, and what acts on lifted velocities
+    heavy: tuple[int, ...] = ()  # lifted velocities that are components of those of bodies with mass
 
 
 def plain(equations: EquationsOfMotion) -> Lifted:
@@ -121,9 +123,24 @@ class _Sums:
         kept = dict(sorted(entries.found.items()))
         structure = Structure(n, len(self.rates), tuple(kept), definitions, _influence(definitions, moved))
         acting = self._slopes(self.equations.loads)
-        right = [acting.get(u, graph.zero) for u in range(structure.unknowns)]
+        right = [acting.get(u, graph.zero) for u in range(structure.moving)]
         right[n : structure.size] = _gammas(self.equations)
-        return Lifted(structure, kept, coefficients, right)
+        return Lifted(structure, kept, coefficients, right, tuple(sorted(self._heavy())))
+
+    def _heavy(self) -> set[int]:
+        """Unknowns with masses that are positive, with parameters as they are given."""
+        model = self.equations.model
+        given = {p.symbol: p.value for p in model.parameters if p.value is not None}
+        found: set[int] = set()
+        for part in self.equations.inertias:
+            mass = part.mass
+            if (
+                isinstance(mass, Node)
+                and symbols([mass]) <= given.keys()
+                and evaluate([mass], given)[0] > 0.0
+            ):
+                found.update(self.number[x] for x in part.velocity if x in self.number)
+        return found & self.definitions.keys()
 
     def _inertias(self, entries: _Entries) -> dict[int, int]:
         """Puts them into A.  A set of bodies, as bits, for each unknown that a velocity is written in."""

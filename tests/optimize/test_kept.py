@@ -1,0 +1,82 @@
+"""Bodies that keep their velocities as unknowns with pivots of their own: the same motion as the dense system
+in 50 digits, in work that grows as the model does, however many loops it has."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from lagc.mechanics.derive import derive
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize.elimination import eliminate
+from lagc.optimize.forms import solvers
+from lagc.optimize.kkt import Solver
+from lagc.optimize.lift import lifted
+from lagc.records import replace
+from tests.mechanics.numbers import consistent_state
+from tests.mechanics.random_systems import model, random_system
+from tests.optimize import large
+from tests.optimize.test_lift import dense, run, solved
+
+HEAVY = {
+    "even": large.LADDER,
+    "at the end": large.LADDER.replace(
+        "  effect", "  body tip = Particle(mass = 1e6*m, at = P[n]);\n  effect", 1
+    ),
+    "every other": large.LADDER.replace("mass = m,", "mass = m*(1 + 1e6*(i - 2*floor(i/2))),"),
+    "closed": large.CLOSED,
+}
+
+
+def keeping(e: EquationsOfMotion) -> Solver | None:
+    """All velocities of bodies that can be kept are; None where there are none."""
+    system = lifted(e)
+    if system is None or not system.heavy:
+        return None
+    plan = eliminate(replace(system.structure, kept=system.heavy))
+    assert plan is not None
+    return Solver(system, plan)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_random_systems(seed: int) -> None:
+    e = derive(model(random_system(seed)))
+    solver, state = keeping(e), consistent_state(e, seed)
+    if solver is None or state is None:
+        return
+    wanted, condition = dense(e, state)
+    *found, health, left = run(e, solved(e, solver), state)
+    assert 0.0 <= left < 1e-16
+    assert np.abs(found - wanted).max() <= 1e-14 * condition / min(abs(health), 1.0) * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("n", [3, 4, 9])
+@pytest.mark.parametrize("masses", HEAVY)
+def test_loops(masses: str, n: int) -> None:
+    """Accelerations as good as those without; the pivots show the uneven masses at most."""
+    e = large.equations(HEAVY[masses], n)
+    solver, state = keeping(e), consistent_state(e, 5)
+    assert solver is not None and state is not None
+    wanted, condition = dense(e, state)
+    *found, health, left = run(e, solved(e, solver), state)
+    assert health > (1e-4 if masses in ("even", "closed") else 1e-8)
+    assert left < 1e-16
+    assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
+
+
+def test_work_grows_as_the_number_of_loops() -> None:
+    """Of a ladder, whose rungs close a loop each; the form that is taken."""
+    found = []
+    for n in (20, 30, 40):
+        e = large.equations(large.LADDER, n)
+        found.append(min(solved(e, solver).cost for solver in solvers(e)))
+    steps = [(b - a) / 10 for a, b in pairwise(found)]
+    assert steps[0] <= 660
+    assert steps[1] <= 1.05 * steps[0]
+
+
+def test_what_has_no_mass_is_not_kept() -> None:
+    system = lifted(large.equations(large.LADDER.replace("(min = 0) = 1 [kg]", "(min = 0) = 0 [kg]"), 4))
+    assert system is not None and not system.heavy
