@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
+from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.limits import running
 from lagc.loaded import Loaded
@@ -103,7 +104,7 @@ class Run(Solution):
         return solution_html(self)
 
 
-class CompiledModel:
+class CompiledModel(Differentiable):
     """One scene of a model: equations, program, and what simulates it.
 
     What was compiled before comes out of the cache, stages that nobody asks for are not run.  Nothing

@@ -140,12 +140,12 @@ def derive(model: Model) -> EquationsOfMotion:
 
 
 @_uncollected
-def optimize(equations: EquationsOfMotion, work: bool) -> Program:
+def optimize(equations: EquationsOfMotion, work: bool, differentiate: bool = False) -> Program:
     from lagc.optimize.optimize import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
-        return run(equations, work=work)
+        return run(equations, work=work, differentiate=differentiate)
 
 
 @_uncollected
@@ -263,6 +263,8 @@ class Compilation:
     """One choice of one source, compiled as far as it is asked for; each stage at most once, whatever
     the number of threads.  It pickles as its source and choice."""
 
+    differentiates = False  # whether the program has derivatives
+
     def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = ()):
         self.source, self.choice, self.roots = source, choice, roots
         self.lock = RLock()
@@ -281,7 +283,12 @@ class Compilation:
     @once
     def program(self) -> Program:
         """For a run: the work of the given actions is integrated too."""
-        return optimize(self.equations, work=True)
+        return optimize(self.equations, work=not self.differentiates, differentiate=self.differentiates)
+
+    @once
+    def differentiated(self) -> Compilation:
+        """The same with derivatives, for evaluations."""
+        return _Differentiated(self)
 
     def artifact(self, target: str) -> Artifact:
         """What runs, from the cache or compiled now (and then kept there)."""
@@ -303,7 +310,8 @@ class Compilation:
     def _artifact_name(self, target: str, head: Head) -> str:
         values = [f"{name}={value!r}" for name, value in sorted(self.choice.parameters.items())
                   if name in head.structural]  # fmt: skip
-        return cache.key(self._head_name, target, *values, *(found or "" for _, found in head.imports))
+        what = (target, "derivatives") if self.differentiates else (target,)
+        return cache.key(self._head_name, *what, *values, *(found or "" for _, found in head.imports))
 
     def _compiled(self, target: str) -> Artifact:
         program = self.program
@@ -320,18 +328,41 @@ class Compilation:
         return artifact
 
 
+class _Differentiated(Compilation):
+    """Of the same equations, which are derived once."""
+
+    differentiates = True
+
+    def __init__(self, base: Compilation):
+        super().__init__(base.source, base.choice, base.roots)
+        self.base, self.lock = base, base.lock
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.base,)
+
+    @once
+    def model(self) -> Model:
+        return self.base.model
+
+    @once
+    def equations(self) -> EquationsOfMotion:
+        return self.base.equations
+
+
 def _code(sources: Mapping[str, str]) -> CodeType:
     from lagc.run.backends.numpy import compiled
 
     return compiled(sources)
 
 
-def program(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Program:
+def program(
+    source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
+) -> Program:
     """The program of the generated code that goes to others; the given values are its defaults."""
     from lagc.run.request import bound_parameters
 
     compilation = Compilation(source, choice, roots)
-    found = optimize(compilation.equations, work=False)
+    found = optimize(compilation.equations, work=False, differentiate=differentiate)
     interface = found.interface
     values = bound_parameters(
         interface, choice.parameters, unused(compilation.model, interface), demanding=False

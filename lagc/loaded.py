@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from lagc.compiler import Compilation
-from lagc.once import RLock
+from lagc.once import RLock, once
 from lagc.run.problem import System
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
 
 
 class Loaded:
@@ -54,6 +58,15 @@ class Loaded:
                 self.systems[backend] = load(artifact.interface, artifact.sources, backend, artifact.code)
                 self.seconds += perf_counter() - began
             return self.systems[backend]
+
+    @once
+    def differentiated(self) -> NumpySystem:
+        """With derivatives, in Python."""
+        from lagc.run.backends.numpy import NumpySystem
+
+        found = Loaded(self.compilation.differentiated, "numpy").system("numpy")
+        assert isinstance(found, NumpySystem)
+        return found
 
     def _preferred(self) -> str:
         """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""

@@ -25,6 +25,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="DIR", default=".", help="the folder that receives it; made where absent"
     )
+    parser.add_argument(
+        "--derivatives", action="store_true", help="with exact derivatives, by state, parameters and inputs"
+    )
     add_general_options(parser)
 
 
@@ -34,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")
     source = library.read(options.file)
-    program = compiler.program(source, choice_of(options))
+    program = compiler.program(source, choice_of(options), differentiate=options.derivatives)
     files = compiler.render(program, options.target, real=options.real)
     paths = write(files, options.output)
     if options.json:

@@ -20,7 +20,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends", "timed", "driven", "doubtful",
+    "initial_places", "bends", "timed", "driven", "doubtful", "derivatives",
 )  # fmt: skip
 
 _BENDING = smooth_as(CORNER, STEP, CHOICE) - TRUTHS
@@ -45,6 +45,7 @@ def interface(
     lifted: int,
     dropped: tuple[str, ...] = (),
     remarks: tuple[str, ...] = (),
+    derivatives: Mapping[str, tuple[tuple[int, int], ...]],
 ) -> Interface:
     """What the run needs to know of `functions`, the functions of the model of `equations`.
     `dropped` are the names that `equations` are without, `remarks` go to the notes."""
@@ -101,6 +102,7 @@ def interface(
         timed=_timed(functions["system" if "system" in functions else "rhs"]),
         doubtful=_doubtful(model),
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
+        derivatives=dict(derivatives),
     )
     digest = _digest(found, functions)
     return replace(found, model_hash=digest)

@@ -8,6 +8,7 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
+from lagc.optimize.derivatives import derivatives
 from lagc.optimize.forms import forms_matrix, solvers
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.kkt import Solver
@@ -22,10 +23,11 @@ from lagc.optimize.symbols import Places, places, weight
 from lagc.records import replace
 
 
-def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
+def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bool = False) -> Program:
     """The functions of `equations`, each as short as it gets.
 
-    `work` adds the integral of the power to the state where the power is not identically zero.
+    `work` adds the integral of the power to the state where the power is not identically zero,
+    `differentiate` the functions of `lagc.optimize.derivatives`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind.
     """
     equations, left_out = prune(equations)
@@ -37,7 +39,12 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
     solver, rhs = _solver(at, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
-    found, read = preparation.finished(_functions(at, solver, rhs, work, preparation))
+    made = _functions(at, solver, rhs, work, preparation)
+    slopes = derivatives(at) if differentiate else None
+    if slopes:
+        more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
+        made.update((f.name, preparation.separated(f)) for f in more)
+    found, read = preparation.finished(made)
     found = {name: rolled(function) for name, function in found.items()}
     return Program(
         interface(
@@ -52,6 +59,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False) -> Program:
             lifted=len(system.structure.definitions),
             dropped=left_out,
             remarks=independent(equations, system),
+            derivatives={name: pattern for name, (_, pattern) in slopes.by.items()} if slopes else {},
         ),
         found,
     )

@@ -174,6 +174,9 @@ class Interface:
     preparation: int = 0  # operations of `bind`
     prepared: int = 0  # numbers that it makes
     read: tuple[int, ...] = ()  # the parameters that it reads: copies of them are the last of these
+    derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
+        default_factory=dict
+    )  # places of their entries
 
     @property
     def nx(self) -> int:
@@ -187,6 +190,20 @@ class Interface:
     def condition_entries(self, k: int) -> range:
         """Where in J the derivatives of condition k are."""
         return range(self.condition_ends[k - 1] if k else 0, self.condition_ends[k])
+
+    @property
+    def stack(self) -> dict[str, range]:
+        """The rows of `derivatives` that belong to each part of what is differentiated."""
+        sizes = {
+            "qdot": self.nq, "inertia": self.nv, "force": self.nv, "row": self.nc,
+            "condition": len(self.condition_ends), "start": self.nq + self.nv + len(self.rate_names),
+            "output": len(self.outputs),
+        }  # fmt: skip
+        found, first = dict[str, range](), 0
+        for name, size in sizes.items():
+            found[name] = range(first, first + size)
+            first += size
+        return found
 
     @property
     def angles(self) -> tuple[int, ...]:
@@ -233,6 +250,9 @@ class Program:
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
+      stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
+      by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
+                                     (row, column) of `derivatives`; see `lagc.optimize.derivatives`
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 

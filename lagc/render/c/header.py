@@ -64,6 +64,16 @@ _BIND = """\
 """
 
 
+def stacked(interface: Interface) -> str:
+    """Where in the rows of derivatives each part begins."""
+    if not interface.derivatives:
+        return ""
+    title = "/* What is differentiated: the first row of each part; see lagc_stack */\n"
+    rows = [f"    LAGC_D_{name.upper()} = {part.start}," for name, part in interface.stack.items()]
+    last = f"    LAGC_D_END = {max(part.stop for part in interface.stack.values())}"
+    return title + "enum {\n" + "\n".join([*rows, last]) + "\n};\n"
+
+
 def use(consistency: bool, prepared: bool) -> str:
     """From the parameters to a motion in a few lines."""
     text = _USE.replace("{bind}", _BIND if prepared else "")

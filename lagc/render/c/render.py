@@ -44,6 +44,7 @@ def _header(runtime: Runtime, file: str) -> str:
         header.about(runtime.real),
         header.use(runtime.searches, interface.prepared > 0),
         header.constants(interface).rstrip("\n") + "\n",
+        header.stacked(interface),
         '#ifdef __cplusplus\nextern "C" {\n#endif\n',
         header.parameters(interface),
         runtime.types(),

@@ -7,6 +7,7 @@ constraints has no function for them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
@@ -58,6 +59,10 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
         )
     if interface.nc and "scales" in functions:
         found += _linear()
+    if interface.derivatives:
+        found.append(_STACK)
+    for group, pattern in interface.derivatives.items():
+        found += _derivatives(group, pattern)
     return found
 
 
@@ -178,6 +183,47 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
         return Verb(comment, head, call + unused + "    return LAGC_OK;\n")
     solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"
     return Verb(comment, head, solved + call + "    return status;\n")
+
+
+def _derivatives(group: str, pattern: Sequence[tuple[int, int]]) -> list[Verb]:
+    if not pattern:
+        return []
+    columns = _COLUMNS[group]
+    tables = "".join(
+        f"    static const int {name}_of[] = {{\n{_numbers(values)}    }};\n"
+        for name, values in zip(("row", "column"), zip(*pattern))
+    )
+    return [
+        Verb(
+            f"J[{len(pattern)}], the derivatives of this stack by {columns} that are not\n"
+            " * identically zero.",
+            f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
+            f"    lagc_fn_by_{group}(p, t, x, a, lambda, J);\n"),
+        Verb(
+            "Their rows and columns; returns how many there are.",
+            f"int lagc_by_{group}_pattern(const int **rows, const int **columns)",
+            f"{tables}    *rows = row_of;\n    *columns = column_of;\n    return {len(pattern)};\n"),
+    ]  # fmt: skip
+
+
+_STACK = Verb(
+    "s[LAGC_D_END], what is differentiated, at any a[NV] and lambda[NC].  From the rows LAGC_D_... on:\n"
+    " * QDOT, the rates of q; INERTIA, M a; FORCE, tau - h + G^T lambda; ROW, G a - gamma; CONDITION, of a\n"
+    " * consistent start; START, the start values; OUTPUT.",
+    f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
+    "    lagc_fn_stack(p, t, x, a, lambda, s);\n",
+)
+_COLUMNS = {
+    "time": "the time",
+    "state": "q and v",
+    "acceleration": "a and lambda",
+    "parameter": "the parameters, then the inputs, in the order of the struct",
+}
+
+
+def _numbers(values: Sequence[int]) -> str:
+    rows = [", ".join(map(str, values[k : k + 16])) for k in range(0, len(values), 16)]
+    return "        " + ",\n        ".join(rows) + "\n"
 
 
 def _linear() -> list[Verb]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from lagc.optimize.program import Program
+import textwrap
+
+from lagc.optimize.program import Interface, Program
 from lagc.render.statuses import texts
 
 _ALWAYS = '''\
@@ -141,6 +143,26 @@ def outputs(t, x, p=None):
     return y
 '''
 
+_DERIVATIVES = '''
+
+def stack(t, x, a, lam, p=None):
+    """What is differentiated, part by part as STACK has it, at any a and lam: qdot, M a, tau - h + G^T lam,
+    G a - gamma, the conditions of a start, the start values, the outputs."""
+    found = [0.0] * max(rows.stop for rows in STACK.values())
+    fn_stack(equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+    return found
+
+
+def derivatives(group, t, x, a, lam, p=None):
+    """J, the derivatives of the stack by a group of PATTERNS, which has their places: "time", "state" (q, v),
+    "acceleration" (a, lam) or "parameter" (parameters, then inputs)."""
+    found = [0.0] * len(PATTERNS[group])
+    if found:
+        function = {@FUNCTIONS@}[group]
+        function(equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+    return found
+'''
+
 _MANY = '''\
 def rhs_many(t, x, p=None):
     """xdot of many states at once: arrays of shape (n_states, NX), t a number or one for each.
@@ -215,7 +237,24 @@ def verbs(program: Program, complete: bool) -> list[str]:
         found.append(_CONSISTENT)
     if program.interface.nc:
         found.append(_CONSTRAINTS)
+    if program.interface.derivatives:
+        found.append(_stacked(program.interface))
     return [*found, _MANY]
+
+
+def _stacked(interface: Interface) -> str:
+    """Derivatives, with the places of their entries."""
+    parts = [f"    {name!r}: {part!r},\n" for name, part in interface.stack.items()]
+    text = ["STACK = {  # rows of the derivatives\n", *parts, "}\nPATTERNS = {  # (row, column) of each\n"]
+    for name, pattern in interface.derivatives.items():
+        places = textwrap.fill(
+            ", ".join(map(repr, pattern)), 100, initial_indent=" " * 8, subsequent_indent=" " * 8
+        )
+        text.append(f"    {name!r}: [\n{places}\n    ],\n" if pattern else f"    {name!r}: [],\n")
+    there = [name for name, pattern in interface.derivatives.items() if pattern]
+    return "".join(
+        [*text, "}\n", _DERIVATIVES.replace("@FUNCTIONS@", ", ".join(f"{n!r}: fn_by_{n}" for n in there))]
+    )
 
 
 def _statuses() -> str:

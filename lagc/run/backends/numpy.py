@@ -99,6 +99,22 @@ class NumpySystem(CompiledSystem):
         self.model.module["fn_displace"](self._p, t, x, d, dq)
         return dq
 
+    def stack(self, t: float, x: Vector, a: Vector, lam: Vector) -> list[float]:
+        """What is differentiated (`lagc.optimize.derivatives`), of a program with derivatives."""
+        found = [0.0] * max([part.stop for part in self.interface.stack.values()])
+        self.model.module["fn_stack"](self._p, t, x, a, lam, found)
+        return found
+
+    def derivatives(
+        self, group: str, t: float, x: Vector, a: Vector, lam: Vector
+    ) -> tuple[list[float], tuple[tuple[int, int], ...]]:
+        """Of the stack by one group: the entries, and their places (row, column)."""
+        pattern = self.interface.derivatives[group]
+        found = [0.0] * len(pattern)
+        if pattern:
+            self.model.module[f"fn_by_{group}"](self._p, t, x, a, lam, found)
+        return found, pattern
+
     def start(self) -> list[float]:
         x = [0.0] * self.nx
         self.model.module["fn_start"](self._p, x)

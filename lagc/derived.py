@@ -1,0 +1,101 @@
+"""What of a compiled model takes derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from lagc.loaded import Loaded
+
+if TYPE_CHECKING:
+    from lagc.optimize.program import Interface
+    from lagc.run.backends.numpy import NumpySystem
+    from lagc.run.derivatives import Array, Point
+
+ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
+         "outputs": "output"}  # fmt: skip
+HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start"}
+
+
+class Differentiable:
+    """A compiled model that can be differentiated; what it takes is compiled when it is first asked for."""
+
+    _loaded: Loaded
+
+    @property
+    def interface(self) -> Interface:
+        raise NotImplementedError
+
+    def _bound(self, parameters: Mapping[str, Any] | None, demanding: bool = True) -> list[float]:
+        raise NotImplementedError
+
+    def differentiated(self, parameters: Mapping[str, Any] | None = None) -> NumpySystem:
+        """The system with derivatives, bound to the parameters of this model, and to those given."""
+        return self._loaded.differentiated.model.bind(self._bound(parameters))
+
+    def jacobian(
+        self,
+        of: str,
+        wrt: str | Sequence[str],
+        t: float = 0.0,
+        x: Sequence[float] | None = None,
+        *,
+        a: Sequence[float] | None = None,
+        lam: Sequence[float] | None = None,
+        parameters: Mapping[str, Any] | None = None,
+    ) -> Array:
+        """The exact derivatives of `of` by `wrt` at (t, x), x = (q, v), as a matrix, SI.
+
+        `of`: "rates" (qdot, a), "qdot", "accelerations", "multipliers", "outputs", where a and lam follow
+        from the equations; "inertia" (M a), "forces" (tau - h + G^T lam), "rows" (G a - gamma), with `a` and
+        `lam` as they are given (else those of the motion); "conditions" of a start (phi, psi, the initial
+        section, stated rates); "start" (values of q, v, stated rates).
+        `wrt`: "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
+        them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
+        Without x at the start values as they are written.  Raises KeyError for another word, ValueError where
+        x has another length, ArithmeticError where there is no finite value.
+        """
+        import numpy
+
+        from lagc.run.derivatives import Point
+
+        system = self.differentiated(parameters)
+        state = system.start() if x is None else [float(value) for value in x]
+        if len(state) != system.nx:
+            raise ValueError(f"x has {len(state)} entries, not {system.nx}")
+        if of not in ALONG and of not in HELD:
+            raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *HELD))}")
+        point = Point(system, float(t), state, a, lam)
+        words = [wrt] if isinstance(wrt, str) else list(wrt)
+        found = numpy.hstack([self._columns(point, of, word) for word in words])
+        if not numpy.isfinite(found).all():
+            raise ArithmeticError(f"the derivatives of {of} have no finite value there")
+        return found
+
+    def _columns(self, point: Point, of: str, word: str) -> Array:
+        group, columns = self._places(word, held=of in HELD)
+        table = point.partial(HELD[of], group) if of in HELD else point.total(ALONG[of], group)
+        return table[:, columns]
+
+    def _places(self, word: str, held: bool) -> tuple[str, slice]:
+        """The group that has the columns of a word, and which they are."""
+        interface = self.interface
+        nq, nv, n = interface.nq, interface.nv, len(interface.parameters)
+        groups = {
+            "time": ("time", slice(None)), "state": ("state", slice(None)),
+            "coordinates": ("state", slice(nq)), "speeds": ("state", slice(nq, None)),
+            "parameters": ("parameter", slice(n)), "inputs": ("parameter", slice(n, None)),
+        }  # fmt: skip
+        if held:
+            groups["accelerations"] = "acceleration", slice(nv)
+            groups["multipliers"] = "acceleration", slice(nv, None)
+        if word in groups:
+            return groups[word]
+        given = [f.name for f in (*interface.parameters, *interface.inputs)]
+        for group, names in (("state", [*interface.q_names, *interface.v_names]), ("parameter", given)):
+            if word in names:
+                k = names.index(word)
+                return group, slice(k, k + 1)
+        raise KeyError(
+            f"{word!r} is no coordinate, speed, parameter or input, nor one of {', '.join(groups)}"
+        )

@@ -1,0 +1,134 @@
+"""The derivatives of a compiled model at one state, as arrays, and those of the motion: of accelerations and
+multipliers, which the equations give implicitly.
+
+    F(t, q, v, a, lam, p) = (M a - (tau - h + G^T lam); G a - gamma) = 0,      d(a, lam)/dy = -K^-1 dF/dy,
+
+K = dF/d(a, lam) = [M, -G^T; G, 0].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from lagc.run.problem import FAILED
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
+
+Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
+
+DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
+
+
+class Point:
+    """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
+    motion there or those that are given."""
+
+    def __init__(
+        self,
+        system: NumpySystem,
+        t: float,
+        x: Sequence[float],
+        a: Sequence[float] | None = None,
+        lam: Sequence[float] | None = None,
+    ):
+        self.system, self.t, self.x = system, t, list(x)
+        if a is None or lam is None:
+            rates, own = [0.0] * system.nx, [0.0] * system.nc
+            if system.rhs(t, x, rates, own) in FAILED:
+                raise ArithmeticError(f"the motion is not determined at t = {t:g}")
+            a, lam = rates[system.nq :] if a is None else a, own if lam is None else lam
+        self.a, self.lam = list(a), list(lam)
+        self._groups: dict[str, Array] = {}
+        self._motion: dict[str, Array] = {}
+
+    @cached_property
+    def stack(self) -> Array:
+        """The values of all that is differentiated."""
+        return np.array(self.system.stack(self.t, self.x, self.a, self.lam))
+
+    def value(self, part: str) -> Array:
+        rows = self.system.interface.stack[part]
+        return self.stack[rows.start : rows.stop]
+
+    def sparse(self, group: str) -> tuple[Array, Array, Array]:
+        """Entries, rows and columns of the derivatives of the stack by a group."""
+        entries, pattern = self.system.derivatives(group, self.t, self.x, self.a, self.lam)
+        places = np.array(pattern, dtype=int).reshape(-1, 2)
+        return np.array(entries), places[:, 0], places[:, 1]
+
+    def by(self, group: str) -> Array:
+        """All of them as a matrix, where a and lam are held."""
+        if group not in self._groups:
+            interface = self.system.interface
+            widths = {
+                "time": 1, "state": interface.nq + interface.nv, "acceleration": interface.nv + interface.nc,
+                "parameter": len(interface.parameters) + len(interface.inputs),
+            }  # fmt: skip
+            height = max(rows.stop for rows in interface.stack.values())
+            table, (entries, rows, columns) = np.zeros((height, widths[group])), self.sparse(group)
+            table[rows, columns] = entries
+            self._groups[group] = table
+        return self._groups[group]
+
+    def partial(self, part: str, group: str) -> Array:
+        """Of one part of the stack, where a and lam are held."""
+        rows = self.system.interface.stack[part]
+        return self.by(group)[rows.start : rows.stop]
+
+    def residual(self, group: str) -> Array:
+        """dF/d(group), nv + nc rows."""
+        return np.vstack(
+            [self.partial("inertia", group) - self.partial("force", group), self.partial("row", group)]
+        )
+
+    @cached_property
+    def scales(self) -> tuple[Array, Array]:
+        """What makes K free of units: of speeds, 1/sqrt(M_jj); of rows, one over the length of the gradient
+        in that metric."""
+        nv, k = self.system.nv, self.residual("acceleration")
+        mass = np.abs(np.diagonal(k)[:nv])
+        known = mass[mass > 0.0]
+        mass[mass == 0.0] = known.min() if known.size else 1.0
+        speeds = 1.0 / np.sqrt(mass)
+        lengths = np.sqrt(np.square(k[nv:, :nv] * speeds).sum(axis=1))
+        return speeds, 1.0 / np.where(lengths > 0.0, lengths, 1.0)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """K^-1; where rows depend on each other, that of least multipliers."""
+        d, k = np.concatenate(self.scales), self.residual("acceleration")
+        scaled = d[:, None] * k * d
+        if not np.isfinite(scaled).all():
+            raise ArithmeticError("the derivatives have no finite value there")
+        left, sizes, right = np.linalg.svd(scaled)
+        if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
+            inverse = np.linalg.inv(scaled)
+        else:
+            kept = sizes > DEPENDENT * sizes[:1]
+            inverse = (right[kept].T / sizes[kept]) @ left[:, kept].T
+        inverse = inverse + inverse @ (np.eye(len(scaled)) - scaled @ inverse)
+        return d[:, None] * inverse * d
+
+    def motion(self, group: str) -> Array:
+        """d(a, lam)/d(group) along motions."""
+        if group not in self._motion:
+            self._motion[group] = -self.inverse @ self.residual(group)
+        return self._motion[group]
+
+    def total(self, part: str, group: str) -> Array:
+        """Of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, where a and lam follow
+        from the equations."""
+        nv = self.system.nv
+        if part in ("acceleration", "multiplier"):
+            return self.motion(group)[:nv] if part == "acceleration" else self.motion(group)[nv:]
+        if part == "rate":
+            return np.vstack([self.partial("qdot", group), self.motion(group)[:nv]])
+        found = self.partial(part, group)
+        if part == "output":
+            found = found + self.partial("output", "acceleration") @ self.motion(group)
+        return found

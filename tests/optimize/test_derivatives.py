@@ -1,0 +1,110 @@
+"""Derivatives of the whole library against differences in 50 digits."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import lagc
+from lagc.expr.graph import Node
+from lagc.optimize.derivatives import groups, stack
+from lagc.optimize.massless import with_pivots
+from lagc.optimize.prune import prune
+from lagc.optimize.symbols import places
+from lagc.run.derivatives import Point
+from tests.optimize.exact import DIGITS, along, values
+from tests.physics.library import compiled, fullest
+
+CLOSE = 1e-13  # of the sum of the terms: some hundred roundings of 1e-16
+FEWEST = {"classic/chain": 3, "large/rope": 3}
+MOST = 14  # unknowns of the linear solve in 50 digits
+
+
+@pytest.mark.parametrize("name, scene", fullest())
+def test_derivatives_are_those_of_differences(name: str, scene: str) -> None:
+    model = compiled(name, scene, "numpy")
+    if model.interface.nv + model.interface.nc > 60:
+        pytest.skip("too long in 50 digits")
+    chance = random.Random(name)
+    equations = with_pivots(prune(model.equations)[0])
+    at = places(equations, [p for p in equations.model.parameters if p.name in _names(model)])
+    by = groups(at)
+    system = model.differentiated()
+    t, x = chance.uniform(0.1, 1.0), [a + chance.uniform(-0.2, 0.2) for a in system.start()]
+    a, lam = ([chance.uniform(-1, 1) for _ in range(n)] for n in (system.nv, system.nc))
+    point = Point(system, t, x, a, lam)
+    everything = [s for symbols in by.values() for s in symbols]
+    given = dict(zip(everything, [t, *x, *a, *lam, *system.parameters]))
+    nodes = [node for part in stack(equations).values() for node in part]
+    with mp.workdps(DIGITS):
+        exact = values(nodes, {s: mp.mpf(value) for s, value in given.items()})
+        _assert_close(point.stack, exact, np.abs(point.stack) + max(1.0, np.abs(point.stack).max()))
+        for group, symbols in by.items():
+            way = [chance.uniform(-1, 1) * max(abs(given[s]), 0.1) for s in symbols]
+            found = point.by(group)
+            expected = along(lambda at: values(nodes, at), given, dict(zip(symbols, way)))
+            _assert_close(found @ way, expected, np.abs(found) @ np.abs(way))
+
+
+def _names(model: lagc.CompiledModel) -> set[str]:
+    return {field.name for field in model.interface.parameters}
+
+
+def _assert_close(found: Any, expected: Sequence[Any], terms: Any) -> None:
+    assert len(found) == len(expected)
+    for k, (a, b, size) in enumerate(zip(found, expected, terms)):
+        assert abs(mp.mpf(float(a)) - b) <= CLOSE * max(float(size), abs(b)), (k, a, b, size)
+
+
+@pytest.mark.parametrize("name, scene", fullest())
+def test_those_of_the_motion_are_those_of_differences(name: str, scene: str) -> None:
+    """d(a, lam)/d(state, parameters) against accelerations that are solved for in 50 digits."""
+    model = compiled(name, scene, "numpy")
+    nv, nc = model.interface.nv, model.interface.nc
+    if nv + nc > MOST:
+        pytest.skip("too long in 50 digits")
+    chance = random.Random(f"{name} moves")
+    equations = with_pivots(prune(model.equations)[0])
+    at = places(equations, [p for p in equations.model.parameters if p.name in _names(model)])
+    by, parts, system = groups(at), stack(equations), model.differentiated()
+    x = [a + chance.uniform(-0.2, 0.2) for a in system.start()]
+    try:
+        point = Point(system, 0.5, x)
+    except ArithmeticError:
+        pytest.skip("rows depend on each other: no linear solve in 50 digits")
+    unknown = by["acceleration"]
+    given = dict(
+        zip([s for g in ("time", "state", "parameter") for s in by[g]], [0.5, *x, *system.parameters])
+    )
+
+    def motion(at: Mapping[Node, Any]) -> list[Any]:
+        """a and lam of F = F0 + K (a, lam), F being linear in them."""
+        nodes = [*(i - f for i, f in zip(parts["inertia"], parts["force"])), *parts["row"]]
+        zero = values(nodes, {**at, **dict.fromkeys(unknown, mp.mpf(0))})
+        columns = []
+        for symbol in unknown:
+            unit = {**at, **{s: mp.mpf(int(s is symbol)) for s in unknown}}
+            columns.append([a - b for a, b in zip(values(nodes, unit), zero)])
+        return list(mp.lu_solve(mp.matrix(columns).T, -mp.matrix(zero)))
+
+    with mp.workdps(DIGITS):
+        try:
+            motion({s: mp.mpf(value) for s, value in given.items()})
+        except ZeroDivisionError:
+            pytest.skip("rows depend on each other: no linear solve in 50 digits")
+        d = np.concatenate(point.scales)  # errors of a solve are normwise, in any units
+        condition = np.linalg.cond(d[:, None] * point.residual("acceleration") * d)
+        ways, terms = {}, 0.0
+        for group in ("time", "state", "parameter"):
+            way = ways[group] = [chance.uniform(-1, 1) * max(abs(given[s]), 0.1) for s in by[group]]
+            inertia, force, row = (np.abs(point.partial(p, group)) for p in ("inertia", "force", "row"))
+            sums = np.abs(point.inverse) @ np.vstack([inertia + force, row]) @ np.abs(way) / d
+            terms = max(terms, *sums)
+        for group, way in ways.items():
+            expected = along(motion, given, dict(zip(by[group], way)))
+            _assert_close(point.motion(group) @ way, expected, condition * d * terms)
