@@ -14,7 +14,7 @@ from typing import Any
 
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
-from lagc.library import Unreadable, content, fingerprint
+from lagc.library import LARGEST_DATA, Unreadable, content, fingerprint
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, names
 from lagc.version import __version__
@@ -75,7 +75,7 @@ def store_artifact(key: str, artifact: Artifact) -> None:
 
 def _fingerprint(path: str) -> str | None:
     try:
-        return fingerprint(path, content(path))
+        return fingerprint(path, content(path, largest=LARGEST_DATA))
     except Unreadable:
         return None
 

@@ -303,7 +303,8 @@ class Compilation:
     def _head_name(self) -> str:
         choice = self.choice
         chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
-        folder = folder_of(self.source.name) if "import" in self.source.text else ""
+        reads = any(word in self.source.text for word in ("import", "table"))
+        folder = folder_of(self.source.name) if reads else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
         return cache.key(version_key(), *named)
 

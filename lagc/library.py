@@ -12,6 +12,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 
 SUFFIX = ".lag"
 LARGEST = 4_000_000  # bytes of one model file
+LARGEST_DATA = 40_000_000  # of one file of numbers
 _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
 
 
@@ -94,9 +95,9 @@ class Unreadable(Exception):
         self.code, self.remedy = code, remedy
 
 
-def content(path: str, pipes: bool = False) -> bytes:
-    """The bytes of a model file, all of them.  It is a regular file; with `pipes`, it may be a pipe, as
-    a shell makes of `<(...)`.  Raises Unreadable."""
+def content(path: str, pipes: bool = False, largest: int = LARGEST) -> bytes:
+    """The bytes of a file, all of them, `largest` at most.  It is a regular file; with `pipes`, it may be a
+    pipe, as a shell makes of `<(...)`.  Raises Unreadable."""
     try:
         found = os.open(path, _READ)  # which does not wait for what is no file
         with open(found, "rb") as file:
@@ -106,12 +107,12 @@ def content(path: str, pipes: bool = False) -> bytes:
                     kind = "a folder" if S_ISDIR(mode) else "no regular file"
                     raise Unreadable("LAG0702", f"cannot be read: it is {kind}")
                 os.set_blocking(found, True)
-            data = file.read(LARGEST + 1) or b""  # None where a file of the system would wait
+            data = file.read(largest + 1) or b""  # None where a file of the system would wait
     except (OSError, ValueError) as error:
         raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
     if S_ISFIFO(mode) and not data:
         raise Unreadable("LAG0702", "cannot be read: it is a pipe into which nothing is written")
-    return _bounded(data)
+    return _bounded(data, largest)
 
 
 def decoded(data: bytes) -> str:
@@ -140,8 +141,8 @@ def _standard_input() -> bytes:
         raise Unreadable("LAG0702", f"cannot be read: {cache.reason(error)}") from None
 
 
-def _bounded(data: bytes) -> bytes:
-    if len(data) > LARGEST:
-        size = LARGEST // 1_000_000
-        raise Unreadable("LAG0704", f"is larger than {size} MB, the largest model file that is read")
+def _bounded(data: bytes, largest: int = LARGEST) -> bytes:
+    if len(data) > largest:
+        size, kind = largest // 1_000_000, "model file" if largest == LARGEST else "file of numbers"
+        raise Unreadable("LAG0704", f"is larger than {size} MB, the largest {kind} that is read")
     return data

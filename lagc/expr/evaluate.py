@@ -46,6 +46,8 @@ def value_of(node: Node, known: Mapping[Node, float]) -> float:
             for base, exponent in zip(x, node.value):
                 product *= base**exponent
             return product
+        if node.value is not None:
+            return float(VALUES[op](node.value, *x))
         return float(VALUES[op](*x))
     except (ValueError, ZeroDivisionError, OverflowError):
         return math.nan

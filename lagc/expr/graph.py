@@ -25,6 +25,7 @@ from typing import Any, TypeAlias
 from lagc.expr.operators import PARITY, TWINS, VALUES
 from lagc.expr.squares import exchanged
 from lagc.expr.symbol import Symbol
+from lagc.expr.table import Table
 
 Number: TypeAlias = "float | int"
 
@@ -50,7 +51,8 @@ class Node:
     add       (a, b)          None
     scale     (x,)            float coefficient
     mul       (b1, ..., bk)   (e1, ..., ek) integer exponents
-    sin ...   (x, ...)        None          every name of OPERATORS
+    piece ..  (x,)            Table         every name of OPERATORS that is looked up
+    sin ...   (x, ...)        None          every other
     """
 
     __slots__ = ("args", "graph", "index", "op", "value")
@@ -398,6 +400,14 @@ class Graph:
             return x if condition.value else y
         return x if x is y else self._intern("select", (condition, x, y), None)
 
+    def looked_up(self, op: str, table: Table, x: Node) -> Node:
+        """`piece` or `entry` of x in a table."""
+        if op == "entry" and table.is_constant:
+            return self.const(table[0])
+        if x.op == "const":
+            return self.const(VALUES[op](table, x.value))
+        return self._intern(op, (x,), table)
+
     def rebuild(self, node: Node, args: tuple[Node, ...]) -> Node:
         """`node` with other arguments, through the constructors; what has no finite value for them stays
         as it is written."""
@@ -414,6 +424,8 @@ class Graph:
             return self.select(*args)
         if op == "not":
             return self.logical_not(args[0])
+        if node.value is not None:
+            return self.looked_up(op, node.value, args[0])
         if len(args) == 1:
             return self.unary(op, args[0])
         try:

@@ -15,7 +15,8 @@ from typing import Any
 
 from lagc.expr.evaluate import extend, value_of
 from lagc.expr.graph import Node
-from lagc.expr.operators import VALUES
+from lagc.expr.operators import LOOKED_UP, VALUES
+from lagc.expr.table import Table
 from lagc.expr.walk import reachable
 
 _SUMS = ("add", "scale")
@@ -80,9 +81,10 @@ class Lines:
         """The node as a function of `leaf`; outside its domain the value is NaN."""
         shape, known = self.shape, self.known
         moved = shape.moved(leaf)
-        names, lines, constants = {leaf: "x"}, [], [known[shape.node]]
+        names, lines = {leaf: "x"}, []
+        constants: list[float | Table] = [known[shape.node]]
 
-        def constant(value: float) -> str:
+        def constant(value: float | Table) -> str:
             constants.append(value)
             return f"c[{len(constants) - 1}]"
 
@@ -93,6 +95,8 @@ class Lines:
                 text = " + ".join([constant(self._rest(x, own)), *factors])
             else:
                 arguments = [names.get(a) or constant(known[a]) for a in x.args]
+                if x.op in LOOKED_UP:
+                    arguments.insert(0, constant(x.value))
                 text = f"of_{x.op}({', '.join(arguments)})"
                 if x.op == "mul":
                     text = "*".join([f"{a}**{e}" for a, e in zip(arguments, x.value)])

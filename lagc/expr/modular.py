@@ -18,6 +18,7 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import LOOKED_UP
 from lagc.expr.walk import missing, symbols
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
@@ -146,6 +147,8 @@ class Point:
             return self._pow(x, node.args[1])
         if op == "floor":
             return self._floor(x, self._form(node.args[0]))
+        if op in LOOKED_UP:
+            return self._any(op, node.value, x)
         self.exact = False
         return self._any(op, *(self._known[a] for a in node.args))
 

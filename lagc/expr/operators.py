@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from lagc.expr.table import Table
 from lagc.records import dataclass
 
 Interval: TypeAlias = tuple[float, float]
@@ -30,6 +31,7 @@ POLE = "pole"  # values beside it may differ
 END = "end"  # slopes alone may
 CORNER, STEP = "corner", "step"  # where the argument is zero, or two are equal
 LOGIC = "logic"  # of truth values
+FLAT = "flat"  # the same until its argument jumps
 CHOICE = "choice"  # between two arguments
 
 
@@ -53,6 +55,8 @@ class Operator:
     argument, 1 (f(-x) = f(x)), -1 (-f(x)), or 0.  `within` holds all values; one that is `rising` has
     the greatest for the greatest arguments.  `twin`: the function whose square and its own add up to 1.
 
+    One that is `looked_up` has a `Table`, the value of its nodes, before its arguments.
+
     `weight` is about the time it takes, in additions, `cycles` until its result can be used.  Spelt in
     the model language by its name, or between two operands: `infix`; and in each target.
     """
@@ -69,6 +73,7 @@ class Operator:
     sides: Sides | None = None
     twin: str = ""
     truth: bool = False  # its value is a truth
+    looked_up: bool = False
     weight: int = 20
     cycles: int = 60
     infix: str = ""
@@ -144,6 +149,8 @@ _ROWS = (
         weight=1, cycles=1, c="fabs", python="fabs", sympy="Abs",
     ),
     Operator("floor", 1, math.floor, STEP, rising=True, weight=1),
+    Operator("piece", 1, Table.piece, STEP, rising=True, looked_up=True, c="lagc_piece"),
+    Operator("entry", 1, Table.entry, FLAT, looked_up=True, weight=2, cycles=8),
     Operator(
         "sign", 1, _sign, STEP, parity=-1, within=_UP_TO_ONE, rising=True,
         sides=lambda g, x: g.select(_compared(g, g.zero, x), g.one, -g.one),
@@ -200,6 +207,7 @@ PARITY = {row.name: row.parity for row in _ROWS}
 TWINS = {row.name: row.twin for row in _ROWS if row.twin}
 INFIX = {row.name: row.infix for row in _ROWS if row.infix}
 TRUTHS = frozenset([row.name for row in _ROWS if row.truth])
+LOOKED_UP = frozenset([row.name for row in _ROWS if row.looked_up])
 COMPARISONS = frozenset([row.name for row in _ROWS if row.truth and row.smoothness == STEP])
 
 
@@ -219,4 +227,4 @@ def is_analytic(op: str, value: Any) -> bool:
     return op in _ANALYTIC or (op == "mul" and min(value) > 0)
 
 
-_ANALYTIC = smooth_as(ENTIRE) | {"const", "symbol", "add", "scale"}
+_ANALYTIC = smooth_as(ENTIRE, FLAT) | {"const", "symbol", "add", "scale"}

@@ -9,10 +9,11 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import OPERATORS, spelling
+from lagc.expr.operators import LOOKED_UP, OPERATORS, spelling
 from lagc.expr.walk import reachable
 
 _NAMES = spelling("sympy")
+_KNOWN = {op: name for op, name in _NAMES.items() if op not in LOOKED_UP}
 
 
 def to_sympy(nodes: Sequence[Node], names: Callable[[Node], Any] | None = None) -> list[Any]:
@@ -49,6 +50,8 @@ def _to(sympy: Any, node: Node, args: list[Any]) -> Any:
         return args[0] ** args[1]
     if op == "select":
         return sympy.Piecewise((args[1], args[0]), (args[2], True))
+    if op in LOOKED_UP:
+        return sympy.Function(f"{op}_{node.value.name}", real=True)(*args)
     return getattr(sympy, _NAMES[op])(*args)
 
 
@@ -110,7 +113,7 @@ def _from(sympy: Any, graph: Graph, expr: Any, known: Mapping[Any, Node]) -> Nod
     name = type(expr).__name__
     if name in ("GreaterThan", "StrictGreaterThan"):
         return graph.binary("le" if name == "GreaterThan" else "lt", args[1], args[0])
-    op = next((op for op, spelt in _NAMES.items() if type(expr) is getattr(sympy, spelt)), None)
+    op = next((op for op, spelt in _KNOWN.items() if type(expr) is getattr(sympy, spelt)), None)
     if op is not None and len(args) == OPERATORS[op].arity == 1:
         return graph.logical_not(args[0]) if op == "not" else graph.unary(op, args[0])
     if op is not None and len(args) >= OPERATORS[op].arity == 2:

@@ -54,6 +54,10 @@ def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
         return f"if {parts[0][0]} then {parts[1][0]} else {parts[2][0]}", 0
     if op in INFIX:
         return f"({parts[0][0]} {INFIX[op]} {parts[1][0]})", _ATOM
+    if op == "piece":
+        return f"piece({node.value.name}, {parts[0][0]})", _ATOM
+    if op == "entry":
+        return f"{node.value.name}[{parts[0][0]}]", _ATOM
     if op == "pow":
         return f"{_wrap(parts[0], _ATOM)}^{_wrap(parts[1], _ATOM)}", _POWER
     return f"{op}({', '.join(p[0] for p in parts)})", _ATOM

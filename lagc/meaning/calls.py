@@ -7,7 +7,8 @@ from functools import partial
 
 from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.frontend import tree
-from lagc.meaning import functions, motion, rotations
+from lagc.meaning import functions, motion, rotations, tables
+from lagc.meaning.bare import is_bare
 from lagc.meaning.constants import dotted, space_only
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
@@ -17,7 +18,7 @@ from lagc.meaning.typenames import type_of
 from lagc.meaning.types import QuantityType
 from lagc.meaning.values import Poisoned, Scalar, Value, Wrong, expect, flat
 
-BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE}
+BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE, **tables.TABLE}
 
 DEEPEST = 64  # functions within functions
 MOST_CALLS = 50_000  # of the user's functions in one model
@@ -45,7 +46,7 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
         raise _unknown(name, e, environment)
     arguments = match(context, e, builtin.parameters, builtin.required, f"`{name}`")
     filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
-    given = [None if a is None else Argument(next(filled), a.span) for a in arguments]
+    given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
     return _applied(context, builtin, e, given)
 
 

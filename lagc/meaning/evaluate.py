@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
@@ -30,15 +31,14 @@ def evaluate_as(
     """The value of a declaration or an argument of the given dimension: bare numbers are in its
     SI unit.  The dimension of anything else is left to the caller to check."""
     value = evaluate(context, expression, environment)
-    if dimension != NONE and is_bare(expression):
-        return _dressed(value, dimension)
-    return value
+    return value if dimension == NONE else _dressed(value, dimension, is_bare(expression))
 
 
-def _dressed(value: Value, dimension: Dimension) -> Value:
+def _dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
     if isinstance(value, Array):
-        return Array(tuple([_dressed(e, dimension) for e in value.elements]))
-    if isinstance(value, Scalar) and value.dimension == NONE:
+        elements = [_dressed(e, dimension, bare) for e in value.elements]
+        return value if all(map(operator.is_, elements, value.elements)) else Array(tuple(elements))
+    if isinstance(value, Scalar) and value.dimension == NONE and (bare or value.bare):
         return Scalar(value.node, dimension)
     return value
 

@@ -32,10 +32,11 @@ Apply: TypeAlias = Callable[..., Value]
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """An argument of a call."""
+    """An argument of a call; `bare`: made of numbers without units."""
 
     value: Value
     span: Span
+    bare: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +49,7 @@ class Builtin:
     apply: Apply
 
 
-RESERVED = ("table", "pre", "initial", "terminal", "sample", "edge", "change")  # to come
+RESERVED = ("pre", "initial", "terminal", "sample", "edge", "change")  # to come
 
 
 class Table(dict[str, Builtin]):

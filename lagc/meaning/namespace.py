@@ -1,6 +1,7 @@
 """What a file or a package declares, and imports of other files.
 
-An import never leaves its roots: the folder of the importing file, and the folders given.
+An import, or a file of numbers, never leaves its roots: the folder of the importing file, and the folders
+given.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from collections.abc import Iterable, Iterator
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
-from lagc.library import Unreadable, content, decoded, fingerprint, folder_of
+from lagc.library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
+from lagc.meaning.data import Columns, Unfit, columns
 from lagc.meaning.values import Wrong
 
 TOGETHER = 40_000_000  # bytes of all imports
@@ -114,6 +116,7 @@ class Importer:
         self.asked: dict[str, str | None] = {}  # path -> fingerprint; None where there is no such file
         self.size = 0  # bytes read
         self._fingerprints: dict[str, str] = {}
+        self._data: dict[str, Columns] = {}
         self._packages: dict[int, Namespace] = {}
         self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
 
@@ -175,16 +178,43 @@ class Importer:
         return None if found is None else (found, source)
 
     def _file(self, declaration: tree.Import) -> Namespace:
-        written = declaration.file or ""
-        path = os.path.join(folder_of(declaration.span.source.name) or os.sep, written)
+        return self._read(self._beside(declaration.file or "", declaration.span), declaration.span)
+
+    def data(self, written: str, span: Span) -> Columns:
+        """A file of numbers, found as imports are.  Raises Wrong."""
+        path = self._beside(written, span)
+        real = os.path.realpath(path)
+        try:
+            if real not in self._data:
+                found = content(path, largest=LARGEST_DATA)
+                self._count(found, span)
+                self._fingerprints[real] = fingerprint(path, found)
+                self._data[real] = columns(decoded(found))
+        except Unreadable as error:
+            raise Wrong("LAG0226", f"`{written}` {error}", span, error.remedy) from None
+        except Unfit as error:
+            raise Wrong("LAG0314", f"`{written}` {error}", span, error.remedy) from None
+        finally:
+            self.asked[path] = self._fingerprints.get(real)
+        return self._data[real]
+
+    def _beside(self, written: str, span: Span) -> str:
+        """The path of a file that is named in a text.  Raises Wrong where it leads outside."""
+        path = os.path.join(folder_of(span.source.name) or os.sep, written)
         if not self._allowed(os.path.realpath(path)):
             raise Wrong(
                 "LAG0217",
                 f"`{written}` is outside the folders that may be imported from",
-                declaration.span,
+                span,
                 remedy="put the file in the folder of the model or below",
             )
-        return self._read(path, declaration.span)
+        return path
+
+    def _count(self, data: bytes, span: Span) -> None:
+        """Raises Wrong where this is too much."""
+        self.size += len(data)
+        if self.size > TOGETHER:
+            raise Wrong("LAG0216", f"imports of more than {TOGETHER // 1_000_000} MB together", span)
 
     def _allowed(self, path: str) -> bool:
         return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
@@ -233,9 +263,7 @@ class Importer:
         except Unreadable as error:
             message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
             raise Wrong("LAG0216", message, span, error.remedy) from None
-        self.size += len(data)
-        if self.size > TOGETHER:
-            raise Wrong("LAG0216", f"imports of more than {TOGETHER // 1_000_000} MB together", span)
+        self._count(data, span)
         self._fingerprints[path] = fingerprint(path, data)
         try:
             parsed = parse(Source(shown(path), text))

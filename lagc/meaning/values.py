@@ -19,10 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A number with a dimension; `dimension` None is that of 0, which fits all."""
+    """A number with a dimension; `dimension` None is that of 0, which fits all.  `bare`: it is made of data
+    without a unit."""
 
     node: Node
     dimension: Dimension | None
+    bare: bool = False
 
 
 @dataclass(frozen=True, slots=True)

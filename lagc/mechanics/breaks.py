@@ -53,7 +53,7 @@ class Break:
 @dataclass(frozen=True, slots=True)
 class Edge:
     """A state where a switch changes: `state` with `leaf` at `x`; one side of it and the other are `step`
-    away, and neighbours that were looked at `reach`."""
+    away, and neighbours that were looked at `reach`.  `knot`: that of a table at which it is."""
 
     state: State
     leaf: Node
@@ -61,6 +61,7 @@ class Edge:
     step: float
     reach: float
     crosses: bool
+    knot: float | None
 
     def beside(self, way: float) -> State:
         return {**self.state, self.leaf: self.x + way}
@@ -96,8 +97,13 @@ def find_break(
     sight = _Sight()
     cut: Break | None = None
     for (switch, _), found in zip(pairs, edges):
-        if rows and _never_zero(sight, everything, switch, rank, found):
-            continue
+        if rows:
+            found = [
+                e
+                for own in _by_knot(found)
+                if not _never_zero(sight, everything, switch, rank, own)
+                for e in own
+            ]
         if switch.pieces:
             wrt = rank if slopes else ()
             kinds = {_kind(states.graph, parts[e.leaf], wrt, e) for e in found if e.crosses}
@@ -189,15 +195,13 @@ def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]
     for leaf in ways:
         value, start = lines.along(leaf), state[leaf]
         first, size = value(start), abs(start) or 1.0
-        levels = [0.0]
-        if switch.node.op == "floor":
-            levels = [math.floor(first) + k for k in (0.0, 1.0)] if math.isfinite(first) else []
-        for level in levels:
+        for level in switch.levels(first):
+            knot = level if switch.node.op == "piece" else None
             change = partial(_changes, switch, level, value)
             for zero in zeros(change, start, size, switch.shape.period(leaf)):
                 reach = max(zero.reach, size / 16.0)
                 step = _BESIDE * max(abs(zero.at), reach)
-                edge = Edge(state, leaf, zero.at, step, reach, zero.crosses)
+                edge = Edge(state, leaf, zero.at, step, reach, zero.crosses, knot)
                 if switch.active(edge.beside(-step)) or switch.active(edge.beside(step)):
                     yield edge
 
@@ -208,6 +212,13 @@ def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) ->
     if not few and not switch.pieces and switch.node.op != "atan2":
         return []
     return few + [e for k, state in enumerate(starts) if k % 4 for e in _edges(switch, state, ways)]
+
+
+def _by_knot(edges: Sequence[Edge]) -> Collection[list[Edge]]:
+    found: dict[float | None, list[Edge]] = {}
+    for edge in edges:
+        found.setdefault(edge.knot, []).append(edge)
+    return found.values()
 
 
 def _changes(switch: Switch, level: float, value: Callable[[float], float], x: float) -> float:

@@ -44,6 +44,11 @@ def _interval(node: Node, x: Sequence[Interval]) -> Interval:
         return (0.0, math.inf)
     if op == "symbol":
         return EVERYWHERE
+    if op == "piece":
+        return (node.value.piece(x[0][0]), node.value.piece(x[0][1]))
+    if op == "entry":
+        reached = node.value.numbers[int(x[0][0]) : int(x[0][1]) + 1]
+        return (min(reached), max(reached))
     row = OPERATORS[op]
     low, high = row.within
     if row.rising:

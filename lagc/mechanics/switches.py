@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.expr.evaluate import evaluate
@@ -37,6 +38,7 @@ class Switch:
 
     node: Node
     side: Node
+    knots: Sequence[float] = ()  # of a table, some at which it may be another
 
     @cached_property
     def shape(self) -> Shape:
@@ -58,7 +60,20 @@ class Switch:
             return border.inside[0] < low and high < border.inside[1]
         if self.node.op == "floor":
             return math.isfinite(low) and math.isfinite(high) and math.floor(low) == math.floor(high)
+        if self.node.op == "piece":
+            table = self.node.value
+            return bool(table.piece(low) == table.piece(high))
         return (low >= 0.0 or high <= 0.0) if self.pieces else (low > 0.0 or high < 0.0)
+
+    def levels(self, value: float) -> Sequence[float]:
+        """Those of `side` at which it changes, near one where that has this value."""
+        if self.node.op == "floor":
+            return [math.floor(value) + k for k in (0.0, 1.0)] if math.isfinite(value) else []
+        if self.node.op == "piece":
+            table = self.node.value
+            place = int(table.piece(value))
+            return sorted({*self.knots, *table.numbers[place : place + 2]})
+        return [0.0]
 
     def active(self, state: State) -> bool:
         """An angle changes on the negative axis alone."""
@@ -77,7 +92,7 @@ def switches(
     found: dict[tuple[str, Node], Switch] = {}  # of all that is divided by the same, one
     for node in below:
         if node.op in ops and node in moving:
-            for x in _of_node(states.graph, node):
+            for x in _of_node(states.graph, node, below):
                 found.setdefault((node.op, x.side if node.op == "mul" else node), x)
     kept = intervals([x.side for x in found.values()], states.bounds) if found else {}
     for x in found.values():
@@ -112,8 +127,10 @@ def unlike_quotients(nodes: Sequence[Node], leaves: Collection[Node]) -> list[No
     return [node for node in nodes if node in others]
 
 
-def _of_node(graph: Graph, node: Node) -> list[Switch]:
+def _of_node(graph: Graph, node: Node, below: Sequence[Node]) -> list[Switch]:
     op, args = node.op, node.args
+    if op == "piece":
+        return [Switch(node, args[0], _telling(node, below))]
     if op == "mul":
         return [Switch(node, base) for base, exponent in zip(args, node.value) if exponent < 0]
     if op == "pow":
@@ -122,6 +139,16 @@ def _of_node(graph: Graph, node: Node) -> list[Switch]:
     if op == "atan2" or len(args) == 1:
         return [Switch(node, args[0])]
     return [Switch(node, graph.sub(*args))]
+
+
+def _telling(piece: Node, below: Sequence[Node]) -> Sequence[float]:
+    """The first and the last knot, and those where the numbers that are looked up change most."""
+    found = {1, len(piece.value) - 1}
+    for node in below:
+        if node.op == "entry" and node.args[0] is piece:
+            changes = [abs(b - a) for a, b in pairwise(node.value)]
+            found.add(1 + changes.index(max(changes)))
+    return [piece.value[k] for k in sorted(found)]
 
 
 def together(node: Node) -> list[Node]:
@@ -146,6 +173,8 @@ def where(switch: Switch) -> str:
     node, side = switch.node, text(switch.side)
     if node.op == "floor":
         return f"`{side}` passes a whole number"
+    if node.op == "piece":
+        return f"`{side}` passes a knot of a table"
     if node.op in _BORDERS:
         return f"`{side}` {_BORDERS[node.op].words}"
     if node.op == "atan2":

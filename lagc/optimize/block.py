@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 from lagc.expr.doubles import double
+from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
 from lagc.records import replace
 
@@ -18,7 +19,7 @@ ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
 
-_Payload: TypeAlias = "float | tuple[str, int] | None"
+_Payload: TypeAlias = "float | tuple[str, int] | Table | None"
 Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
 Schedule: TypeAlias = "Callable[[Sequence[Row], Sequence[int]], list[int]]"
 
@@ -67,6 +68,10 @@ class Block:
         if op in ("min", "max") and plain[0] == plain[1]:
             return plain[0]
         return self._value(op, plain)
+
+    def look_up(self, op: str, table: Table, a: int) -> int:
+        """`piece` or `entry` of a table."""
+        return self._value(op, (self.plain(a),), table)
 
     # -- arithmetic -----------------------------------------------------------
 
@@ -131,6 +136,8 @@ class Block:
         if o.op in _ARITHMETIC:
             found: int = getattr(self, o.op)(*operands)
             return found
+        if isinstance(o.payload, Table):
+            return self.look_up(o.op, o.payload, *operands)
         return self.apply(o.op, *operands)
 
     def row(self, a: int) -> Row:

@@ -52,6 +52,8 @@ class Lowering:
             return block.const(node.value)
         if op == "symbol":
             raise KeyError(node.value)
+        if node.value is not None:
+            return block.look_up(op, node.value, known[node.args[0]])
         return self._function(op, [known[a] for a in node.args])
 
     def _function(self, op: str, operands: list[int]) -> int:

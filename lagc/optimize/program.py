@@ -7,7 +7,13 @@ operations on the same operands in the same order.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 from lagc.records import dataclass, field
+
+if TYPE_CHECKING:
+    from lagc.expr.table import Table
 
 LEAVES = ("const", "load")
 
@@ -26,11 +32,12 @@ class Operation:
     """Value number k of a function is the result of its operation number k.
 
     `const`: payload is the float.  `load`: payload is (array, index), e.g. ("x", 3), ("t", 0), ("p", 1).
+    What is looked up has the `Table`.
     """
 
     op: str
     operands: tuple[int, ...] = ()
-    payload: float | tuple[str, int] | None = None
+    payload: float | tuple[str, int] | Table | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +96,14 @@ class Function:
         for store in self.stores:
             assert 0 <= store.index < outputs[store.array]
             assert 0 <= store.value < len(self.operations)
+
+
+def tables(functions: Iterable[Function]) -> list[Table]:
+    """Those in which `functions` look numbers up, in the order of their first use."""
+    from lagc.expr.table import Table
+
+    found = [o.payload for f in functions for o in f.operations if isinstance(o.payload, Table)]
+    return list(dict.fromkeys(found))
 
 
 def uses(function: Function) -> list[int]:

@@ -54,6 +54,11 @@ def _kinds(function: Function) -> list[str]:
     ]  # fmt: skip
 
 
+def _table(o: Operation) -> tuple[str, ...]:
+    """What stands for the table of one that is looked up."""
+    return () if o.payload is None else (repr(o.payload),)
+
+
 def _alike(o: Operation, kinds: Sequence[str]) -> Operation:
     """With operands that may change places in the order of their kinds."""
     if o.op in _COMMUTE and kinds[o.operands[0]] > kinds[o.operands[1]]:
@@ -84,7 +89,7 @@ class _Text:
     def __init__(self, function: Function, kinds: Sequence[str]) -> None:
         operations, stores = function.operations, function.stores
         self.first = first = sum([o.op in LEAVES for o in operations])
-        sorts = [(o.op, *[kinds[k] for k in o.operands]) for o in operations[first:]]
+        sorts = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations[first:]]
         sorts += [(store.array, kinds[store.value]) for store in stores]
         letters: dict[tuple[str, ...], str] = {}
         self.letters = "".join([letters.setdefault(sort, chr(33 + len(letters))) for sort in sorts])

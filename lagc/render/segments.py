@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.optimize.program import LEAVES, Function, Operation, Run, Store
-from lagc.records import dataclass
+from lagc.records import dataclass, replace
 
 KEPT = "kept"  # the array of values that other segments need
 NUMBERS = ""  # stands for an array whose entries are their indices
@@ -260,7 +260,7 @@ class _Body:
             operands = tuple([self._operand(k, slot, a) for slot, a in enumerate(self.all.operands[item])])
             if item < count:
                 self.number[k] = len(self.operations)
-                self.operations.append(Operation(self.all.operations[item].op, operands))
+                self.operations.append(replace(self.all.operations[item], operands=operands))
                 row = (self.columns.number, k)
                 if row in self.all.places.start:
                     first = self.all.places.start[row]
@@ -313,9 +313,7 @@ class _Body:
         leaves = [self.all.operations[value] for value in column]
         assert leaves[0].op in LEAVES
         if not isinstance(leaves[0].payload, tuple):
-            return Access(
-                NUMBERS, [float(o.payload) for o in leaves if not isinstance(o.payload, tuple | None)]
-            )
+            return Access(NUMBERS, [float(o.payload) for o in leaves if isinstance(o.payload, float | int)])
         return Access(leaves[0].payload[0], [o.payload[1] for o in leaves if isinstance(o.payload, tuple)])
 
     def _load(self, array: str, index: int) -> int:

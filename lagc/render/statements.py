@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from lagc.expr.operators import COMPARISONS, INFIX, TRUTHS
-from lagc.optimize.program import Function, uses
+from lagc.expr.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
+from lagc.expr.table import Table
+from lagc.optimize.program import Function, Operation, uses
 from lagc.records import dataclass
 
 SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # computed ahead for an angle, and how many
@@ -40,7 +41,7 @@ class Dialect:
     `calls`: operation -> name of the function.  `infix`: further operators with their binding.
     `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
     temporary, `store`: an assignment to an entry of an output, `load`: an entry of an input array,
-    `entry`: the same at an index that is an expression.
+    `entry`: the same at an index that is an expression.  `look_up`: an operation on a table.
     `turn`: the statement that gives sine and cosine of a value, with `sine` and `cosine` to read them; where
     there is none they are `calls`.  `turn_two`: of two values at once, where that is worth while.
     """
@@ -54,6 +55,7 @@ class Dialect:
     comment: Callable[[str], str]
     load: Callable[[str, int], str]
     entry: Callable[[str, str], str]
+    look_up: Callable[[str, Table, str], str]
     literal: Callable[[float], str] = literal
     width: int = 88
     turn: str = ""
@@ -161,7 +163,7 @@ class _Body:
         """Write value k in terms of its operands; name the longest of them while it is too long."""
         operation = self.function.operations[k]
         while True:
-            text, binds = self._compose(operation.op, operation.operands)
+            text, binds = self._compose(operation)
             if len(text) <= self.dialect.width:
                 break
             longest = max(operation.operands, key=lambda i: len(self.text[i]))
@@ -212,8 +214,11 @@ class _Body:
             self._value(k)
         return self.angles[-1]
 
-    def _compose(self, op: str, operands: tuple[int, ...]) -> tuple[str, int]:
-        text = self.text
+    def _compose(self, operation: Operation) -> tuple[str, int]:
+        text, op, operands = self.text, operation.op, operation.operands
+        if op in LOOKED_UP:
+            assert isinstance(operation.payload, Table)
+            return self.dialect.look_up(op, operation.payload, text[operands[0]]), ATOM
         if op in self.infix:
             symbol, binds = self.infix[op]
             strict = binds in (OR, AND, COMPARISON)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from math import gcd, isqrt
+from math import comb, factorial, gcd, isqrt
 from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
@@ -26,6 +26,7 @@ Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 
 HALF = Fraction(1, 2)
 HIGHEST = 8  # power of a sum that is multiplied out
+TABLE = "table "  # before the name of one, where an operator stands
 READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
 
 
@@ -82,9 +83,35 @@ class Algebra:
             return product
         if op == "sqrt":
             return self.root(args[0])
+        if op == "entry":
+            return self._entry(node)
         if op == "pow":
             return self._pow(*args)
         return self.function(op, *args)
+
+    def _entry(self, node: Node) -> Polynomial:
+        """A coefficient of a curve, as the curve and its slopes say it (Taylor's formula), so that these are
+        what comes out."""
+        table, piece = node.value, node.args[0]
+        x = self._done[piece.args[0]]
+        if table.curve is None:
+            return self._looked_up(table.name, x)
+        rows = list(table.curve.rows)
+        while rows[-1].is_constant and not rows[-1][0]:
+            rows.pop()
+        back = self.add(self._looked_up(piece.value.name, x), scaled(x, Fraction(-1)))
+        total: Polynomial = {}
+        for row in reversed(rows[table.order :]):  # Horner's scheme
+            k = row.order
+            known = constant(fraction(row[0])) if row is rows[-1] and row.is_constant else None
+            slope = known or self._looked_up(table.curve.name + "'" * k, x)
+            weight = Fraction(comb(k, table.order), 1 if known else factorial(k))
+            total = self.add(self.multiply(total, back), scaled(slope, weight))
+        return total
+
+    def _looked_up(self, name: str, x: Polynomial) -> Polynomial:
+        """What is looked up at x in the table of that name."""
+        return self.single(self._atom(Atom(TABLE + name, None, (frozen(x),), False)))
 
     def symbol(self, node: Node) -> int:
         return self._atom(Atom("symbol", node, (), node in self._nonnegative))

@@ -7,7 +7,7 @@ import re
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX, spelling
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Exponent
+from lagc.view.algebra import TABLE, Exponent
 from lagc.view.formulas import Sheet, by_kind, sheet
 from lagc.view.text import TextWriter
 
@@ -96,10 +96,17 @@ class LatexWriter(TextWriter):
             cases = rf"{args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}}"
             return rf"\begin{{cases}} {cases} \end{{cases}}"
         whole = exponent.denominator == 1
-        head = self.raised(WORDS[op], exponent) if whole else WORDS[op]
-        short = len(args) == 1 and _is_short(args[0])
+        word = WORDS.get(op) or _slope(op.removeprefix(TABLE))
+        head = self.raised(word, exponent) if whole else word
+        short = op in WORDS and len(args) == 1 and _is_short(args[0])
         text = f"{head} {args[0]}" if short else rf"{head}\left({', '.join(args)}\right)"
         return text if whole else self.raised(rf"\left({text}\right)", exponent)
+
+
+def _slope(name: str) -> str:
+    """Of a table: `u''`."""
+    base = name.rstrip("'")
+    return letter(base) + name[len(base) :]
 
 
 def letter(name: str, dots: int = 0) -> str:

@@ -10,7 +10,7 @@ from math import inf
 from lagc.expr.graph import Node
 from lagc.expr.operators import TRUTHS, spelling
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Exponent
+from lagc.view.algebra import TABLE, Exponent
 from lagc.view.collect import Collector
 from lagc.view.formulas import Sheet
 from lagc.view.names import Name
@@ -123,5 +123,6 @@ class ScriptWriter(TextWriter):
             return self.raised(f"(({args[0]})**({args[1]}))", exponent)
         if op == "select":
             return self.raised(f"sympy.Piecewise(({args[1]}, {args[0]}), ({args[2]}, True))", exponent)
-        text = f"sympy.{WORDS[op]}({', '.join(args)})"
+        word = WORDS[op] if op in WORDS else f"Function({op.removeprefix(TABLE)!r})"
+        text = f"sympy.{word}({', '.join(args)})"
         return text if op in TRUTHS else self.raised(text, exponent)

@@ -12,7 +12,7 @@ from functools import cached_property
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
 from lagc.view.abridged import FEW, TERMS, Series, Term, linear, series
-from lagc.view.algebra import Exponent, Frozen
+from lagc.view.algebra import TABLE, Exponent, Frozen
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
 
@@ -170,7 +170,7 @@ class TextWriter:
         elif op == "select":
             text = f"(if {args[0]} then {args[1]} else {args[2]})"
         else:
-            text = f"{op}({', '.join(args)})"
+            text = f"{op.removeprefix(TABLE)}({', '.join(args)})"
         return self.raised(text, exponent)
 
 

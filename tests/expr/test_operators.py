@@ -26,7 +26,7 @@ from lagc.render.numpy.verbs import verbs
 from tests.render.programs import pendulum
 
 ROWS = list(OPERATORS.values())
-NUMERIC = [row for row in ROWS if row.smoothness not in (LOGIC, CHOICE)]
+NUMERIC = [row for row in ROWS if row.smoothness not in (LOGIC, CHOICE) and not row.looked_up]
 SMOOTH = [row for row in NUMERIC if row.smoothness not in (STEP, CORNER)]
 TRUE = {
     "abs": mpmath.fabs, "pow": mpmath.power, "min": min, "max": max,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from lagc.expr.table import Table
 from lagc.optimize.program import Function, Program
 
 FUNCTIONS = {
@@ -45,6 +46,12 @@ def interpret(function: Function, inputs: Mapping[str, Sequence[float]]) -> dict
             array, index = o.payload
             assert array in function.inputs
             values.append(inputs[array][index])
+        elif isinstance(o.payload, Table):
+            # Counted, not searched for; every comparison with NaN is false.
+            x = values[o.operands[0]]
+            above = [x < number for number in o.payload]
+            place = max((above.index(True) if any(above) else len(above)) - 1, 0)
+            values.append(float(place) if o.op == "piece" else o.payload.numbers[int(x)])
         else:
             values.append(FUNCTIONS[o.op](*(values[k] for k in o.operands)))
     found = {

@@ -180,7 +180,8 @@ CASES = [
     ("a friction", "LAG0220", "constraint c: x = 1 [m]; «friction f = Coulomb(on = c, mu = 0.3);»"),
     ("an inequality", "LAG0220", "constraint c: x «>=» 0;"),
     ("an event", "LAG0220", '«when x > 1 [m] then terminate("far"); end when;»'),
-    ("a table", "LAG0220", 'potential V = 1 [J]*«table»(file = "x.csv");'),
+    ("a table in a file that is not there", "LAG0226", 'potential V = 1 [J]*table(time, «"no.csv"»);'),
+    ("a table outside", "LAG0217", 'potential V = 1 [J]*table(time, «"../no.csv"»);'),
     ("a model of nothing that moves", "LAG0222", "model «A» parameter Real k = 1; end A;"),
     ("a coordinate in a loop", "LAG0120", "for i in 1:2 loop «coordinate» Length y; end for;"),
     (

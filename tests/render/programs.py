@@ -5,6 +5,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
+from lagc.expr.operators import LOOKED_UP
+from lagc.expr.table import Table
 from lagc.optimize.program import Function, Operation, Program, Store, operands
 from tests.interfaces import field, interface
 
@@ -26,6 +28,9 @@ class Builder:
 
     def op(self, op: str, *operands: int) -> int:
         return self._add(Operation(op, operands))
+
+    def look_up(self, op: str, table: Table, value: int) -> int:
+        return self._add(Operation(op, (value,), table))
 
     def store(self, array: str, index: int, value: int) -> None:
         self.stores.append(Store(array, index, value))
@@ -93,6 +98,10 @@ def pendulum(model: str = "Pendulum", **changes: Any) -> Program:
     )
 
 
+TABLES = [
+    (Table([-0.5, -0.5, 0.0, 1.25e-3, 0.7]), Table([0.1, -0.25, 0.0, 1e-300, 0.9])),
+    (Table([0.0, 1.0]), Table([-1.0, 0.3])),
+]  # of pieces, and a number for each
 TRUTHS = ("lt", "le", "eq", "and", "or", "not")
 
 
@@ -119,7 +128,12 @@ def random_function(seed: int, size: int = 120, states: int = 4, name: str = "ou
             chosen = [rng.choice(numbers[-12:]) for _ in range(count[op])]
             if fixed.issuperset(chosen):
                 continue
-            value = build.op(op, *chosen)
+            if op in LOOKED_UP:
+                knots, row = rng.choice(TABLES)
+                value = build.look_up("piece", knots, *chosen)
+                value = value if op == "piece" else build.look_up("entry", row, value)
+            else:
+                value = build.op(op, *chosen)
             (truths if op in TRUTHS else numbers).append(value)
         if rng.random() < 0.1:
             build.note(f"block {len(build.operations)} of /* a \\ ??/ */ comment")
@@ -142,7 +156,7 @@ def repeated_function(seed: int, name: str, states: int = 60, outputs: int = 64)
     for _ in range(rng.randint(2, 5)):
         times = rng.randint(3, 30)
         sources = [_source(rng, rows, fixed, times) for _ in range(rng.randint(1, 4))]
-        kernel = [(rng.randrange(7), rng.random(), rng.random()) for _ in range(rng.randint(2, 9))]
+        kernel = [(rng.randrange(9), rng.random(), rng.random()) for _ in range(rng.randint(2, 9))]
         carried = rng.choice(x)
         made: list[list[int]] = [[] for _ in kernel]
         for n in range(times):
@@ -156,7 +170,7 @@ def repeated_function(seed: int, name: str, states: int = 60, outputs: int = 64)
         rows += [row for row in made if rng.random() < 0.6]
         for _ in range(rng.randrange(3)):
             a, b = (rng.choice(rng.choice(rows)) for _ in range(2))
-            rows.append([_step(build, rng.randrange(7), a, b, half)])
+            rows.append([_step(build, rng.randrange(9), a, b, half)])
     known = rng.choice(rows[2:])
     for index in range(outputs):
         build.store("y", index, known[index] if index < len(known) else rng.choice(rng.choice(rows)))
@@ -185,4 +199,7 @@ def _step(build: Builder, kind: int, a: int, b: int, half: int) -> int:
         return build.op("neg", a)
     if kind == 4:
         return build.op("select", build.op("lt", a, b), a, build.op("abs", b))
+    if kind > 6:
+        knots, row = TABLES[kind - 7]
+        return build.look_up("entry", row, build.look_up("piece", knots, a))
     return build.op(("min", "max")[kind - 5], a, b)

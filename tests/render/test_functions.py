@@ -12,15 +12,18 @@ from typing import Any
 
 import pytest
 
+from lagc.expr.operators import LOOKED_UP
 from lagc.optimize.program import Function, Program, operands
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers
 from lagc.render.c.parts import divided
+from lagc.render.kernels.arithmetic import DOUBLE
 from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
+from lagc.render.tables import c_tables, numbered, python_tables
 from lagc.render.turning import turning
-from tests.render.programs import TRUTHS, Builder, program, random_function
+from tests.render.programs import TABLES, TRUTHS, Builder, program, random_function
 from tests.render.tools import bits
 
 FLAGS = [
@@ -59,10 +62,13 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
     names = local_names(made, ())
     members = {k: f.name for k, f in enumerate(made.interface.parameters)}
     python: dict[str, Any] = {}
-    own = [function_text(f, names) for f in functions]
-    exec("\n".join([ARITHMETIC, *sine_cosine(turning(own)), *own]), python)
+    numbers = numbered(made)
+    own = [function_text(f, names, numbers) for f in functions]
+    exec("\n".join([ARITHMETIC, *python_tables(numbers), *sine_cosine(turning(own)), *own]), python)
     body = "".join(
-        c_text(f, names, members).replace(f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}(")
+        c_text(f, names, members, DOUBLE, numbers).replace(
+            f"static void lagc_fn_{f.name}(", f"void lagc_fn_{f.name}("
+        )
         for f in functions
     )
     head = "".join(
@@ -70,7 +76,9 @@ def build(functions: list[Function], folder: Path) -> tuple[dict[str, object], c
         for f in functions
     )
     types = "typedef double lagc_real;\ntypedef struct { double m, l, g; } lagc_params;\n"
-    shared = helpers(made) + "".join(runtime.sine_cosine(turning([body])))
+    shared = (
+        helpers(made) + "".join(c_tables(numbers, DOUBLE)) + "".join(runtime.sine_cosine(turning([body])))
+    )
     source = folder / "made.c"
     source.write_text("#include <math.h>\n" + types + shared + head + body)
     subprocess.run(
@@ -144,7 +152,13 @@ def test_every_operation_agrees_on_special_values(tmp_path: Path) -> None:
         if count == 0 or op in ("and", "or", "not", "select"):
             continue
         build_ = Builder(f"op_{op}", ("p", "t", "x"), (("y", 1),))
-        value = build_.op(op, *(build_.load("x", k) for k in range(count)))
+        given = [build_.load("x", k) for k in range(count)]
+        if op in LOOKED_UP:
+            knots, row = TABLES[0]
+            value = build_.look_up("piece", knots, *given)
+            value = value if op == "piece" else build_.look_up("entry", row, value)
+        else:
+            value = build_.op(op, *given)
         if op in TRUTHS:
             value = build_.op("select", value, build_.const(2.0), build_.const(-0.0))
         build_.store("y", 0, value)

@@ -151,7 +151,7 @@ ENTRIES: dict[str, Entry] = {
     "LAG0220": Entry(
         "not yet",
         "Part of the language that this version reads but does not build: joints, inequalities, friction, "
-        "events, tables.",
+        "events.",
         _body("constraint c: x >= 0;"),
         _body("constraint c: x = 0;"),
     ),
@@ -180,6 +180,13 @@ ENTRIES: dict[str, Entry] = {
         "Functions are written out where they are called, so a function that calls itself would have no end.",
         _body("function f(Real u) = f(u - 1);\n  potential V = 1 [J]*f(3);"),
         _body("function f(Real u) = u - 1;\n  potential V = 1 [N]*x*f(3);"),
+    ),
+    "LAG0226": Entry(
+        "a file of numbers that cannot be read",
+        '`table(x, "file.csv", "column")` reads a regular file of UTF-8 text in the folder of the model or '
+        "below, of at most 40 MB.",
+        _body('force f = {table(time, "nowhere.csv"), 0, 0} at b;'),
+        _body("force f = {table(time, {0, 1}, {0, 2} [N]), 0, 0} at b;"),
     ),
     "LAG0301": Entry(
         "two dimensions where there should be one",
@@ -254,5 +261,12 @@ ENTRIES: dict[str, Entry] = {
         "Lagrangian that depends on rates is `lagrangian L = ...;`.",
         _body("potential V = 1 [kg]*der(x)^2;"),
         _body("lagrangian L = 1 [kg]*der(x)^2;"),
+    ),
+    "LAG0314": Entry(
+        "data that make no table",
+        "What a table is over grows from row to row, in two rows at least, and each has a finite value.  "
+        "A file has one line of names, then lines of as many numbers, separated by commas.",
+        _body("force f = {table(time, {0, 1, 1}, {0, 2, 3} [N]), 0, 0} at b;"),
+        _body("force f = {table(time, {0, 1, 2}, {0, 2, 3} [N]), 0, 0} at b;"),
     ),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 
 from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program, uses
@@ -13,6 +14,7 @@ from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.loops import Forms, loops
 from lagc.render.names import comment
 from lagc.render.statements import AND, OR, Dialect, lines
+from lagc.render.tables import NONE, Numbers, c_look_up
 
 CALLS = spelling("c")
 
@@ -40,9 +42,10 @@ def function_text(
     locals_: Mapping[tuple[str, int], str],
     fields: Mapping[int, str],
     real: Arithmetic = DOUBLE,
+    numbers: Numbers = NONE,
 ) -> str:
     """`static void lagc_fn_<name>(inputs..., outputs...)`; an array both read and written stands
-    once.  `fields`: the member of the parameters' struct for each index of p."""
+    once.  `fields`: the member of the parameters' struct for each index of p; `numbers` of its tables."""
 
     def load(array: str, index: int) -> str:
         if array == "t":
@@ -62,6 +65,7 @@ def function_text(
         comment=lambda text: f"/* {comment(text)} */",
         load=load,
         entry=entry,
+        look_up=partial(c_look_up, numbers),
         literal=real.literal,
         turn=TURN if real == DOUBLE else "",
         turn_two=TURN_TWO if real == DOUBLE else "",

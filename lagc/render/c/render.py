@@ -18,6 +18,7 @@ from lagc.render.c.verbs import verbs
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.locals import local_names
 from lagc.render.names import prefix
+from lagc.render.tables import c_tables, numbered
 from lagc.render.turning import turning
 
 
@@ -60,11 +61,13 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
     interface = program.interface
     names = local_names(program, ())
     fields = header.places(interface)
-    functions = [function_text(f, names, fields, real) for f in program.functions.values()]
+    numbers = numbered(program)
+    functions = [function_text(f, names, fields, real, numbers) for f in program.functions.values()]
     parts = [
         header.banner(interface, file) + f'#include "{own_header}"\n\n' + real.includes,
         demands(real),
         helpers(program),
+        *c_tables(numbers, real),
         *sine_cosine(turning(functions)),
         *functions,
         *runtime.definitions(),

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function
+from lagc.records import replace
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.loops import Forms, loops
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
+from lagc.render.tables import NONE, Numbers, python_look_up
 
 CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}
 
@@ -29,6 +32,7 @@ DIALECT = Dialect(
     comment=lambda text: f"# {comment(text)}",
     load=lambda array, index: _entry(array, str(index)),
     entry=_entry,
+    look_up=partial(python_look_up, NONE),
     turn="sin{number}, cos{number} = sine_cosine({value})",
     sine="sin{number}",
     cosine="cos{number}",
@@ -218,17 +222,19 @@ _CAREFUL["sine_cosine"] = _careful_sine_cosine
 """
 
 
-def function_text(function: Function, locals_: Mapping[tuple[str, int], str]) -> str:
-    """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once."""
+def function_text(function: Function, locals_: Mapping[tuple[str, int], str], numbers: Numbers = NONE) -> str:
+    """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once.  `numbers` of its
+    tables."""
+    dialect = replace(DIALECT, look_up=partial(python_look_up, numbers)) if numbers else DIALECT
     outputs = [name for name, _ in function.outputs]
     inputs = [name for name in function.inputs if name not in outputs]
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
     size = dict(function.outputs)
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
     if function.runs and len(function.operations) > _STRAIGHT:
-        body += [line for part in loops(function, DIALECT, FORMS) for line in part]
+        body += [line for part in loops(function, dialect, FORMS) for line in part]
     else:
-        body += lines(function, DIALECT, locals_) or ["pass"]
+        body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
     text = [f"def fn_{function.name}({', '.join(order)}):"]
     if description:

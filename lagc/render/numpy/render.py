@@ -13,6 +13,7 @@ from lagc.render.names import Names, prefix
 from lagc.render.numpy import runtime
 from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text, sine_cosine
 from lagc.render.numpy.verbs import verbs
+from lagc.render.tables import numbered, python_tables
 from lagc.render.turning import turning
 
 _IMPORTS = """\
@@ -28,10 +29,11 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
     already: the search for a consistent start, the bounds of parameters."""
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
+    numbers = numbered(program)
     parts = [_banner(program.interface, file), _IMPORTS + ARITHMETIC, _names(program.interface)]
-    own = [function_text(f, names) for f in program.functions.values()]
+    own = [function_text(f, names, numbers) for f in program.functions.values()]
     turn = turning(own)
-    parts += [*sine_cosine(turn), *own]
+    parts += [*python_tables(numbers), *sine_cosine(turn), *own]
     parts += runtime.definitions(program, complete, turn.names)
     if complete:
         parts.append(_bounds(program.interface))
@@ -41,10 +43,13 @@ def render(program: Program, complete: bool = True) -> dict[str, str]:
 def evaluation(program: Program) -> tuple[str, str]:
     """Texts of the model's functions, and of the kernels that evaluate one state."""
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
-    own = [function_text(f, names) for f in program.functions.values()]
+    numbers = numbered(program)
+    own = [function_text(f, names, numbers) for f in program.functions.values()]
     turn = turning(own)
     sizes, *shared = runtime.evaluation(program, turn.names)
-    return "\n\n".join([_IMPORTS, sizes, *own]), "\n\n".join([ARITHMETIC, *sine_cosine(turn), *shared])
+    data, *search = python_tables(numbers) or [""]
+    kernels = [ARITHMETIC, *search, *sine_cosine(turn), *shared]
+    return "\n\n".join(filter(None, [_IMPORTS, data, sizes, *own])), "\n\n".join(kernels)
 
 
 def _banner(interface: Interface, file: str) -> str:

@@ -216,6 +216,9 @@ def _vectorised(function):
     arrays["sine_cosine"] = lambda a: (numpy.sin(a), numpy.cos(a))
     arrays["minimum"] = lambda a, b: numpy.where(b < a, b, a)
     arrays["maximum"] = lambda a, b: numpy.where(b > a, b, a)
+    arrays["piece"] = lambda table, a: numpy.maximum(numpy.searchsorted(table, a, "right") - 1, 0)
+    arrays["entry"] = lambda table, place: numpy.asarray(table)[numpy.asarray(place, dtype=int)]
+    arrays["TABLES"] = globals().get("TABLES")
     return type(function)(function.__code__, arrays)
 '''
 

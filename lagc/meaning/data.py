@@ -1,0 +1,81 @@
+"""Columns of numbers out of files of comma-separated values (RFC 4180)."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+
+from lagc.records import dataclass
+
+MOST_ROWS = 1_000_000
+_HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\])?", re.DOTALL)
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
+
+
+class Unfit(Exception):
+    """A file that holds no columns of numbers; the message goes on after its name."""
+
+    def __init__(self, message: str, remedy: str | None = None):
+        super().__init__(message)
+        self.remedy = remedy
+
+
+@dataclass(frozen=True)
+class Columns:
+    """`heads`: name and unit (None: not said) of each column."""
+
+    heads: Sequence[tuple[str, str | None]]
+    rows: Sequence[tuple[int, list[str]]]  # line and cells
+
+    def place(self, name: str) -> int | None:
+        """Which column is called so."""
+        return next((k for k, (head, _) in enumerate(self.heads) if head == name), None)
+
+    def numbers(self, k: int) -> list[float]:
+        """Those of a column, in its unit.  Raises Unfit."""
+        found = []
+        for line, cells in self.rows:
+            cell = cells[k].strip()
+            if not _NUMBER.fullmatch(cell) or not math.isfinite(float(cell)):
+                shown = f"`{cell}` is not a finite number" if cell else "there is no number"
+                raise Unfit(f"has no value of `{self.heads[k][0]}` in line {line}: {shown}")
+            found.append(float(cell))
+        return found
+
+
+def columns(text: str) -> Columns:
+    """What `text` holds: a line of names, some with a unit, `u [N]`, then lines of as many numbers.
+    Raises Unfit."""
+    import csv  # where a model looks numbers up
+
+    reader = csv.reader(text.splitlines(), strict=True)
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        for cells in reader:
+            if len(rows) > MOST_ROWS:
+                raise Unfit(f"has more than {MOST_ROWS:,} rows")
+            rows.append((reader.line_num, cells))
+    except csv.Error as error:
+        raise Unfit(f"is not of comma-separated values: {error}, in line {reader.line_num}") from None
+    while rows and not rows[-1][1]:
+        rows.pop()
+    if not rows:
+        raise Unfit("is empty", "its first line names the columns: `time,u`")
+    (_, names), *rows = rows
+    heads = [_head(name) for name in names]
+    if any(_NUMBER.fullmatch(name) for name, _ in heads):
+        raise Unfit("has no names of columns", "its first line names them: `time,u` or `time [s],u [N]`")
+    for k, (name, _) in enumerate(heads):
+        if name in [other for other, _ in heads[:k]]:
+            raise Unfit(f"has two columns `{name}`")
+    for line, cells in rows:
+        if len(cells) != len(heads):
+            message = f"has {len(heads)} columns, but {len(cells)} in line {line}"
+            raise Unfit(message, "separate numbers by commas, and write them with a point")
+    return Columns(heads, rows)
+
+
+def _head(written: str) -> tuple[str, str | None]:
+    found = _HEAD.fullmatch(written.strip())
+    return (found[1], found[2]) if found else (written.strip(), None)

@@ -1,0 +1,172 @@
+"""`table(x, data, ...)`: functions through points that are given as numbers, in the text or in a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.expr.graph import Node
+from lagc.expr.interpolants import KINDS, interpolant, key_of
+from lagc.meaning.context import Context
+from lagc.meaning.data import Columns, Unfit
+from lagc.meaning.functions import Argument, Table
+from lagc.meaning.types import describe
+from lagc.meaning.units import NONE, Dimension, UnknownUnit, unit
+from lagc.meaning.values import Array, Scalar, Text, Value, Wrong, common_dimension, kind, scalar_of
+from lagc.records import dataclass
+
+TABLE = Table()
+BEYOND = ("hold", "line")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """Numbers of one dimension, NONE where nothing is said of it, in SI."""
+
+    numbers: Sequence[float]
+    dimension: Dimension
+    bare: bool
+
+
+@TABLE.enter("table", "x", "data", "values", "interpolation", "extrapolation", "over", required=2)
+def _table(
+    context: Context, span: Span, x: Argument, data: Argument, values: Argument | None,
+    interpolation: Argument | None, extrapolation: Argument | None, over: Argument | None,
+) -> Value:  # fmt: skip
+    """The function of x through points: `values` at `data`, or pairs of both, `{{x, y}, ...}`; of a file, the
+    column `values` over the column `over`."""
+    at = scalar_of(x.value, x.span, "what a table is asked at")
+    way = _choice(interpolation, tuple(KINDS), "linear")
+    beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
+    name = "table"
+    if isinstance(data.value, Text):
+        knots, found = _from_file(context, data, values, over)
+        if values and isinstance(values.value, Text):
+            name = values.value.text
+    elif over:
+        raise Wrong("LAG0209", "columns have names in files only", over.span)
+    else:
+        knots, found = _from_text(data, values)
+    if at.dimension is not None and not knots.bare and knots.dimension != at.dimension:
+        message = f"the table is over {describe(knots.dimension)}, and is asked at {describe(at.dimension)}"
+        raise Wrong("LAG0301", message, x.span, related=((data.span, describe(knots.dimension)),))
+    points = knots.numbers, found.numbers
+    node = through(context, at.node, *points, way, beyond == "line", name, data.span)
+    return Scalar(node, found.dimension, found.bare)
+
+
+def through(
+    context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
+    name: str, span: Span | None,
+) -> Node:  # fmt: skip
+    """`interpolant`, with a name that no other has.  Raises Wrong."""
+    check_order(knots, span)
+    key, count = key_of(knots, values, way, straight), 1
+    own = name
+    while context.curves.setdefault(own, key) != key:
+        count += 1
+        own = f"{name}_{count}"
+    try:
+        return interpolant(x, knots, values, way, straight, own)
+    except (OverflowError, ZeroDivisionError):
+        raise Wrong("LAG0314", "between some knots the table is steeper than any number", span) from None
+
+
+def check_order(knots: Sequence[float], span: Span | None) -> None:
+    """Raises Wrong where there are not two, or one is not above the one before."""
+    if len(knots) < 2:
+        raise Wrong("LAG0314", f"a table has two rows at least, this has {len(knots)}", span)
+    for k, (before, here) in enumerate(pairwise(knots), 2):
+        if not here > before:
+            said = "again" if here == before else f"after {before:g}"
+            message = f"what a table is over grows from row to row: in row {k} comes {here:g} {said}"
+            raise Wrong("LAG0314", message, span)
+
+
+def _choice(given: Argument | None, known: Sequence[str], default: str) -> str:
+    if given is None:
+        return default
+    said = given.value.text if isinstance(given.value, Text) else ""
+    if said not in known:
+        listed = ", ".join(f'"{word}"' for word in known)
+        raise Wrong("LAG0307", f"this is one of {listed}", given.span, did_you_mean(said, known))
+    return said
+
+
+def _from_text(data: Argument, values: Argument | None) -> tuple[Column, Column]:
+    if values is not None:
+        knots, found = (_column(_elements(a), a) for a in (data, values))
+        if len(knots.numbers) != len(found.numbers):
+            counts = f"{len(found.numbers)} values at {len(knots.numbers)} places"
+            raise Wrong("LAG0314", f"a table has a value at each place, here are {counts}", values.span)
+        return knots, found
+    pairs = [row.elements for row in _elements(data) if isinstance(row, Array)]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        message = "the data of a table are `{x1, x2, ...}, {y1, y2, ...}`, pairs `{{x1, y1}, ...}`, or a file"
+        raise Wrong("LAG0306", message, data.span)
+    first, second = zip(*pairs)
+    return _column(first, data), _column(second, data)
+
+
+def _elements(a: Argument) -> Sequence[Value]:
+    if not isinstance(a.value, Array):
+        raise Wrong("LAG0306", f"the data of a table are arrays or a file, this is {kind(a.value)}", a.span)
+    return a.value.elements
+
+
+def _column(cells: Sequence[Value], given: Argument) -> Column:
+    scalars = [scalar_of(cell, given.span, "an entry of a table") for cell in cells]
+    if not all(s.node.is_const for s in scalars):
+        message = "the numbers of a table are fixed: this depends on parameters or on the motion"
+        raise Wrong("LAG0208", message, given.span, "multiply the table by the parameter")
+    dimension = common_dimension(tuple(scalars), given.span) or NONE
+    return Column([s.node.value for s in scalars], dimension, given.bare)
+
+
+def _from_file(
+    context: Context, data: Argument, values: Argument | None, over: Argument | None
+) -> tuple[Column, Column]:
+    assert isinstance(data.value, Text)
+    file = context.importer.data(data.value.text, data.span)
+    first = 0 if over is None else _place(file, over)
+    if values is None:
+        others = [k for k in range(len(file.heads)) if k != first]
+        if len(others) != 1:
+            listed = ", ".join(f"`{name}`" for name, _ in file.heads)
+            raise Wrong("LAG0210", f"which column is meant?  There are {listed}", data.span)
+        second = others[0]
+    else:
+        second = _place(file, values)
+    return _measured(file, first, over or data), _measured(file, second, values or data)
+
+
+def _place(file: Columns, asked: Argument) -> int:
+    if not isinstance(asked.value, Text):
+        raise Wrong("LAG0307", f"a column is named by a text, this is {kind(asked.value)}", asked.span)
+    found = file.place(asked.value.text)
+    if found is None:
+        names = [name for name, _ in file.heads]
+        listed = "there are " + ", ".join(f"`{name}`" for name in names[:12])
+        remedy = did_you_mean(asked.value.text, names) or listed
+        raise Wrong("LAG0314", f"the file has no column `{asked.value.text}`", asked.span, remedy)
+    return found
+
+
+def _measured(file: Columns, k: int, asked: Argument) -> Column:
+    """Column k in SI."""
+    name, said = file.heads[k]
+    try:
+        numbers, meant = file.numbers(k), None if said is None else unit(said)
+    except Unfit as error:
+        raise Wrong("LAG0314", f"the file {error}", asked.span, error.remedy) from None
+    except UnknownUnit as unknown:
+        raise Wrong("LAG0304", f"the column `{name}`: {unknown.reason}", asked.span, unknown.remedy) from None
+    if meant is None:
+        return Column(numbers, NONE, True)
+    numbers = [meant.to_si(x) for x in numbers] if meant.factor != 1.0 else numbers
+    if not all(map(math.isfinite, numbers)):
+        raise Wrong("LAG0309", f"a number of the column `{name}` is too large", asked.span)
+    return Column(numbers, meant.dimension, False)
