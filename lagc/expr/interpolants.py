@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
+from math import inf, nextafter
 
 from lagc import cache
 from lagc.expr.graph import Node
@@ -51,7 +52,7 @@ def _held(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
 
 def _linear(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
     slopes = _slopes(knots, values)
-    return knots, values, [*slopes, slopes[-1]]
+    return _closed(knots), values, [*slopes, slopes[-1]]
 
 
 def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
@@ -62,7 +63,12 @@ def _cubic(knots: Numbers, values: Numbers) -> tuple[Numbers, ...]:
     s = _spline_slopes(h, m)
     second = [(3.0 * m[k] - 2.0 * s[k] - s[k + 1]) / h[k] for k in range(len(h))]
     third = [(s[k] + s[k + 1] - 2.0 * m[k]) / h[k] / h[k] for k in range(len(h))]
-    return knots, values, s, second, third
+    return _closed(knots), values, s, second, third
+
+
+def _closed(knots: Numbers) -> Numbers:
+    """The last knot belongs to the piece before it, as a run that ends there asks for no other."""
+    return [*knots[:-1], nextafter(knots[-1], inf)]
 
 
 KINDS: dict[str, Callable[[Numbers, Numbers], tuple[Numbers, ...]]] = {
