@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 
-from lagc.optimize.program import Interface, Program
+from lagc.optimize.program import Interface, Program, tables
 from lagc.render.statuses import texts
 
 _ALWAYS = '''\
@@ -216,11 +216,14 @@ def _vectorised(function):
     arrays["sine_cosine"] = lambda a: (numpy.sin(a), numpy.cos(a))
     arrays["minimum"] = lambda a, b: numpy.where(b < a, b, a)
     arrays["maximum"] = lambda a, b: numpy.where(b > a, b, a)
-    arrays["piece"] = lambda table, a: numpy.maximum(numpy.searchsorted(table, a, "right") - 1, 0)
-    arrays["entry"] = lambda table, place: numpy.asarray(table)[numpy.asarray(place, dtype=int)]
-    arrays["TABLES"] = globals().get("TABLES")
     return type(function)(function.__code__, arrays)
 '''
+
+_LOOKED_UP = """\
+    arrays["TABLES"] = TABLES
+    arrays["piece"] = lambda table, a: numpy.maximum(numpy.searchsorted(table, a, "right") - 1, 0)
+    arrays["entry"] = lambda table, place: numpy.asarray(table)[numpy.asarray(place, dtype=int)]
+"""
 
 
 def verbs(program: Program, complete: bool) -> list[str]:
@@ -242,7 +245,8 @@ def verbs(program: Program, complete: bool) -> list[str]:
         found.append(_CONSTRAINTS)
     if program.interface.derivatives:
         found.append(_stacked(program.interface))
-    return [*found, _MANY]
+    many, last, end = _MANY.rpartition("    return type")
+    return [*found, many + (_LOOKED_UP if tables(program.functions.values()) else "") + last + end]
 
 
 def _stacked(interface: Interface) -> str:
