@@ -11,7 +11,7 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
@@ -20,14 +20,16 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.limits import running
 from lagc.loaded import Loaded
 from lagc.numerals import number
-from lagc.records import dataclass, names
+from lagc.records import dataclass, names, replace
 from lagc.run.problem import System
-from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
+from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, expression, keep_limits
 from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
     from lagc.artifact import Artifact
+    from lagc.meaning.context import Points
     from lagc.meaning.model import Model
+    from lagc.meaning.scene import Inputs
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
     from lagc.run.begin import NoStart
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from lagc.view.matrices import Matrices
 
 Value: TypeAlias = float | tuple[float, str] | Quantity
+Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"
 Progress: TypeAlias = Callable[[float], None]
 
 
@@ -65,19 +68,23 @@ class ModelFile:
         use: Sequence[str] = (),
         without: Sequence[str] = (),
         parameters: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Input] | None = None,
         backend: str = "auto",
     ) -> CompiledModel:
         """One scene of one model (the first where none is named), with the effects `use` added and
         `without` left out.
 
         `parameters` here are the values for every run, unless a run gives others; structural
-        integers are built in.  `backend` is "c", "numpy" or "auto" (C where a compiler is found and
-        it pays).  Raises Refused with all faults.
+        integers are built in.  An input is a number, the text of an expression, `drive.csv:u`, or
+        points over time, `(t, values)` or `(t, values, "cubic")` in SI; all but numbers are built in.
+        `backend` is "c", "numpy" or "auto" (C where a compiler is found and it pays).  Raises Refused with
+        all faults.
         """
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities(parameters or {})
-        choice = Choice(model, scene, tuple(use), tuple(without), given)
+        numbers, courses = parted(inputs or {})
+        choice = Choice(model, scene, tuple(use), tuple(without), {**given, **numbers}, courses)
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
@@ -117,6 +124,7 @@ class CompiledModel(Differentiable):
         self._given = compilation.choice.parameters
         self._own: dict[str, System] = {}
         self._recent: System | None = None
+        self._driven: tuple[object, CompiledModel] | None = None
 
     def bind(self, parameters: Mapping[str, Value]) -> CompiledModel:
         """This model with other values of parameters, for every run that does not give its own; nothing is
@@ -124,14 +132,20 @@ class CompiledModel(Differentiable):
         bound = CompiledModel.__new__(CompiledModel)
         bound._loaded = self._loaded
         bound._given = self._with_given(parameters)
-        bound._own, bound._recent = {}, None
+        bound._own, bound._recent, bound._driven = {}, None, None
         bound_parameters(self.interface, bound._given, self.artifact.unused, demanding=False)
         if self.interface.limits:
             keep_limits(bound.system)
         return bound
 
     def __getstate__(self) -> dict[str, object]:
-        return {"_loaded": self._loaded, "_given": dict(self._given), "_own": {}, "_recent": None}
+        return {
+            "_loaded": self._loaded,
+            "_given": dict(self._given),
+            "_own": {},
+            "_recent": None,
+            "_driven": None,
+        }
 
     def __copy__(self) -> CompiledModel:
         return self
@@ -223,15 +237,25 @@ class CompiledModel(Differentiable):
         every: Value | None = None,
         points: int | None = None,
         parameters: Mapping[str, Value] | None = None,
+        inputs: Mapping[str, Input] | None = None,
         starts: Mapping[str, Value] | None = None,
         progress: Progress | None = None,
     ) -> Run:
         """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
         `method` and tolerances or a fixed `step`; see `lagc.run.request.Request`.
 
-        What is not said is the scene's, then the default's.  A run that fails keeps what was
+        `inputs` as for `compile`: a number costs nothing, anything else is compiled, unless it was for the
+        last run too.  What is not said is the scene's, then the default's.  A run that fails keeps what was
         computed and says why in `status` and `message`.  Raises Refused for wrong requests.
         """
+        if inputs:
+            numbers, courses = parted(inputs)
+            driven = self._with_courses(numbers, courses)
+            return driven.simulate(
+                stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
+                every=every, points=points, parameters={**(parameters or {}), **numbers}, starts=starts,
+                progress=progress,
+            )  # fmt: skip
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
@@ -239,6 +263,21 @@ class CompiledModel(Differentiable):
             **{name: _seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
+
+    def _with_courses(self, numbers: Mapping[str, float | Quantity], courses: Inputs) -> CompiledModel:
+        """This model with other inputs built in, and with numbers in the place of those that are."""
+        choice, built_in = self.compilation.choice, self.artifact.built_in
+        fixed = {name: value for name, value in numbers.items() if name in built_in}
+        if not courses and not fixed:
+            return self
+        wanted = (dict(courses), fixed)
+        if self._driven is None or self._driven[0] != wanted:
+            kept = {name: given for name, given in choice.inputs.items() if name not in numbers}
+            given = {name: value for name, value in self._given.items() if name not in courses}
+            chosen = replace(choice, parameters={**given, **fixed}, inputs={**kept, **courses})
+            made = Compilation(self.compilation.source, chosen, self.compilation.roots)
+            self._driven = wanted, CompiledModel(made, self.asked_backend)
+        return self._driven[1]
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
         """Simulate with the array p given; with `auto`, begin in NumPy and change to C where that
@@ -357,6 +396,30 @@ class CompiledModel(Differentiable):
 
         with self.compilation.lock:
             return equations_latex(self.equations)
+
+
+def parted(given: Mapping[str, Input]) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
+    """Inputs that are numbers, and others."""
+    numbers: dict[str, float | Quantity] = {}
+    courses: dict[str, Source | Points] = {}
+    for name, value in given.items():
+        if isinstance(value, str):
+            courses[name] = expression(value)
+        elif isinstance(value, tuple) and value and hasattr(value[0], "__len__"):
+            courses[name] = _points(name, *value)
+        else:
+            numbers[name] = _quantity(name, value)
+    return numbers, courses
+
+
+def _points(name: str, *given: Any) -> Points:
+    try:
+        times, values, *kind = given
+        (way,) = kind or ["linear"]
+        return tuple(map(float, times)), tuple(map(float, values)), str(way)
+    except (TypeError, ValueError, OverflowError):
+        message = f'`{name}` is given by a number, a text, or `(t, values)` or `(t, values, "cubic")`'
+        raise Refused([Fault("LAG0602", message)]) from None
 
 
 def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:

@@ -28,7 +28,9 @@ if TYPE_CHECKING:
     from types import CodeType
 
     from lagc.frontend.tree import Tree
+    from lagc.meaning.context import Points
     from lagc.meaning.model import Model
+    from lagc.meaning.scene import Inputs
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
 
@@ -41,13 +43,15 @@ PER_OPERATION = 1e-3  # of the right-hand side
 @dataclass(frozen=True)
 class Choice:
     """What of a file is meant: the model, its scene and effects, and given values of parameters:
-    the structural ones among them are built in, the others stay symbols."""
+    the structural ones among them are built in, the others stay symbols; `inputs` that are more than numbers
+    are built in."""
 
     model: str | None = None
     scene: str | None = None
     with_effects: tuple[str, ...] = ()
     without_effects: tuple[str, ...] = ()
     parameters: Given = field(default_factory=dict)
+    inputs: Inputs = field(default_factory=dict)
 
 
 class _Uncollected(ContextDecorator):
@@ -101,19 +105,26 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             without_effects=choice.without_effects,
             model=choice.model,
             parameters=dict(values),
+            inputs=choice.inputs,
             roots=roots,
         )
 
     given = {name: _in_si(name, value) for name, value in choice.parameters.items()}
     with stage("finding what its names mean", PER_CHARACTER * len(tree.source.text)):
+        values: dict[str, float] = {}
         try:
-            model = resolved({})
+            model = resolved(values)
         except Refused:
             if not given:
                 raise
             model = resolved(given)  # a structural one without a value of its own
-        built_in = {name: value for name, value in given.items() if name in model.built_in}
-        return resolved(built_in) if built_in else model
+            values = given
+        # What is built in where it is not given counts, whatever it is where it is given.
+        built_in = dict.fromkeys(model.built_in)
+        while (wanted := {name: given[name] for name in given if name in built_in}) != values:
+            values, model = wanted, resolved(wanted)
+            built_in.update(dict.fromkeys(model.built_in))
+        return replace(model, built_in=tuple(built_in))
 
 
 def _in_si(name: str, given: float | Quantity) -> float:
@@ -302,8 +313,10 @@ class Compilation:
     @once
     def _head_name(self) -> str:
         choice = self.choice
-        chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects))
-        reads = any(word in self.source.text for word in ("import", "table"))
+        inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
+        chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects, inputs))
+        texts = [self.source.text, *(text for _, text in inputs)]
+        reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)
         return cache.key(version_key(), *named)
@@ -350,6 +363,13 @@ class _Differentiated(Compilation):
         return self.base.equations
 
 
+def _said(given: Source | Points) -> str:
+    """What stands for an input in the name of an entry."""
+    if isinstance(given, Source):
+        return repr((folder_of(given.name), given.text))
+    return repr([list(map(float, column)) for column in given[:2]]) + given[2]
+
+
 def _code(sources: Mapping[str, str]) -> CodeType:
     from lagc.run.backends.numpy import compiled
 
@@ -383,6 +403,6 @@ def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
               f"{p.span.source.name}:{p.span.line}", p.description)
         for p in model.parameters if p.name not in kept
     ]  # fmt: skip
-    listed = kept | {f.name for f in fields}
+    listed = kept | {f.name for f in (*interface.inputs, *fields)}
     structural = [n for n in model.built_in if n not in listed]
     return (*fields, *(Field(n, None, -inf, inf, "", "", "", "") for n in structural))

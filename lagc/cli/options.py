@@ -73,6 +73,14 @@ def add_model_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--model", metavar="M", help="which model, where a file has several")
     add_parameter_option(parser)
+    parser.add_argument(
+        "--input",
+        metavar="NAME=VALUE",
+        dest="inputs",
+        action="append",
+        default=[],
+        help="what an input is: a number, an expression ('u=sin(time)'), a column of a file (u=drive.csv:u)",
+    )
 
 
 def add_parameter_option(parser: argparse.ArgumentParser) -> None:
@@ -90,13 +98,28 @@ def add_parameter_option(parser: argparse.ArgumentParser) -> None:
 def choice_of(options: argparse.Namespace) -> Choice:
     """What of the file is meant, by the options of `add_model_options`."""
     from lagc.compiler import Choice
+    from lagc.run.request import expression
 
+    parameters = quantities(options.parameters, "-p")
+    inputs = {}
+    for word in options.inputs:
+        name, equals, said = word.partition("=")
+        name = name.strip(_SPACES)
+        if not (name and equals and said.strip(_SPACES)):
+            raise Usage(f"`--input {word}` is not of the form name=value")
+        if name in parameters or name in inputs:
+            raise Usage(f"`{name}` is given twice")
+        if _valued(said) is None:
+            inputs[name] = expression(said)
+        else:
+            parameters.update(quantities([word], "--input"))
     return Choice(
         model=options.model,
         scene=options.scene,
         with_effects=tuple(options.with_effects),
         without_effects=tuple(options.without_effects),
-        parameters=quantities(options.parameters, "-p"),
+        parameters=parameters,
+        inputs=inputs,
     )
 
 

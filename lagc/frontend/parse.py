@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Refused, Source, Span
-from lagc.frontend.lexer import Lexed, tokenise
+from lagc.frontend.lexer import SYMBOL, WORD, Lexed, Token, tokenise
 from lagc.frontend.machine import MOST_FAULTS, Machine
 from lagc.frontend.tables import tables
-from lagc.frontend.tree import Tree
+from lagc.frontend.tree import Declarator, Expression, Quantities, Tree
 
 
 def parse(source: Source) -> Tree:
@@ -21,6 +21,26 @@ def parse_recovering(source: Source) -> tuple[Tree, list[Fault]]:
     """What could be read of a text, and the faults of its syntax in the order of the text."""
     tree, _, faults = read(source)
     return tree, faults
+
+
+def parse_expression(source: Source) -> Expression:
+    """The expression that a text is.  Raises Refused."""
+    lexed, length = tokenise(source), len(source.text)
+    before = [Token(WORD, word, 0, 0) for word in ("constant", "Real", "value")]
+    lexed.tokens[:0] = [*before, Token(SYMBOL, "=", 0, 0)]
+    lexed.tokens[-1:-1] = [Token(SYMBOL, ";", length, length)]
+    machine = Machine(source, tables(), lexed)
+    tree, faults = machine.run(_recover), _faults_of(lexed, machine)
+    if faults:
+        raise Refused(faults)
+    match tree:
+        case Tree(
+            declarations=(Quantities(declarators=(Declarator(value=value, description=None),), unless=()),)
+        ):
+            if value is not None:
+                return value
+    message = "this is more than one expression, or none"
+    raise Refused([Fault("LAG0110", message, Span(source, 0, length), remedy="write it without `;`")])
 
 
 def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:

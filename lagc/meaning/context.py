@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from typing import TYPE_CHECKING, Any
 
 from lagc.diagnostics.faults import Fault, Refused, Span
@@ -19,6 +19,8 @@ from lagc.records import dataclass, replace
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+Points = tuple[Sequence[float], Sequence[float], str]
+
 MOST_FAULTS = 200
 MOST_CALLERS = 3  # calls, the innermost first, that a fault within a function shows
 DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
@@ -26,14 +28,15 @@ DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """A value for `owner` or a rate of it, that comes from a scene (`expression`) or from the command
-    (`number`, in `unit`, SI where None)."""
+    """A value for `owner` or a rate of it: an `expression`, of a scene or the command; or of the command a
+    `number`, in `unit`, SI where None, or `points` of time and value in SI with the way through them."""
 
     owner: str
     expression: tree.Expression | None = None
     environment: Environment | None = None
     number: float = 0.0
     unit: str | None = None
+    points: Points | None = None
     span: Span | None = None
 
 

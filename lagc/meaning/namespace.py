@@ -109,6 +109,7 @@ class Importer:
     def __init__(self, main: Source, roots: tuple[str, ...]):
         folder = folder_of(main.name if os.path.exists(main.name) else "")
         self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots) if r))
+        self.free: list[Source] = []  # texts whose files may be anywhere
         self.faults: list[Wrong] = []
         self.refused: list[Refused] = []
         self.files: dict[str, Namespace] = {}
@@ -201,7 +202,7 @@ class Importer:
     def _beside(self, written: str, span: Span) -> str:
         """The path of a file that is named in a text.  Raises Wrong where it leads outside."""
         path = os.path.join(folder_of(span.source.name) or os.sep, written)
-        if not self._allowed(os.path.realpath(path)):
+        if span.source not in self.free and not self._allowed(os.path.realpath(path)):
             raise Wrong(
                 "LAG0217",
                 f"`{written}` is outside the folders that may be imported from",

@@ -171,16 +171,12 @@ def _input(context: Context, quantity: Quantity) -> Value:
     bounds = bounds_of(context, quantity)
     found: list[Scalar] = []
     for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
-        default = 0.0
-        if scalar is not None:
-            if not scalar.node.is_const:
-                raise Wrong(
-                    "LAG0208",
-                    f"the default of the input `{entry.path}` is a fixed number",
-                    value_span(context, quantity),
-                )
-            default = scalar.node.value
         name, unit = quantity.name(subscript), quantity.type.unit
+        if scalar is not None and not scalar.node.is_const:
+            entry.nouns.append(_followed(context, quantity, name, scalar.node))
+            found.append(Scalar(scalar.node, quantity.type.dimension))
+            continue
+        default = 0.0 if scalar is None else scalar.node.value
         check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
         symbol = context.graph.symbol("input", name)
         entry.nouns.append(
@@ -188,6 +184,16 @@ def _input(context: Context, quantity: Quantity) -> Value:
         )
         found.append(Scalar(symbol, quantity.type.dimension))
     return shaped(found, quantity.sizes)
+
+
+def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> nouns.Output:
+    """An input that is no number, but what stands in its place: it is seen as an output."""
+    if context.clock.mask(node) & LATE:
+        message = "an input depends on no acceleration and no reaction"
+        raise Wrong("LAG0219", message, value_span(context, quantity))
+    context.built_in.append(name)
+    kind = quantity.type
+    return nouns.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
 
 
 def starts(

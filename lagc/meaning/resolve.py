@@ -17,12 +17,14 @@ from lagc.meaning.expressions import HOW
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scene import (
+    Inputs,
     Numbers,
     Setting,
     check_effects,
     choose_model,
     choose_scene,
     read_command,
+    read_inputs,
     read_rest,
     read_values,
     scenes_of,
@@ -43,12 +45,14 @@ def resolve(
     model: str | None = None,
     parameters: Numbers | None = None,
     starts: Numbers | None = None,
+    inputs: Inputs | None = None,
     roots: Sequence[str] | None = None,
 ) -> nouns.Model:
     """One scene of a model of the file, every name resolved.
 
-    `parameters` and `starts` are values by full name, in SI or with a unit; `roots` the folders that
-    may be imported from besides that of the file.  Raises Refused with all faults.
+    `parameters` and `starts` are values by full name, in SI or with a unit, `inputs` texts of expressions or
+    points over time; `roots` the folders that may be imported from besides that of the file.  Raises Refused
+    with all faults.
     """
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     importer = Importer(file.source, tuple(roots or ()))
@@ -63,6 +67,7 @@ def resolve(
         environment = Environment(instance, Namespace(declaration.body, where, importer))
         read_values(context, setting, environment)
         read_command(context, parameters, starts)
+        read_inputs(context, inputs or {}, environment)
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
         simulate = read_rest(context, setting, environment)

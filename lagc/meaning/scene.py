@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.symbol import derived, underived
 from lagc.frontend import tree
-from lagc.meaning.context import Context, Given
+from lagc.meaning.context import Context, Given, Points
 from lagc.meaning.evaluate import evaluate_as, integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
@@ -17,6 +17,7 @@ from lagc.meaning.values import Scalar, Wrong, expect, kind
 from lagc.records import dataclass
 
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
+Inputs = Mapping[str, "Source | Points"]
 
 SIMULATE: dict[str, Dimension] = {
     "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,
@@ -293,6 +294,21 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
     for argument in d.arguments:
         context.attempt(one, argument)
     return found
+
+
+def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:
+    """Note the inputs that the command or a Python caller gives.  Their files may be anywhere: who asks names
+    them.  Raises Refused where a text is no expression."""
+    from lagc.frontend.parse import parse_expression
+
+    for name, given in inputs.items():
+        plain = "".join(name.split())
+        if isinstance(given, Source):
+            context.importer.free.append(given)
+            expression = parse_expression(given)
+            context.parameters[plain] = Given(plain, expression, environment)
+        else:
+            context.parameters[plain] = Given(plain, points=given)
 
 
 def read_command(context: Context, parameters: Numbers | None, starts: Numbers | None) -> None:

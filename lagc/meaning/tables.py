@@ -10,7 +10,7 @@ from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.interpolants import KINDS, interpolant, key_of
-from lagc.meaning.context import Context
+from lagc.meaning.context import Context, Points
 from lagc.meaning.data import Columns, Unfit
 from lagc.meaning.functions import Argument, Table
 from lagc.meaning.types import describe
@@ -73,6 +73,17 @@ def through(
         return interpolant(x, knots, values, way, straight, own)
     except (OverflowError, ZeroDivisionError):
         raise Wrong("LAG0314", "between some knots the table is steeper than any number", span) from None
+
+
+def over_time(context: Context, points: Points, name: str) -> Node:
+    """What goes through `points` of time and value.  Raises Wrong."""
+    knots, values, way = points
+    if way not in KINDS:
+        raise Wrong("LAG0307", f"points are gone through {', '.join(KINDS)}, not {way!r}", None)
+    if len(knots) != len(values) or not all(map(math.isfinite, [*knots, *values])):
+        message = f"`{name}` is given by as many finite values as times, in order"
+        raise Wrong("LAG0314", message, None)
+    return through(context, context.time, knots, values, way, way == "cubic", name, None)
 
 
 def check_order(knots: Sequence[float], span: Span | None) -> None:

@@ -14,6 +14,7 @@ from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate, evaluate_as
 from lagc.meaning.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
 from lagc.meaning.scope import Entry, Modifier
+from lagc.meaning.tables import over_time
 from lagc.meaning.units import Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
 
@@ -150,6 +151,8 @@ def given_scalar(context: Context, given: Given, dimension: Dimension, what: str
             raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", given.expression.span)
         expect(value.dimension, dimension, given.expression.span, what)
         return value
+    if given.points is not None:
+        return Scalar(over_time(context, given.points, given.owner), dimension)
     number = given.number
     if given.unit is not None:
         try:

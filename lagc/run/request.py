@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
-from lagc.diagnostics.faults import Fault, Refused
+from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
 from lagc.optimize.program import Field, Interface
@@ -142,6 +142,20 @@ class Quantity:
 
 
 Given = Mapping[str, float | Quantity]
+
+
+_COLUMN = r"""([^"'()\\]+\.csv)(?::([^"'()\\]+))?"""
+
+
+def expression(text: str) -> Source:
+    """What an input is given by: an expression of the language, or `drive.csv:u`, the column u over time."""
+    import re
+
+    column = re.fullmatch(_COLUMN, text.strip())
+    if column is not None:
+        words = ", ".join(f'"{word}"' for word in column.groups() if word is not None)
+        text = f"table(time, {words})"
+    return Source("<input>", text)
 
 
 def bound_parameters(

@@ -24,10 +24,8 @@ CALLS = 3000
 STEPS = CALLS + 2  # at most: the cart's sizes at rest are none, so that the first call takes three
 
 
-def block(language: str) -> str:
-    found = re.search(rf"```{language}\n(.*?)```", TEXT, re.S)
-    assert found
-    return found[1]
+def block(language: str, number: int = 0) -> str:
+    return re.findall(rf"```{language}\n(.*?)```", TEXT, re.S)[number]
 
 
 @cache
@@ -60,19 +58,34 @@ def by_scipy() -> list[float]:
     return [float(a) for a in x]
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
-def test_the_program_in_c(tmp_path: Path) -> None:
-    (tmp_path / "cart_pole.lag").write_text(block("modelica"))
-    assert main(["build", str(tmp_path / "cart_pole.lag"), "--target", "c", "-o", str(tmp_path), "-q"]) == 0
-    (tmp_path / "controller.c").write_text(block("c"))
+def printed(program: str, folder: Path) -> list[str]:
+    """What a program of the documentation prints."""
+    (folder / "cart_pole.lag").write_text(block("modelica"))
+    assert main(["build", str(folder / "cart_pole.lag"), "--target", "c", "-o", str(folder), "-q"]) == 0
+    (folder / "controller.c").write_text(program)
     strict = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
     command = ["gcc", *strict, "controller.c", "cart_pole.c", "-lm", "-o", "controller"]
-    subprocess.run(command, cwd=tmp_path, check=True)
-    found = subprocess.run(["./controller"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout
-    x, theta, steps, evaluations = found.split()
+    subprocess.run(command, cwd=folder, check=True)
+    done = subprocess.run(["./controller"], cwd=folder, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_the_program_in_c(tmp_path: Path) -> None:
+    x, theta, steps, evaluations = printed(block("c"), tmp_path)
     expected = by_scipy()
     assert [float(x), float(theta)] == pytest.approx(expected[:2], rel=1e-7, abs=1e-8)
     assert CALLS <= int(steps) <= STEPS and int(evaluations) <= 13 * int(steps)
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_the_program_with_an_input_from_a_table(tmp_path: Path) -> None:
+    """A run whose steps are short beside the pieces that the input is held for."""
+    found = [float(word) for word in printed(block("c", 1), tmp_path)]
+    course = ([0.0, 0.2, 0.5], [0.0, 1.5, -2.0], "held")
+    system = lagc.loads(block("modelica"), "cart_pole.lag").compile(inputs={"u": course})
+    run = system.simulate(0.6, accuracy=1e-8, max_step=1e-3)
+    assert [run["x"][-1], run["theta"][-1]] == pytest.approx(found, rel=1e-6)
 
 
 def test_the_module_in_python(tmp_path: Path) -> None:
