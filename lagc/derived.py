@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from lagc.loaded import Loaded
@@ -11,7 +11,10 @@ if TYPE_CHECKING:
     from lagc.optimize.program import Interface
     from lagc.run.backends.numpy import NumpySystem
     from lagc.run.derivatives import Array, Point
+    from lagc.run.linearize import Linear
+    from lagc.run.solution import Solution
 
+ACCURACY = 1e-9  # of a motion that is followed to where it is linearised
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
 HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start"}
@@ -21,6 +24,7 @@ class Differentiable:
     """A compiled model that can be differentiated; what it takes is compiled when it is first asked for."""
 
     _loaded: Loaded
+    simulate: Callable[..., Solution]
 
     @property
     def interface(self) -> Interface:
@@ -65,12 +69,58 @@ class Differentiable:
             raise ValueError(f"x has {len(state)} entries, not {system.nx}")
         if of not in ALONG and of not in HELD:
             raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *HELD))}")
-        point = Point(system, float(t), state, a, lam)
         words = [wrt] if isinstance(wrt, str) else list(wrt)
-        found = numpy.hstack([self._columns(point, of, word) for word in words])
+        with numpy.errstate(all="ignore"):  # what is not finite is refused
+            point = Point(system, float(t), state, a, lam)
+            found = numpy.hstack([self._columns(point, of, word) for word in words])
         if not numpy.isfinite(found).all():
             raise ArithmeticError(f"the derivatives of {of} have no finite value there")
         return found
+
+    def linearize(
+        self,
+        t: float = 0.0,
+        x: Sequence[float] | None = None,
+        *,
+        parameters: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None,
+    ) -> Linear:
+        """The linear model about x = (q, v), which meets the constraints, or about the motion from the start
+        at time t (s).  Raises Refused where there is no start, ArithmeticError where the motion does not
+        get to t or there are no finite derivatives."""
+        from lagc.run.linearize import linearize
+
+        if x is None:
+            x = self._at(float(t), parameters, starts)
+        return linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
+
+    def equilibria(
+        self,
+        *,
+        parameters: Mapping[str, Any] | None = None,
+        starts: Mapping[str, Any] | None = None,
+        tries: int | None = None,
+        seed: int = 0,
+    ) -> list[Linear]:
+        """The linear models about the equilibria at t = 0 that are found from the start and from so many
+        random postures: the first is that which is found from the start, if one is, the others are in order
+        of their potential energy; of families of equilibria one each."""
+        from lagc.records import replace
+        from lagc.run import equilibria
+        from lagc.run.linearize import linearize
+
+        system = self.differentiated(parameters)
+        guess = self._at(0.0, parameters, starts)
+        found = equilibria.equilibria(system, guess, 0.0, equilibria.TRIES if tries is None else tries, seed)
+        return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]
+
+    def _at(
+        self, t: float, parameters: Mapping[str, Any] | None, starts: Mapping[str, Any] | None
+    ) -> list[float]:
+        run = self.simulate(t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts)
+        if run.status == "failed":
+            raise ArithmeticError(run.message)
+        return run.states[-1][: self.interface.nq + self.interface.nv]
 
     def _columns(self, point: Point, of: str, word: str) -> Array:
         group, columns = self._places(word, held=of in HELD)

@@ -20,6 +20,7 @@ COMMANDS = {
     "explain": "what was inferred from a model",
     "equations": "the equations of motion, as a person would write them",
     "sim": "compile and simulate",
+    "linearize": "equilibria and linear models",
     "build": "generated code for other projects",
     "new": "a model to start from",
     "cache": "what is kept of compiled models: show, verify, clear",

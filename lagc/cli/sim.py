@@ -110,6 +110,11 @@ def check_files(options: argparse.Namespace) -> None:
             check_path(options.output)
         except CannotSave as error:
             raise Usage(str(error)) from None
+    check_picture(options)
+
+
+def check_picture(options: argparse.Namespace) -> None:
+    """Whether what `--plot` asks for can be drawn."""
     if options.plot is not None:
         from importlib.util import find_spec
 

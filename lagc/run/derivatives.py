@@ -8,6 +8,7 @@ K = dF/d(a, lam) = [M, -G^T; G, 0].
 
 from __future__ import annotations
 
+import random
 from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
@@ -21,12 +22,17 @@ if TYPE_CHECKING:
 
 Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
 
+ROUNDING = 1e-13  # of its terms: what is rounding, and therefore zero
+LAST = 2.0**-50  # by which last places change
+SHARE = 0.1  # of an entry: a change that makes it rounding
+TINY = 1e-60  # beside a state at which a derivative has no value, as that of norm(v) v at rest
 DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
 
 
 class Point:
     """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
-    motion there or those that are given."""
+    motion there or those that are given.  `clean`: an entry that changes by as much as it is where all that
+    it is made of changes in its last places is rounding, and 0."""
 
     def __init__(
         self,
@@ -35,6 +41,7 @@ class Point:
         x: Sequence[float],
         a: Sequence[float] | None = None,
         lam: Sequence[float] | None = None,
+        clean: bool = False,
     ):
         self.system, self.t, self.x = system, t, list(x)
         if a is None or lam is None:
@@ -42,7 +49,7 @@ class Point:
             if system.rhs(t, x, rates, own) in FAILED:
                 raise ArithmeticError(f"the motion is not determined at t = {t:g}")
             a, lam = rates[system.nq :] if a is None else a, own if lam is None else lam
-        self.a, self.lam = list(a), list(lam)
+        self.a, self.lam, self.clean = list(a), list(lam), clean
         self._groups: dict[str, Array] = {}
         self._motion: dict[str, Array] = {}
 
@@ -57,9 +64,57 @@ class Point:
 
     def sparse(self, group: str) -> tuple[Array, Array, Array]:
         """Entries, rows and columns of the derivatives of the stack by a group."""
-        entries, pattern = self.system.derivatives(group, self.t, self.x, self.a, self.lam)
-        places = np.array(pattern, dtype=int).reshape(-1, 2)
-        return np.array(entries), places[:, 0], places[:, 1]
+        places = np.array(self.system.interface.derivatives[group], dtype=int).reshape(-1, 2)
+        entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
+        if self.clean:
+            for system, t, x, a, lam in self._beside:
+                changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
+                entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
+        return entries, places[:, 0], places[:, 1]
+
+    def _entries(
+        self,
+        system: NumpySystem,
+        group: str,
+        t: float,
+        x: Sequence[float],
+        a: Sequence[float],
+        lam: Sequence[float],
+    ) -> Array:
+        """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
+        entries = np.array(system.derivatives(group, t, x, a, lam)[0])
+        if not np.isfinite(entries).all():
+            one, two = (
+                np.array(system.derivatives(group, t, [v + side for v in x], a, lam)[0])
+                for side in (TINY, -TINY)
+            )
+            size = max(np.abs(entries[np.isfinite(entries)]), default=1.0)
+            alike = np.abs(one - two) <= ROUNDING * (np.abs(one) + size)
+            entries = np.where(np.isfinite(entries) | ~alike, entries, (one + two) / 2.0)
+        return entries
+
+    def rounding_rates(self) -> Array:
+        """Which of the rates of q and v are rounding: where last places change, they change as much as they
+        are."""
+        system, n = self.system, self.system.nq + self.system.nv
+        here, lam = np.array([*self.value("qdot"), *self.a]), [0.0] * system.nc
+        found = np.zeros(n, dtype=bool)
+        for other, t, x, _, _ in self._beside:
+            rates = [0.0] * system.nx
+            if other.rhs(t, x, rates, lam) not in FAILED:
+                found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
+        return found
+
+    @cached_property
+    def _beside(self) -> list[tuple[NumpySystem, float, list[float], list[float], list[float]]]:
+        """All with other last places."""
+        chance = random.Random(0)
+
+        def beside(values: Sequence[float]) -> list[float]:
+            return [value * (1.0 + chance.choice((-1, 1)) * LAST) for value in values]
+
+        others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(3)]
+        return [(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam)) for s in others]
 
     def by(self, group: str) -> Array:
         """All of them as a matrix, where a and lam are held."""
@@ -132,3 +187,8 @@ class Point:
         if part == "output":
             found = found + self.partial("output", "acceleration") @ self.motion(group)
         return found
+
+
+def rounded(found: Array, terms: Array) -> Array:
+    """`found` with 0 for what is rounding of its terms."""
+    return np.where(np.abs(found) <= ROUNDING * terms, 0.0, found)

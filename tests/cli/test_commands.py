@@ -104,7 +104,7 @@ def test_build_of_nonsense_is_wrong_usage(words: list[str], pendulum: str, capsy
 
 
 def test_every_command_refuses_a_missing_file(capsys: Capture) -> None:
-    for name in ("check", "fmt", "explain", "equations", "sim", "build"):
+    for name in ("check", "fmt", "explain", "equations", "sim", "build", "linearize"):
         assert main([name, "nofile.lag"]) == 2, name
         captured = capsys.readouterr()
         assert "nofile.lag" in captured.out + captured.err

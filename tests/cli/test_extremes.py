@@ -64,7 +64,7 @@ def test_parameters(text: str, value: str, tmp_path: Path, capsys: pytest.Captur
     path = tmp_path / "s.lag"
     path.write_text(text)
     for name in "nml":
-        for command in ("equations", "explain", "build", "sim"):
+        for command in ("equations", "explain", "build", "sim", "linearize"):
             more = {"build": ["-o", str(tmp_path)], "sim": ["--backend", "numpy", "--stop", "1e-3"]}
             code = main([command, str(path), "-p", f"{name}={value}", *more.get(command, [])])
             assert code in (0, 1, 2, 3), (command, name, capsys.readouterr().err)

@@ -107,6 +107,8 @@ def test_nothing_in_a_model_steers_the_terminal_or_breaks_a_file(tmp_path: Path,
             ["check", at], ["explain", at, "-v"], ["explain", at, "--json"], ["equations", at],
             ["equations", at, "--format", "latex"], ["equations", at, "--format", "sympy"],
             ["sim", at, "-v", "--stop", "0.1", "-o", str(folder / "r.csv"), "--plot", str(folder / "r.svg")],
+            ["linearize", at, "-v", "--plot", str(folder / "m.svg")],
+            ["linearize", at, "--json", "--equilibrium"],
             ["sim", at, "--json", "--stop", "0.1"], ["build", at, "-o", str(folder), "--json"],
         ):  # fmt: skip
             code = main(words)

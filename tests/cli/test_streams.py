@@ -33,6 +33,8 @@ COMMANDS = [
     ("sim simple_pendulum --accuracy 1e-20 -o run.csv", FAILED, ("run.csv", "run.csv.json"), True),
     ("sim simple_pendulum --stop -1", USAGE, (), False),
     ("sim wrong.lag --json", REFUSED, (), True),
+    ("linearize simple_pendulum -o linear.npz --plot modes.svg", DONE, ("linear.npz", "modes.svg"), True),
+    ("linearize simple_pendulum --equilibrium --json -o linear.json", DONE, ("linear.json",), True),
     ("build simple_pendulum -o out", DONE, ("out/simple_pendulum.c", "out/simple_pendulum.h"), True),
     ("new Swing", DONE, ("Swing.lag",), False),
     ("--help", DONE, (), True),

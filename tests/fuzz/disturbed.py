@@ -44,7 +44,7 @@ COMMANDS: list[tuple[str, ...]] = [
     (*RUN, "--plot", "out.svg"), (*RUN, "-o", "out.csv", "--json"),
     ("build", "model.lag", "-o", "gen"), ("build", "model.lag", "-o", "gen", "--target", "numpy"),
     ("fmt", "model.lag"), ("new", "Other"), ("new", "Old", "--force"), ("check", "model.lag"),
-    ("equations", "model.lag"),
+    ("equations", "model.lag"), ("linearize", "model.lag", "-o", "out.json"),
 ]  # fmt: skip
 COMPILERS = {
     "dies": "kill -SEGV $$", "fails": "echo 'error: no' >&2; exit 1", "says nothing": "exit 3",

@@ -152,6 +152,7 @@ COMMANDS = {
     "check": ["check", "evil.lag"],
     "equations": ["equations", "evil.lag", "--format", "latex"],
     "explain": ["explain", "evil.lag"],
+    "linearize": ["linearize", "evil.lag", "-o", "../out/linear.npz"],
     "fmt": ["fmt", "--check", "evil.lag"],
     "numpy": ["sim", "evil.lag", "--backend", "numpy", "-o", "../out/run.csv"],
     "c": ["sim", "evil.lag", "--backend", "c", "-o", "../out/run.npz"],
@@ -166,8 +167,11 @@ def test_a_model_opens_starts_and_runs_nothing(name: str, folder: Path) -> None:
         pytest.skip("there is no C compiler")
     status, events, said = run(folder, *COMMANDS[name])
     assert status == (1 if name == "fmt" else 0), said
-    generated = {"numpy": "import_model.py", "check": "evaluation"}.get(name, "")  # check tries the start
-    assert any(event == "open" for event, _ in events) and unexpected(events, folder, generated) == []
+    generated = {"numpy": "import_model.py", "linearize": "import_model.py", "check": "evaluation"}
+    assert (
+        any(event == "open" for event, _ in events)
+        and unexpected(events, folder, generated.get(name, "")) == []
+    )
     assert not list(folder.rglob("pwned")) and "\x1b" not in said and "\x07" not in said
     started = [event for event, _ in events if event == "subprocess.Popen"]
     assert len(started) == (name == "c")

@@ -161,4 +161,9 @@ end Bob;
         "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "
         "What was computed until then is printed, written and drawn as asked; the exit code is 3.",
     ),
+    "LAG0621": Entry(
+        "there is no linear model",
+        "No equilibrium was found, the motion does not get to the time asked, or derivatives have no finite "
+        "value there; the exit code is 3.",
+    ),
 }

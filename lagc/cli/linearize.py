@@ -1,0 +1,164 @@
+"""Equilibria, and linear models about them or about a motion.
+
+Constraints and their forces are taken into account: the states are independent coordinates and speeds.
+Without --at or --equilibrium it is about the start.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import TYPE_CHECKING, Any
+
+from lagc.cli.exits import DONE, FAILED, UNWRITTEN, Usage
+from lagc.cli.options import (
+    add_general_options,
+    add_model_options,
+    choice_of,
+    quantities,
+    quantity,
+)
+from lagc.cli.output import print_json, say, show
+
+if TYPE_CHECKING:
+    from lagc.run.linearize import Linear
+
+FORMATS = (".json", ".npz")
+MOST = 8  # equilibria that are shown without --verbose
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    add_model_options(parser)
+    parser.add_argument(
+        "--start", metavar="NAME=VALUE[UNIT]", dest="starts", action="append", default=[],
+        help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
+    )  # fmt: skip
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--at", metavar="T", help="about the motion from the start, at this time: 2, '100[ms]'"
+    )
+    where.add_argument(
+        "--equilibrium", action="store_true", help="about the equilibria, from the start and random postures"
+    )
+    parser.add_argument("-o", "--output", metavar="FILE", help="write the matrices: .json .npz")
+    parser.add_argument("--plot", metavar="FILE", nargs="?", const="", help="draw the modes: .png .svg .pdf")
+    add_general_options(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    from lagc import library
+    from lagc.api import CompiledModel
+    from lagc.cli.sim import check_picture
+    from lagc.compiler import Compilation
+
+    _check_output(options.output)
+    check_picture(options)
+    time = quantity(options.at, "s", "--at") or 0.0
+    starts = quantities(options.starts, "--start")
+    model = CompiledModel(Compilation(library.read(options.file), choice_of(options)), "numpy")
+    try:
+        found = (
+            model.equilibria(starts=starts) if options.equilibrium else [model.linearize(time, starts=starts)]
+        )
+    except ArithmeticError as error:
+        return _none(str(error), options)
+    if not found:
+        return _none("no equilibrium was found, neither from the start nor from random postures", options)
+    interface = model.interface
+    facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
+             "effects": list(interface.effects)}  # fmt: skip
+    written = _deliver(found, facts, options)
+    if options.json:
+        print_json({**facts, "linear": [linear.to_dict() for linear in found], "notes": _notes(found)})
+    else:
+        show(_text(found, options))
+    return DONE if written else UNWRITTEN
+
+
+def _none(message: str, options: argparse.Namespace) -> int:
+    if options.json:
+        print_json({"status": "failed", "message": message})
+    say(f"error[LAG0621]: {message}", options.json)
+    return FAILED
+
+
+def _text(found: list[Linear], options: argparse.Namespace) -> str:
+    from lagc.view.linear import heading, text
+
+    interface = found[0].system.interface
+    effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
+    parts = [f"{interface.model}, scene {interface.scene}{effects}"]
+    shown = found if options.verbose else found[:MOST]
+    for k, linear in enumerate(shown):
+        number = f"{k + 1} of {len(found)} found: " if options.equilibrium else "about "
+        parts += [f"{number}{heading(linear)}", text(linear, options.verbose)]
+    parts += [f"and {len(found) - MOST} more: --json or -v shows them"] if len(shown) < len(found) else []
+    return "\n".join([*parts, *(f"note: {note}" for note in _notes(found)), ""])
+
+
+def _notes(found: list[Linear]) -> list[str]:
+    if found[0].system.interface.bends:
+        return ["forces may bend or jump: at a bend derivatives are those of one side, and 0 for a jump"]
+    return []
+
+
+def _check_output(path: str | None) -> None:
+    from lagc.saving import obstacle
+
+    if path:
+        if os.path.splitext(path)[1].lower() not in FORMATS:
+            raise Usage(
+                f"`{path}` cannot be written: the ending says the format; there are {' '.join(FORMATS)}"
+            )
+        reason = obstacle(path)
+        if reason:
+            raise Usage(f"`{path}` cannot be written: {reason}")
+
+
+def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Namespace) -> bool:
+    """Files and pictures; whether all were written under their names."""
+    from lagc.cli.deliver import kept
+
+    written = True
+    if options.output:
+        data = _content(found, facts, options.output)
+        from lagc.saving import write
+
+        path = kept(options.output, lambda name: write(name, data), (OSError,))
+        written = path == options.output
+        if path is not None:
+            say(f"written to {path}", options.quiet or options.json)
+    if options.plot is not None:
+        from lagc.saving import fitting
+        from lagc.view.linear import heading
+        from lagc.view.modes import plot_modes
+
+        interface = found[0].system.interface
+        wanted = options.plot or f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
+        title = f"{interface.model}, scene {interface.scene}: {heading(found[0])}"
+        path = kept(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
+        written = written and path == wanted
+        if path is not None:
+            say(f"picture written to {path}", options.quiet or options.json)
+    return written
+
+
+def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
+    """What a file holds: all as JSON, or arrays A B C D eigenvalues modes x, of the second A_2 and so on."""
+    if path.lower().endswith(".json"):
+        from lagc.printable import json_text
+
+        everything = {**facts, "linear": [linear.to_dict() for linear in found]}
+        return (json_text(everything, indent=2) + "\n").encode()
+    import io
+
+    import numpy
+
+    arrays: dict[str, Any] = {}
+    for k, linear in enumerate(found):
+        end = f"_{k + 1}" if k else ""
+        for name in ("A", "B", "C", "D", "eigenvalues", "modes", "x", "states", "inputs", "outputs"):
+            arrays[f"{name}{end}"] = numpy.array(getattr(linear, name))
+    buffer = io.BytesIO()
+    numpy.savez_compressed(buffer, **arrays)
+    return buffer.getvalue()

@@ -1,0 +1,214 @@
+"""Equilibria of a constrained system: states at which nothing moves, and the constraint forces there.
+
+    qdot(q, v) = 0,    tau - h + G^T lam = 0,    phi(q) = 0,    psi(q, v) = 0
+
+in q, v and lam, by Gauss-Newton steps of least norm from the start and from random postures around it.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Sequence
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lagc.records import dataclass
+from lagc.run.derivatives import Array, Point
+from lagc.run.linearize import size_of_states
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
+
+TRIES = 64  # random postures
+STEPS = 60
+HALVINGS = 10
+CLOSE = 1e-12  # of the sizes: a last step
+MET = 1e-9  # of what the sizes change a row by: a residual that is met
+DEPENDENT = 1e-10  # of the largest: singular values of directions in which nothing changes
+SAME = 1e-6  # of the sizes: one equilibrium found twice
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """`x` = (q, v) and the multipliers; `free`: how many directions there are, as far as linear equations
+    tell, in which it is an equilibrium too."""
+
+    x: list[float]
+    lam: list[float]
+    energy: float
+    free: int
+
+
+def equilibria(
+    system: NumpySystem, start: Sequence[float], t: float = 0.0, tries: int = TRIES, seed: int = 0
+) -> list[Equilibrium]:
+    """Those found: that which the steps from `start` lead to first, the others by their potential energy.  Of
+    families of equilibria the nearest one each, as far as energies tell them apart."""
+    search = _Search(system, t)
+    found: list[Equilibrium] = []
+    first: list[Equilibrium] = []
+    with np.errstate(all="ignore"):  # what is not finite is given up
+        for k, guess in enumerate(search.guesses(start, tries, seed)):
+            reached = search.reach(guess)
+            if reached is None:
+                continue
+            known = [i for i, other in enumerate(found) if search.same(reached, other)]
+            if not known:
+                found.append(reached)
+                first += [reached] if k == 0 else []
+            elif (
+                search.far(reached, start) < search.far(found[known[0]], start)
+                and found[known[0]] not in first
+            ):
+                found[known[0]] = reached
+    return first + sorted(found[len(first) :], key=lambda e: e.energy)
+
+
+class _Search:
+    def __init__(self, system: NumpySystem, t: float):
+        self.system, self.t = system, t
+        self.sizes = size_of_states(system)
+
+    def guesses(self, start: Sequence[float], tries: int, seed: int) -> Iterator[list[float]]:
+        """The start at rest, then random postures: angles over a whole turn, others within twice their size
+        about the start or what lies opposite, every other time from a tenth to a thousand times that."""
+        system, chance = self.system, random.Random(seed)
+        rest = [0.0] * system.nv
+        yield [*start[: system.nq], *rest]
+        angles, quaternions = set(system.interface.angles), system.interface.quaternions
+        for k in range(tries):
+            spread = 2.0 if k % 2 else 2.0 * 10.0 ** chance.uniform(-1.0, 3.0)
+            q = [
+                chance.uniform(-pi, pi) if i in angles
+                else value * chance.uniform(-1.0, 1.0) + spread * size * chance.uniform(-1.0, 1.0)
+                for i, (value, size) in enumerate(zip(start[: system.nq], self.sizes))
+            ]  # fmt: skip
+            for first in quaternions:
+                part = [chance.gauss(0.0, 1.0) for _ in range(4)]
+                q[first : first + 4] = [a / sum(b * b for b in part) ** 0.5 for a in part]
+            yield [*q, *rest]
+
+    def reach(self, guess: list[float]) -> Equilibrium | None:
+        """The equilibrium that the steps lead to."""
+        z = self._solve(np.array([*guess, *[0.0] * self.system.nc]))
+        if z is None:
+            return None
+        z = self._usual(self._rounded(z))
+        n = self.system.nq + self.system.nv
+        x, (_, table, columns, rows) = z[:n].tolist(), self._rows(z)
+        _, sizes, right = np.linalg.svd(table * columns / rows[:, None])
+        rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
+        free = (right[rank:, :n] * columns[:n]).T
+        moving = np.linalg.matrix_rank(free / self.sizes[:, None], tol=1e-6) if free.size else 0
+        return Equilibrium(x, z[n:].tolist(), self.system.energies(self.t, x)[1], int(moving))
+
+    def far(self, one: Equilibrium, start: Sequence[float]) -> float:
+        """How far its coordinates are from the start, beside the sizes."""
+        nq = self.system.nq
+        return float(np.abs((np.array(one.x[:nq]) - start[:nq]) / self.sizes[:nq]).max(initial=0.0))
+
+    def same(self, one: Equilibrium, other: Equilibrium) -> bool:
+        """Whether they are one, or seem to be of one family: energies are the same all along it."""
+        if one.free and one.free == other.free:
+            largest = max([abs(e.energy) for e in (one, other)])
+            return abs(one.energy - other.energy) <= SAME * largest
+        return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
+
+    def _rounded(self, z: Array) -> Array:
+        """The same with 0 for what is nothing beside the sizes, where that is an equilibrium as well."""
+        n = self.system.nq + self.system.nv
+        found = np.where(np.abs(z) <= CLOSE * np.concatenate([self.sizes, z[n:] * 0.0]), 0.0, z)
+        self._balance(found)
+        return found if self._met(found) else z
+
+    def _balance(self, z: Array) -> None:
+        """The multipliers that leave the least of the forces, in place."""
+        n = self.system.nq + self.system.nv
+        z[n:] = 0.0
+        residual, table, columns, rows = self._rows(z)
+        scaled = table[:, n:] * columns[n:] / rows[:, None]
+        z[n:] = -columns[n:] * np.linalg.lstsq(scaled, residual / rows, rcond=DEPENDENT)[0]
+
+    def _usual(self, z: Array) -> Array:
+        """The same with angles within half a turn, where that is an equilibrium as well, and quaternions with
+        a positive first part."""
+        interface, found = self.system.interface, z.copy()
+        for first in interface.quaternions:
+            part = found[first : first + 4]
+            if part[np.flatnonzero(np.abs(part) > SAME)[0]] < 0.0:
+                found[first : first + 4] = -part
+        for i in interface.angles:
+            turned = found.copy()
+            turned[i] -= 2.0 * pi * round((found[i] - SAME) / (2.0 * pi))
+            if turned[i] != found[i] and self._met(turned):
+                found = turned
+        return found
+
+    def _met(self, z: Array) -> bool:
+        residual, _, _, rows = self._rows(z)
+        return bool((np.abs(residual) <= MET * rows).all())
+
+    def _solve(self, z: Array) -> Array | None:
+        n = self.system.nq + self.system.nv
+        try:
+            self._balance(z)
+            for _ in range(STEPS):
+                residual, table, columns, rows = self._rows(z)
+                inverse = np.linalg.pinv(table * columns / rows[:, None], rcond=DEPENDENT) / rows
+                step = -inverse @ residual
+                length = np.abs(step[:n]).max(initial=0.0)
+                most = max(1.0, np.abs(z[:n] / self.sizes).max(initial=0.0))
+                z = self._moved(z, step, columns, inverse, min(1.0, most / length) if length else 1.0)
+                if length <= CLOSE and self._met(z):
+                    return z
+        except (ArithmeticError, np.linalg.LinAlgError):
+            return None
+        return z if self._met(z) else None
+
+    def _moved(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:
+        """As far along the step as it makes the next one shorter, by the same derivatives (P. Deuflhard,
+        *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3)."""
+        moved = z + share * step * columns
+        for _ in range(HALVINGS):
+            if np.linalg.norm(inverse @ self._rows(moved)[0]) < np.linalg.norm(step):
+                break
+            share /= 2.0
+            moved = z + share * step * columns
+        return moved
+
+    def _rows(self, z: Array) -> tuple[Array, Array, Array, Array]:
+        """The residuals, their derivatives, and sizes: of the unknowns, and what these change each row by."""
+        system = self.system
+        interface, nq, nv, nc = system.interface, system.nq, system.nv, system.nc
+        n = nq + nv
+        point = Point(system, self.t, z[:n].tolist(), [0.0] * nv, z[n:].tolist())
+        own = interface.nh + nc
+        quaternions = np.zeros((len(interface.quaternions), n + nc))
+        lengths = np.zeros(len(quaternions))
+        for k, first in enumerate(interface.quaternions):
+            part = z[first : first + 4]
+            quaternions[k, first : first + 4], lengths[k] = part, (part @ part - 1.0) / 2.0
+        residual = np.concatenate(
+            [point.value("qdot"), point.value("force"), point.value("condition")[:own], lengths]
+        )
+        by_state = [point.partial("qdot", "state"), point.partial("force", "state"),
+                    point.partial("condition", "state")[:own]]  # fmt: skip
+        table = np.vstack([np.hstack([np.vstack(by_state), np.zeros((n + own, nc))]), quaternions])
+        table[nq:n, n:] = point.partial("force", "acceleration")[:, nv:]
+        if not (np.isfinite(residual).all() and np.isfinite(table).all()):
+            raise ArithmeticError("not finite")
+        columns = np.ones(n + nc)
+        columns[:n] = self.sizes
+        rows = np.abs(table[:, :n]) @ self.sizes
+        rows[nq:n] += np.abs(system.stack(self.t, z[:n].tolist(), [0.0] * nv, [0.0] * nc)[self._forces])
+        forces = np.abs(table[nq:n, n:]) / np.where(rows[nq:n] > 0.0, rows[nq:n], 1.0)[:, None]
+        columns[n:] = 1.0 / np.where(forces.any(axis=0), forces.max(axis=0, initial=0.0), 1.0)
+        rows += np.abs(table[:, n:]) @ columns[n:]
+        return residual, table, columns, np.where(rows > 0.0, rows, 1.0)
+
+    @property
+    def _forces(self) -> slice:
+        part = self.system.interface.stack["force"]
+        return slice(part.start, part.stop)

@@ -1,0 +1,280 @@
+"""A linear model of a compiled one about a state of its motion.
+
+With y the independent ones of the state x = (q, v) (see `independent`), x' = f(x, u) along the constraints:
+
+    dy' = A dy + B du,      d(output) = C dy + D du,      A = S (df/dx) X,
+
+X what x changes by with y, S the choice of y: multipliers and what constraint forces change by are in df/dx.
+Eigenvalues of A are those of the constrained system, and no others.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from functools import cached_property
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.records import dataclass
+from lagc.run.derivatives import ROUNDING, Array, Point, rounded
+from lagc.run.independent import independent
+from lagc.run.spectrum import Spectrum, spectrum
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
+
+STILL = 1e-9  # of what moves the state by its size: rates of an equilibrium
+AT_REST = 1e-8  # of what a mode moves: coordinates that it leaves where they are
+
+
+@dataclass(frozen=True)
+class Linear:
+    """`states` are the names of the entries of y; `x` is the state (q, v) at time `t`."""
+
+    system: NumpySystem
+    t: float
+    x: list[float]
+    lam: list[float]
+    indices: list[int]
+    motions: Array
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    scales: Array  # sizes of the entries of y, alike in time
+    changing: list[bool]  # of the entries of y, whether they change in the motion itself
+    of_time: bool  # whether derivatives seem to depend on time itself
+    linear: bool  # whether they seem to depend on nothing but parameters
+    free: int = 0  # of an equilibrium: directions in which it seems to be one of many
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        interface = self.system.interface
+        names = (*interface.q_names, *interface.v_names)
+        return tuple([names[i] for i in self.indices])
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple([f.name for f in self.system.interface.inputs])
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        return tuple([f.name for f in self.system.interface.outputs])
+
+    @property
+    def still(self) -> bool:
+        """Whether it is an equilibrium: all rates are rounding."""
+        return not any(self.changing)
+
+    @property
+    def steady(self) -> bool:
+        """Whether what changes in the motion acts on nothing else, so that in the rest A stays what it is."""
+        return not any(self.changing[k] for k in self._acting[0])
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """The states that act on nothing but one another: each brings an eigenvalue 0."""
+        return tuple([self.states[k] for k in sorted(self._acting[1])])
+
+    @cached_property
+    def _acting(self) -> tuple[list[int], list[int]]:
+        """The states that act on others in the end, and those that act on none but ones before them."""
+        kept, idle = list(range(len(self.A))), list[int]()
+        while True:
+            found = [k for k in kept if not self.A[kept, k].any()]
+            if not found:
+                return kept, idle
+            idle += found
+            kept = [k for k in kept if k not in found]
+
+    @cached_property
+    def _own(self) -> Spectrum:
+        """Of the states that act."""
+        kept, _ = self._acting
+        return spectrum(self.A[np.ix_(kept, kept)], self.scales[kept])
+
+    @cached_property
+    def _spectrum(self) -> tuple[Any, Any]:
+        kept, idle = self._acting
+        n = len(self.A)
+        values, vectors = np.zeros(n, dtype=complex), np.zeros((n, n), dtype=complex)
+        values[: len(kept)], vectors[kept, : len(kept)] = self._own
+        for k in reversed(idle):  # they follow: value times entry = row of A
+            for j in np.flatnonzero(values):
+                vectors[k, j] = self.A[k] @ vectors[:, j] / values[j]
+        vectors[idle, range(len(kept), n)] = 1.0
+        order = sorted(range(n), key=lambda k: (-values[k].real, abs(values[k]), -values[k].imag))
+        return values[order], vectors[:, order]
+
+    @property
+    def eigenvalues(self) -> Any:
+        """Of A, 1/s: the fastest growing first, of a pair that with the positive imaginary part."""
+        return self._spectrum[0]
+
+    @cached_property
+    def modes(self) -> Any:
+        """What x = (q, v) moves by, a column an eigenvalue: of the coordinates, or where none moves of the
+        speeds, the largest is 1."""
+        found = self.motions @ self._spectrum[1]
+        for k in range(found.shape[1]):
+            q = found[: self.system.nq, k]
+            part = q if np.abs(q).max(initial=0.0) > AT_REST * np.abs(found[:, k]).max() else found[:, k]
+            found[:, k] /= part[np.abs(part).argmax()]
+        return found
+
+    @property
+    def momentary(self) -> bool:
+        """Whether A changes in the motion, so that its eigenvalues are those of a moment and tell not what
+        grows."""
+        return not self.linear and (self.of_time or not self.steady)
+
+    @property
+    def stability(self) -> str | None:
+        """What the eigenvalues say of an equilibrium or steady motion, `idle` states aside; None where they
+        say nothing."""
+        if self.momentary:
+            return None
+        growth = max(self._own.values.real, default=0.0)
+        if growth > 0.0:
+            return "unstable"
+        return "asymptotically stable" if growth < 0.0 else "neutral: the linear model does not decide"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers in SI."""
+        interface = self.system.interface
+        names = (*interface.q_names, *interface.v_names)
+        return {
+            "t": self.t,
+            "x": dict(zip(names, self.x)),
+            "multipliers": dict(zip(interface.row_labels, self.lam)),
+            "equilibrium": self.still, "steady": self.steady, "momentary": self.momentary,
+            "stability": self.stability,
+            "free": self.free,
+            "states": list(self.states), "idle": list(self.idle),
+            "inputs": list(self.inputs), "outputs": list(self.outputs),
+            "A": self.A.tolist(), "B": self.B.tolist(), "C": self.C.tolist(), "D": self.D.tolist(),
+            "eigenvalues": [
+                {"real": value.real, "imag": value.imag,
+                 "frequency": frequency(value), "damping": damping(value),
+                 "mode": {name: [part.real, part.imag] for name, part in zip(names, mode)}}
+                for value, mode in zip(self.eigenvalues.tolist(), self.modes.T.tolist())
+            ],
+        }  # fmt: skip
+
+
+def frequency(value: complex) -> float:
+    """Hz, of the oscillation; 0 where there is none."""
+    return abs(value.imag) / (2.0 * pi)
+
+
+def damping(value: complex) -> float | None:
+    """The damping ratio -Re/|.|; None of the eigenvalue 0."""
+    return -value.real / abs(value) if value else None
+
+
+def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
+    """About the state x = (q, v), which meets the constraints.  Raises ArithmeticError where the motion is
+    not determined there, or derivatives are not finite."""
+    with np.errstate(all="ignore"):  # what is not finite is refused
+        try:
+            found = _linearized(system, t, x)
+            found.modes  # noqa: B018  with its eigenvalues
+        except np.linalg.LinAlgError:
+            raise ArithmeticError("numbers there are too large or too small for a linear model") from None
+    return found
+
+
+def _linearized(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
+    point = Point(system, t, x, clean=True)
+    first = len(system.interface.parameters)
+    sizes, size_inputs = _sizes(point, "state"), _sizes(point, "parameter")[:, first:]
+    rates, by_inputs = point.total("rate", "state"), point.total("rate", "parameter")[:, first:]
+    changing = _changing(point, rates, sizes)
+    chosen = independent(point, changing.tolist())
+    outputs, out_inputs = point.total("output", "state"), point.total("output", "parameter")[:, first:]
+    moved, put = np.abs(chosen.motions), np.abs(chosen.inputs)
+    a = rounded(rates @ chosen.motions, sizes @ moved)[chosen.indices]
+    b = rounded(rates @ chosen.inputs + by_inputs, sizes @ put + size_inputs)[chosen.indices]
+    late = np.abs(point.partial("output", "acceleration"))
+    of_state = np.abs(point.partial("output", "state")) + late @ _motion_sizes(point, "state")
+    of_inputs = np.abs(point.partial("output", "parameter")) + late @ _motion_sizes(point, "parameter")
+    c = rounded(outputs @ chosen.motions, of_state @ moved)
+    d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
+    if not all(np.isfinite(table).all() for table in (a, b, c, d)):
+        raise ArithmeticError("the derivatives have no finite value there")
+    moving = changing[chosen.indices].tolist()
+    scales = _scales(point, chosen.indices, a)
+    return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
+                  _differs(point, False), not _differs(point, True))  # fmt: skip
+
+
+def _changing(point: Point, rates: Array, sizes: Array) -> Array:
+    """Which entries of x change in the motion, now or by their second derivative."""
+    far = np.maximum(np.abs(point.x), size_of_states(point.system))
+    once = np.array([*point.value("qdot"), *point.a])
+    once[(np.abs(once) <= STILL * (sizes @ far)) | point.rounding_rates()] = 0.0
+    twice = rates @ once + point.total("rate", "time")[:, 0]
+    terms = sizes @ np.abs(once) + _sizes(point, "time")[:, 0]
+    changes: Array = (once != 0.0) | (np.abs(twice) > STILL * terms)
+    return changes
+
+
+def _differs(point: Point, elsewhere: bool) -> bool:
+    """Whether derivatives of the equations by the state, a or lam are others at other times or, `elsewhere`,
+    states too."""
+    system, chance = point.system, random.Random(0)
+    outputs = system.interface.stack["start"].start
+    for _ in range(3):
+        t = point.t + chance.uniform(0.1, 1.0)
+        x, a, lam = point.x, point.a, point.lam
+        if elsewhere:
+            x, a, lam = ([value + chance.uniform(0.1, 1.0) for value in values] for values in (x, a, lam))
+        for group in ("state", "acceleration"):
+            found, pattern = system.derivatives(group, point.t, point.x, point.a, point.lam)
+            rows = [k for k, (row, _) in enumerate(pattern) if row < outputs]
+            here = np.array(found)[rows]
+            there = np.array(system.derivatives(group, t, x, a, lam)[0])[rows]
+            if not (np.abs(there - here) <= ROUNDING * np.maximum(np.abs(here), np.abs(there))).all():
+                return True
+    return False
+
+
+def _scales(point: Point, indices: Sequence[int], a: Array) -> Array:
+    """Sizes of coordinates, and of speeds what changes these by as much in the time in which both act
+    alike on each other."""
+    nq, sizes = point.system.nq, size_of_states(point.system)
+    reach = np.abs(point.partial("qdot", "state")[:, nq:]) / sizes[:nq, None]
+    sizes[nq:] = 1.0 / np.where(reach.any(axis=0), reach.max(axis=0, initial=0.0), 1.0)
+    found = sizes[list(indices)]
+    scaled, q = a * found / found[:, None], np.array(indices) < nq
+    there, back, own = (np.linalg.norm(scaled[np.ix_(i, j)]) for i, j in ((q, ~q), (~q, q), (~q, ~q)))
+    pace = np.sqrt(back / there) if there and back else own
+    found[~q] *= pace or 1.0
+    return found
+
+
+def size_of_states(system: NumpySystem) -> Array:
+    """What is not small for each coordinate and speed: 1 rad, 1 for what has no unit, else the largest
+    parameter or start value of the unit, else 1."""
+    interface = system.interface
+    known: dict[str, float] = {}
+    units = [*interface.q_units, *interface.v_units]
+    fields = (*interface.parameters, *interface.inputs)
+    for unit, value in [*zip((f.unit for f in fields), system.parameters), *zip(units, system.start())]:
+        if abs(value) < float("inf"):
+            known[unit] = max(known.get(unit, 0.0), abs(value))
+    return np.array([1.0 if unit in ("rad", "") else known.get(unit) or 1.0 for unit in units])
+
+
+def _sizes(point: Point, group: str) -> Array:
+    """What the terms of d(rate)/d(group) add up to."""
+    return np.vstack([np.abs(point.partial("qdot", group)), _motion_sizes(point, group)[: point.system.nv]])
+
+
+def _motion_sizes(point: Point, group: str) -> Array:
+    parts = [np.abs(point.partial(part, group)) for part in ("inertia", "force", "row")]
+    found: Array = np.abs(point.inverse) @ np.vstack([parts[0] + parts[1], parts[2]])
+    return found

@@ -1,0 +1,95 @@
+"""A linear model as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from lagc.run.linearize import damping, frequency
+
+if TYPE_CHECKING:
+    from lagc.run.linearize import Linear
+
+FEW = 6  # states whose matrices are shown without being asked for
+MOST = 12  # values that are shown without --verbose
+PARTS = 4  # of a mode, the largest
+SMALL = 1e-3  # of its largest: parts of a mode that are not shown
+
+
+def heading(linear: Linear) -> str:
+    """What it is about, and what its eigenvalues say."""
+    at, interface = f"t = {linear.t:g} s", linear.system.interface
+    if linear.still:
+        of_time = interface.timed or interface.driven
+        kind = "an equilibrium" + (f" at {at}" if of_time else "")
+        if linear.free:
+            kind += f", one of many: it seems free in {linear.free} direction{'s' if linear.free > 1 else ''}"
+    elif linear.steady:
+        kind = "what seems a steady motion"
+    else:
+        kind = f"the motion at {at}"
+    verdict = linear.stability or "eigenvalues are those of this moment"
+    idle = f"; {', '.join(linear.idle)} act on nothing else" if linear.idle else ""
+    return f"{kind}; {verdict}{idle}"
+
+
+def text(linear: Linear, verbose: bool = False) -> str:
+    """The state, matrices where they are small or it is `verbose`, eigenvalues with their modes."""
+    interface = linear.system.interface
+    names, units = (*interface.q_names, *interface.v_names), (*interface.q_units, *interface.v_units)
+    n = len(names) if verbose or len(names) <= MOST else MOST
+    width = max((len(name) for name in names[:n]), default=0)
+    lines = [f"  {names[k]:{width}} = {_value(linear.x[k], units[k])}" for k in range(n)]
+    if n < len(names):
+        lines.append(f"  and {len(names) - n} more: --json or -v shows them")
+    lines.append(f"  states  {', '.join(linear.states) or 'none: the constraints leave no motion'}")
+    for label, of in (("inputs", linear.inputs), ("outputs", linear.outputs)):
+        lines += [f"  {label:7} {', '.join(of)}"] if of else []
+    if verbose or len(linear.states) <= FEW:
+        for name, table in (("A", linear.A), ("B", linear.B), ("C", linear.C), ("D", linear.D)):
+            lines += _matrix(name, table.tolist()) if table.size else []
+    if len(linear.states):
+        lines.append(f"  {'eigenvalue [1/s]':>28}  {'frequency [Hz]':>14}  {'damping':>9}  mode")
+    values, modes = linear.eigenvalues.tolist(), linear.modes.T.tolist()
+    zeros = [k for k, value in enumerate(values) if value == 0.0]
+    for k, (value, mode) in enumerate(zip(values, modes)):
+        if value.imag < 0.0 or (k in zeros[1:] and not verbose):
+            continue  # of a pair the first stands for both, of zeros without -v for all
+        parts = f"{len(zeros)} of them" if k in zeros and not verbose else _parts(mode, names, interface.nq)
+        rate, ratio = frequency(value), damping(value)
+        lines.append(
+            f"  {_complex(value):>28}  {f'{rate:.8g}' if rate else '':>14}  "
+            f"{'' if ratio is None else f'{ratio + 0.0:.6g}':>9}  {parts}".rstrip()
+        )
+    return "\n".join(lines)
+
+
+def _parts(mode: Sequence[complex], names: Sequence[str], nq: int) -> str:
+    """The coordinates that move most, with their phases; speeds where none moves."""
+    moving = range(nq) if any(abs(part) > SMALL for part in mode[:nq]) else range(len(mode))
+    order = sorted(moving, key=lambda k: -abs(mode[k]))
+    shown = [k for k in order if abs(mode[k]) > SMALL * abs(mode[order[0]])][:PARTS]
+    return ", ".join([f"{names[k]} {_part(mode[k])}" for k in sorted(shown)])
+
+
+def _part(value: complex) -> str:
+    if abs(value.imag) <= SMALL * abs(value):
+        return f"{value.real:.4g}"
+    real = f"{value.real:.4g}" if abs(value.real) > SMALL * abs(value) else ""
+    return f"{real}{value.imag:{'+' if real else ''}.4g}i"
+
+
+def _complex(value: complex) -> str:
+    return f"{value.real + 0.0:.9g}" + (f" +- {abs(value.imag):.9g}i" if value.imag else "")
+
+
+def _value(value: float, unit: str) -> str:
+    return f"{value + 0.0:.9g}" + (f" {unit}" if unit else "")
+
+
+def _matrix(name: str, table: Sequence[Sequence[float]]) -> list[str]:
+    cells = [[f"{value + 0.0:.6g}" for value in row] for row in table]
+    width = max(len(cell) for row in cells for cell in row)
+    lead = f"  {name} = "
+    rows = ["  ".join(f"{cell:>{width}}" for cell in row) for row in cells]
+    return [(lead if k == 0 else " " * len(lead)) + row for k, row in enumerate(rows)]

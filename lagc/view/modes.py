@@ -1,0 +1,54 @@
+"""Pictures of modes: what moves, by how much and in which phase."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from lagc.printable import printable
+from lagc.run.linearize import damping, frequency
+from lagc.view.plot import COLORS, save, styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from lagc.run.linearize import Linear
+
+MOST = 12  # modes of a picture
+STILL = 1e-9  # of the largest: what a mode leaves where it is
+
+
+def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
+    """A panel a mode, of a pair one: for each coordinate a bar as high as it moves (SI) beside the largest,
+    in phase with it upwards, against it downwards; what is a quarter ahead is hollow.  Modes of the
+    eigenvalue 0 are left out.  Into the file `path` where one is given; raises as `lagc.view.plot.plot`."""
+    interface = linear.system.interface
+    names, nq = interface.q_names, interface.nq
+    shown = [k for k, value in enumerate(linear.eigenvalues) if value and value.imag >= 0.0][:MOST]
+    with styled():
+        from matplotlib.figure import Figure
+
+        figure = Figure(layout="constrained")
+        figure.set_size_inches(8.0, 1.0 + 1.6 * max(1, len(shown)))
+        figure.suptitle(printable(title), fontsize=9, x=0.01, ha="left")
+        axes = figure.subplots(max(1, len(shown)), 1, sharex=True, squeeze=False)[:, 0]
+        for axis, k in zip(axes, shown):
+            value, mode = complex(linear.eigenvalues[k]), linear.modes[:nq, k]
+            places = range(nq)
+            axis.axhline(0.0, color="#7f7f7f", linewidth=0.8)
+            axis.bar([i - 0.2 for i in places], mode.real, width=0.4, color=COLORS[0])
+            if abs(mode.imag).max(initial=0.0) > STILL:
+                axis.bar([i + 0.2 for i in places], mode.imag, width=0.4, fill=False, edgecolor=COLORS[1])
+            axis.set_ylim(-1.15, 1.15)
+            axis.set_title(_caption(value), fontsize=8, loc="left")
+        labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
+        axes[-1].set_xticks(range(nq), [printable(label) for label in labels], rotation=45 if nq > 6 else 0)
+    if path is not None:
+        save(figure, path)
+    return figure
+
+
+def _caption(value: complex) -> str:
+    ratio = damping(value)
+    if value.imag:
+        return f"{frequency(value):.5g} Hz, damping {ratio:.4g}"
+    return f"{'grows' if value.real > 0.0 else 'decays'} with {abs(value.real):.5g}/s"

@@ -1,0 +1,112 @@
+"""`lagc linearize`: what it prints, writes and draws."""
+
+from __future__ import annotations
+
+import json
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lagc.cli.main import main
+
+Capture = pytest.CaptureFixture[str]
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+
+def test_equilibria_are_told_with_their_modes(capsys: Capture) -> None:
+    assert main(["linearize", "simple_pendulum", "--scene", "vacuum", "--equilibrium"]) == 0
+    shown = capsys.readouterr().out
+    assert (
+        "1 of 2 found: an equilibrium; neutral" in shown and "2 of 2 found: an equilibrium; unstable" in shown
+    )
+    frequency = sqrt(9.81 / 0.5) / (2 * pi)
+    assert f"0 +- 4.42944692i      {frequency:.8g}" in shown and "theta 1" in shown
+
+
+def test_the_start_is_that_of_a_run(capsys: Capture) -> None:
+    words = ["linearize", "simple_pendulum", "--scene", "vacuum", "--start", "theta=0", "-p", "l=1", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    (linear,) = found["linear"]
+    assert found["status"] == "ok" and linear["equilibrium"] and linear["states"] == ["theta", "der(theta)"]
+    assert linear["A"] == [[0.0, 1.0], [pytest.approx(-9.81), 0.0]]
+    pair = linear["eigenvalues"]
+    assert [value["imag"] for value in pair] == pytest.approx([sqrt(9.81), -sqrt(9.81)])
+    assert pair[0]["frequency"] == pytest.approx(sqrt(9.81) / (2 * pi)) and pair[0]["damping"] == 0.0
+    assert pair[0]["mode"]["theta"] == [1.0, 0.0] and list(linear["x"]) == linear["states"]
+
+
+def test_about_a_motion(capsys: Capture) -> None:
+    """The pendulum at 60 degrees falls: g/l cos theta all along its way."""
+    assert main(["linearize", "simple_pendulum", "--scene", "vacuum", "--at", "300[ms]", "--json"]) == 0
+    (linear,) = json.loads(capsys.readouterr().out)["linear"]
+    assert linear["t"] == 0.3 and linear["momentary"] and linear["stability"] is None
+    x = linear["x"]
+    energy = 0.5 * x["der(theta)"] ** 2 * 0.25 - 9.81 * 0.5 * np.cos(x["theta"])
+    assert energy == pytest.approx(-9.81 * 0.25, rel=1e-7)
+    assert linear["A"][1][0] == pytest.approx(-9.81 / 0.5 * np.cos(x["theta"]))
+
+
+def test_matrices_are_written(tmp_path: Path, capsys: Capture) -> None:
+    words = ["linearize", "classic/driven_oscillator", "-q"]
+    assert (
+        main([*words, "-o", str(tmp_path / "a.npz")]) == main([*words, "-o", str(tmp_path / "a.json")]) == 0
+    )
+    arrays = np.load(tmp_path / "a.npz")
+    written = json.loads((tmp_path / "a.json").read_text())["linear"][0]
+    assert arrays["A"].tolist() == written["A"] == [[0.0, 1.0], [-4.0, -0.2]]
+    assert arrays["B"].tolist() == [[0.0], [1.0]] and arrays["inputs"].tolist() == ["u"]
+    assert arrays["eigenvalues"] == pytest.approx(np.roots([1.0, 0.2, 4.0]))
+
+
+@pytest.mark.parametrize("model", ["simple_pendulum", "classic/chain", "classic/spring_chain"])
+def test_modes_are_drawn(model: str, tmp_path: Path, capsys: Capture) -> None:
+    pytest.importorskip("matplotlib")
+    path = tmp_path / "modes.svg"
+    assert main(["linearize", model, "--equilibrium", "--plot", str(path)]) == 0
+    first = path.read_bytes()
+    assert b"<svg" in first
+    assert main(["linearize", model, "--equilibrium", "--plot", str(path)]) == 0
+    assert path.read_bytes() == first
+
+
+def test_where_there_is_none_it_says_so(capsys: Capture) -> None:
+    assert main(["linearize", "classic/kepler", "--equilibrium"]) == 3
+    assert "LAG0621" in capsys.readouterr().err
+    assert main(["linearize", "classic/kepler", "--equilibrium", "--json"]) == 3
+    assert json.loads(capsys.readouterr().out)["status"] == "failed"
+
+
+SINGULAR = """
+model Root
+  coordinate Length x(start = 1 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  force f = -sqrt((x - 1 [m])/(1 [m]))*1 [N]*world.x at b;
+end Root;
+"""
+
+
+def test_a_slope_without_a_value_is_told(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "root.lag"
+    path.write_text(SINGULAR)
+    assert main(["linearize", str(path)]) == 3
+    assert "no finite value" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--at", "x"], ["--at", "1", "--equilibrium"], ["-o", "a.txt"], ["-o", "/no/such/a.json"],
+     ["--start", "z=1"], ["-p", "z=1"], ["--plot", "a.txt"]],
+)  # fmt: skip
+def test_nonsense_is_wrong_usage(words: list[str], capsys: Capture) -> None:
+    assert main(["linearize", "simple_pendulum", *words]) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_drag_by_the_square_of_the_speed_has_a_slope_at_rest(capsys: Capture) -> None:
+    """norm(v) v has the derivative 0 there, though that of norm has none."""
+    assert main(["linearize", "simple_pendulum", "--scene", "room", "--equilibrium", "--json"]) == 0
+    down = json.loads(capsys.readouterr().out)["linear"][0]
+    assert down["A"] == [[0.0, 1.0], [pytest.approx(-9.81 / 0.5), 0.0]]

@@ -1,0 +1,261 @@
+"""Equilibria, modes and linear models of models whose closed forms are known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from math import acos, cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import lagc
+from lagc.run.linearize import Linear
+
+G = 9.81
+CLOSE = 1e-10  # relative: eigenvalues of small matrices, of equilibria that Newton's method found
+
+
+@cache
+def model_of(name: str, scene: str | None = None) -> lagc.CompiledModel:
+    return lagc.load(name).compile(scene, backend="numpy")
+
+
+def found(name: str, scene: str | None = None, **parameters: float) -> list[Linear]:
+    return model_of(name, scene).equilibria(parameters=parameters)
+
+
+def at(linear: Linear) -> dict[str, float]:
+    interface = linear.system.interface
+    return dict(zip((*interface.q_names, *interface.v_names), linear.x))
+
+
+def assert_spectrum(linear: Linear, expected: Sequence[complex]) -> None:
+    """The same eigenvalues, with their multiplicities, in any order."""
+    values, size = list(linear.eigenvalues), max(map(abs, expected), default=0.0)
+    assert len(values) == len(expected)
+    for value in expected:
+        nearest = min(values, key=lambda other: abs(other - value))
+        assert abs(nearest - value) <= CLOSE * size, (value, linear.eigenvalues)
+        values.remove(nearest)
+
+
+def pairs(*squares: float) -> list[complex]:
+    """The eigenvalues +-sqrt(s) of y'' = s y."""
+    return [sign * root for s in squares for root in [complex(s) ** 0.5] for sign in (1, -1)]
+
+
+def test_a_pendulum_hangs_or_stands() -> None:
+    down, up = found("course/simple_pendulum", "vacuum", l=0.7)
+    assert at(down)["theta"] == 0.0 and at(up)["theta"] == pytest.approx(pi)
+    assert_spectrum(down, pairs(-G / 0.7))
+    assert_spectrum(up, pairs(G / 0.7))
+    assert down.stability and down.stability.startswith("neutral") and up.stability == "unstable"
+
+
+def test_on_a_string_it_does_the_same_and_the_string_pulls_or_pushes() -> None:
+    down, up = found("course/string_pendulum")
+    for linear, sign in ((down, 1.0), (up, -1.0)):
+        assert linear.states == ("x", "der(x)")
+        assert at(linear)["z"] == pytest.approx(-0.5 * sign) and at(linear)["x"] == 0.0
+        assert linear.lam == pytest.approx([-sign * G])  # m g along the gradient of norm(position) = l
+        assert_spectrum(linear, pairs(-sign * G / 0.5))
+        assert linear.C[linear.outputs.index("tension")].tolist() == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_a_pendulum_on_a_cart_is_free_to_be_anywhere() -> None:
+    up, down = found("classic/cart_pendulum", "falling", M=2.0, m=0.5, l=0.3)
+    for linear, sign in ((up, 1.0), (down, -1.0)):
+        assert linear.free == 1 and linear.idle == ("x", "der(x)")
+        assert_spectrum(linear, [0.0, 0.0, *pairs(sign * 2.5 * G / (2.0 * 0.3))])
+
+
+def test_two_pendulums_have_four_equilibria() -> None:
+    """M y'' = -K y with K of the postures: (m1 + m2) g l cos theta1, m2 g l cos theta2; equal masses."""
+    linears = found("classic/double_pendulum", "small")
+    assert [linear.stability == "unstable" for linear in linears] == [False, True, True, True]
+    assert len(linears) == 4
+    for linear in linears:
+        c1, c2 = cos(at(linear)["theta1"]), cos(at(linear)["theta2"])
+        mass = np.array([[2.0, c1 * c2], [c1 * c2, 1.0]])
+        squares = np.linalg.eigvals(-np.linalg.inv(mass) @ np.diag([2.0 * G * c1, G * c2]))
+        assert_spectrum(linear, pairs(*squares))
+    assert_spectrum(linears[0], pairs(-(2 - sqrt(2)) * G, -(2 + sqrt(2)) * G))
+
+
+def test_a_well_with_two_minima() -> None:
+    linears = found("classic/double_well", "free", a=3.0, b=0.5, m=2.0)
+    assert [at(linear)["x"] for linear in linears] == pytest.approx([0.0, -sqrt(6.0), sqrt(6.0)])
+    for linear, square in zip(linears, (1.5, -3.0, -3.0)):
+        assert_spectrum(linear, pairs(square))
+
+
+def test_a_bead_on_a_turning_hoop_stays_out_or_below() -> None:
+    fast, slow = 6.0, 2.0
+    below, out, top, other = _by_angle(found("classic/bead_on_hoop_angle", "fast", w=fast))
+    tilted = acos(G / fast**2)
+    assert [at(e)["theta"] for e in (below, out, other)] == pytest.approx([0.0, tilted, -tilted])
+    assert_spectrum(below, pairs(fast**2 - G))
+    assert_spectrum(out, pairs(-((fast * sin(tilted)) ** 2)))
+    assert_spectrum(other, pairs(-((fast * sin(tilted)) ** 2)))
+    assert_spectrum(top, pairs(fast**2 + G))
+    below, top = found("classic/bead_on_hoop_angle", "fast", w=slow)
+    assert_spectrum(below, pairs(slow**2 - G))
+
+
+def _by_angle(linears: list[Linear]) -> tuple[Linear, Linear, Linear, Linear]:
+    """Below, out, on the top, out on the other side."""
+    one, two, three, four = sorted(linears, key=lambda e: e.x[0] % (2 * pi))
+    return one, two, three, four
+
+
+def test_an_elastic_pendulum_swings_and_bounces() -> None:
+    down = found("classic/elastic_pendulum", "lab", k=50.0, m=2.0)[0]
+    stretched = 2.0 * G / 50.0
+    assert at(down)["s"] == pytest.approx(stretched) and at(down)["theta"] == 0.0
+    assert_spectrum(down, pairs(-G / (1.0 + stretched), -25.0))
+
+
+def test_trojans_go_around_the_triangular_points() -> None:
+    """l^4 + l^2 + 27/4 mu (1 - mu) = 0 (w = 1); the collinear points are unstable."""
+    mu = 9.537e-4
+    linears = found("classic/lagrange_points", "tadpole")
+    triangular = [e for e in linears if abs(at(e)["y"]) > 0.5]
+    assert sorted(at(e)["y"] for e in triangular) == pytest.approx([-sqrt(0.75), sqrt(0.75)])
+    for linear in triangular:
+        assert at(linear)["x"] == pytest.approx(0.5 - mu)
+        root = sqrt(1.0 - 27.0 * mu * (1.0 - mu))
+        assert_spectrum(linear, pairs((-1.0 + root) / 2.0, (-1.0 - root) / 2.0))
+    assert all(linear.stability == "unstable" for linear in linears if linear not in triangular)
+
+
+def test_a_chain_of_springs() -> None:
+    linear = found("classic/spring_chain", "lab", k=3.0, m=0.2)[0]
+    assert linear.x == [0.0] * 16
+    squares = [-4.0 * 3.0 / 0.2 * sin(j * pi / 18.0) ** 2 for j in range(1, 9)]
+    assert_spectrum(linear, pairs(*squares))
+    slowest = linear.modes[:8, list(np.abs(linear.eigenvalues)).index(min(np.abs(linear.eigenvalues)))]
+    assert slowest == pytest.approx([sin(i * pi / 9.0) / sin(4 * pi / 9.0) for i in range(1, 9)], abs=1e-9)
+
+
+def test_two_oscillators_with_dampers() -> None:
+    (linear,) = found("classic/coupled_oscillators", "damped", b=0.3)
+    roots = [np.roots([1.0, 0.3, k]) for k in (10.0, 12.0)]
+    assert_spectrum(linear, [complex(z) for pair in roots for z in pair])
+    assert linear.stability == "asymptotically stable"
+
+
+def test_a_spring_that_bounces_and_twists() -> None:
+    (linear,) = found("classic/wilberforce_pendulum", "lab")
+    m, inertia, w, e = 0.4905, 1.39e-4, 2.314, 9.27e-3
+    split = e / (2.0 * sqrt(m * inertia))
+    assert_spectrum(linear, pairs(-(w**2) - split, -(w**2) + split))
+
+
+def test_a_governor_with_a_drive() -> None:
+    """The steady motion phi' = w - T/c, here with no torque left: theta decoupled but for Coriolis."""
+    m, mass, length, inertia, w, c, d = 1.0, 2.0, 0.2, 0.05, 14.0, 5.0, 0.3
+    theta = acos((m + mass) * G / (m * length * w**2))
+    model = model_of("classic/watt_governor", "driven")
+    linear = model.linearize(0.0, [theta, 0.0, 0.0, w])
+    assert linear.steady and not linear.still and linear.idle == ("phi",)
+    a = 2.0 * m * length**2 + 4.0 * mass * length**2 * sin(theta) ** 2
+    b = 2.0 * m * length**2 * sin(theta) ** 2 + inertia
+    slope = 2.0 * m * length**2 * cos(2 * theta) * w**2 - 2.0 * (m + mass) * G * length * cos(theta)
+    coupling = 4.0 * m * length**2 * sin(theta) * cos(theta) * w
+    matrix = np.array([[0, 1, 0], [slope / a, -d / a, coupling / a], [0, -coupling / b, -c / b]])
+    assert_spectrum(linear, [0.0, *np.linalg.eigvals(matrix)])
+
+
+def test_a_conical_pendulum() -> None:
+    """Nutation about the cone: square phi'^2 (1 + 3 cos^2 theta)."""
+    theta = 1.1
+    turning = sqrt(G / cos(theta))
+    model = model_of("classic/spherical_pendulum_angles", "lab")
+    linear = model.linearize(0.0, [theta, 0.4, 0.0, turning])
+    assert linear.steady and linear.idle == ("phi",)
+    assert_spectrum(linear, [0.0, 0.0, *pairs(-(turning**2) * (1.0 + 3.0 * cos(theta) ** 2))])
+
+
+def test_a_disc_that_rolls_upright_leans_and_turns() -> None:
+    """Square of the wobble 12/5 spin^2 - 4/5 g/r: stable faster than sqrt(g r/3) (Routh)."""
+    r = 0.26
+    model = model_of("classic/rolling_disc", "table")
+    for spin in (1.0, 3.0, 8.0):
+        x = [0.0, 0.0, r, 0.3, 0.0, 0.0, r * spin * cos(0.3), r * spin * sin(0.3), 0.0, 0.0, 0.0, spin]
+        linear = model.linearize(0.0, x)
+        assert linear.steady and linear.states[-1] in ("der(spin)", "der(lean)", "der(yaw)")
+        square = -(12.0 / 5.0 * spin**2 - 4.0 / 5.0 * G / r)
+        assert_spectrum(linear, [*([0.0] * (len(linear.states) - 2)), *pairs(square)])
+
+
+def test_a_sleigh_runs_straight_with_its_weight_ahead() -> None:
+    """theta' decays with m a v/(I + m a^2); backwards it grows so."""
+    model = model_of("classic/chaplygin_sleigh", "ice")
+    for speed in (0.5, -0.5):
+        linear = model.linearize(0.0, [0.0, 0.0, 0.0, speed, 0.0, 0.0])
+        rate = -0.2 * speed / (0.1 + 0.2**2)
+        assert linear.steady
+        assert_spectrum(linear, [0.0] * (len(linear.states) - 1) + [rate])
+
+
+def test_a_ball_on_a_turntable_goes_in_circles() -> None:
+    """At 2/7 of the turntable's rate, about any point (S. Earnshaw)."""
+    linear = found("classic/sphere_on_turntable", "table")[0]
+    omega = dict(zip([f.name for f in linear.system.interface.parameters], linear.system.parameters))
+    turning = 2.0 / 7.0 * next(value for name, value in omega.items() if name.lower() == "omega")
+    values = [value for value in linear.eigenvalues if value]
+    assert sorted(value.imag for value in values) == pytest.approx([-turning, turning])
+    assert all(value.real == 0.0 for value in values)
+
+
+SERVO = """
+model Servo "a mass between a spring and what is driven by hand"
+  parameter Mass m = 2 [kg], M = 3 [kg];
+  parameter Stiffness k = 5 [N/m];
+  parameter Damping c = 0.4 [N.s/m];
+  input Force u;
+  input Force w;
+  coordinate Length x, y;
+  body a = Particle(mass = m, at = {x, 0, 0});
+  body b = Particle(mass = M, at = {y, 0, 0});
+  potential spring = 1/2*k*x^2;
+  dissipation damper = 1/2*c*der(x)^2;
+  force push = u*world.x at a;
+  force pull = w*world.x at b;
+  constraint rod: y = x + 1 [m];
+  output Acceleration ax = der(der(x));
+  output Force inside = reaction(rod);
+  output Length gap = y - x;
+end Servo;
+"""
+
+
+def test_inputs_and_outputs_with_a_constraint() -> None:
+    linear = lagc.loads(SERVO).compile(backend="numpy").linearize()
+    m, mass, k, c = 2.0, 3.0, 5.0, 0.4
+    assert linear.states == ("x", "der(x)") and linear.inputs == ("u", "w")
+    total = m + mass
+    assert linear.A.tolist() == [[0.0, 1.0], pytest.approx([-k / total, -c / total])]
+    assert linear.B.tolist() == [[0.0, 0.0], pytest.approx([1.0 / total, 1.0 / total])]
+    # M y'' = w + lam, the residual being y - x - 1
+    ax, inside, gap = linear.C.tolist()
+    assert ax == pytest.approx([-k / total, -c / total])
+    assert inside == pytest.approx([-mass * k / total, -mass * c / total])
+    assert gap == [0.0, 0.0]
+    assert linear.D.tolist() == [
+        pytest.approx([1.0 / total, 1.0 / total]),
+        pytest.approx([mass / total, mass / total - 1.0]),
+        [0.0, 0.0],
+    ]
+
+
+def test_what_changes_with_time_is_of_the_moment() -> None:
+    linear = found("classic/kapitza_pendulum", "shaken")[0]
+    assert linear.momentary and linear.stability is None
+    driven = model_of("classic/driven_oscillator", "resonance").linearize(0.3)
+    assert driven.linear and not driven.still and driven.stability == "asymptotically stable"
+
+
+def test_no_equilibrium() -> None:
+    assert found("classic/kepler") == []

@@ -1,0 +1,79 @@
+"""Linear models of the whole library against differences of its right-hand sides along the constraints."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lagc.run.linearize import Linear
+from lagc.run.problem import FAILED
+from tests.physics.library import compiled, fullest
+
+STEP = 1e-4
+CLOSE = 1e-6  # of the sums of terms: fourth-order differences leave 1e-12, their rounding 1e-12
+
+
+def projected(linear: Linear, x: Any) -> Any:
+    """x moved onto the constraints, with the independent entries where they are."""
+    system, interface = linear.system, linear.system.interface
+    dependent = [i for i in range(len(x)) if i not in linear.indices]
+    n = interface.nh + interface.nc
+    for _ in range(6):
+        c, slopes, _ = system.conditions(linear.t, x.tolist()) if interface.condition_ends else ([], [], [])
+        table = np.zeros((n + len(interface.quaternions), len(x)))
+        for row in range(n):
+            for place in interface.condition_entries(row):
+                table[row, interface.condition_columns[place]] = slopes[place]
+        residual = [*c[:n], *(0.5 * (x[k : k + 4] @ x[k : k + 4] - 1.0) for k in interface.quaternions)]
+        for row, k in enumerate(interface.quaternions):
+            table[n + row, k : k + 4] = x[k : k + 4]
+        x[dependent] -= np.linalg.lstsq(table[:, dependent], np.array(residual), rcond=1e-11)[0]
+    return x
+
+
+def rates(linear: Linear, y: Any) -> tuple[Any, Any]:
+    """dy/dt and outputs where the independent entries are those of x and y."""
+    system = linear.system
+    x = np.array(linear.x) + linear.motions @ y
+    x = projected(linear, x)
+    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+    assert system.rhs(linear.t, x.tolist(), xdot, lam) not in FAILED
+    return np.array(xdot)[linear.indices], np.array(system.outputs(linear.t, x.tolist()))
+
+
+@pytest.mark.parametrize("name, scene", fullest())
+def test_a_linear_model_is_that_of_differences(name: str, scene: str) -> None:
+    model = compiled(name, scene, "numpy")
+    if model.interface.nv + model.interface.nc > 30:
+        pytest.skip("a large one of the same kind")
+    linear = model.linearize()
+    chance = random.Random(name)
+    for _ in range(2):
+        way = linear.scales * [chance.uniform(-1.0, 1.0) for _ in linear.states]
+        around = [rates(linear, k * STEP * way) for k in (-2, -1, 1, 2)]
+        for part, table in enumerate((linear.A, linear.C)):
+            one, two, three, four = (side[part] for side in around)
+            expected = (one - four + 8.0 * (three - two)) / (12.0 * STEP)
+            terms = np.abs(table) @ np.abs(way) + np.abs(three) * 1e-6
+            far = np.abs(table @ way - expected)
+            assert (far <= CLOSE * np.maximum(terms, far_size(terms, linear, part))).all(), (far, terms)
+
+
+def far_size(terms: Any, linear: Linear, part: int) -> Any:
+    """Entries that cancel are judged beside the others, in the units of the states."""
+    if part == 1 or not len(terms):
+        return terms + 1e-3 * max(terms, default=0.0)
+    return linear.scales * max(terms / linear.scales)
+
+
+def test_differences_see_a_wrong_entry() -> None:
+    linear = compiled("classic/four_bar", "flat", "numpy").linearize()
+    way = linear.scales * np.ones(2)
+    one, two, three, four = (rates(linear, k * STEP * way)[0] for k in (-2, -1, 1, 2))
+    expected = (one - four + 8.0 * (three - two)) / (12.0 * STEP)
+    wrong: Sequence[Sequence[float]] = linear.A * [[1.0, 1.0], [1.001, 1.0]]
+    assert np.abs(linear.A @ way - expected).max() < 1e-9 < np.abs(wrong @ way - expected).max()
