@@ -88,9 +88,10 @@ class Point:
                 np.array(system.derivatives(group, t, [v + side for v in x], a, lam)[0])
                 for side in (TINY, -TINY)
             )
-            size = max(np.abs(entries[np.isfinite(entries)]), default=1.0)
+            size = float(max(np.abs(entries[np.isfinite(entries)]), default=1.0))
             alike = np.abs(one - two) <= ROUNDING * (np.abs(one) + size)
-            entries = np.where(np.isfinite(entries) | ~alike, entries, (one + two) / 2.0)
+            both = rounded((one + two) / 2.0, size)
+            entries = np.where(np.isfinite(entries) | ~alike, entries, both)
         return entries
 
     def rounding_rates(self) -> Array:
@@ -189,6 +190,6 @@ class Point:
         return found
 
 
-def rounded(found: Array, terms: Array) -> Array:
+def rounded(found: Array, terms: Array | float) -> Array:
     """`found` with 0 for what is rounding of its terms."""
     return np.where(np.abs(found) <= ROUNDING * terms, 0.0, found)
