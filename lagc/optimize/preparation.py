@@ -89,6 +89,7 @@ class _Separation:
         self.uses = uses(function)
         self.kept: dict[int, int] = {}  # references in the shared block
         self.moving: dict[int, int] = {}  # and in this function's own
+        self.entries: dict[int, int] = {}  # values of the shared block in this function's own
         self.products: dict[int, tuple[int, int]] = {}  # coefficient (shared) and rest (own) of a product
 
     def run(self) -> Function:
@@ -145,7 +146,11 @@ class _Separation:
         """What the shared block has at `a`, loaded where it costs an operation on parameters."""
         if a < 0:
             return ~self._entry(~a)
-        op, operands, payload = self.shared.row(a)
-        if op == "load" or self.preparation.is_number(a):
-            return self.block.again(Operation(op, (), payload), [self._entry(i) for i in operands])
-        return self.block.load(PREPARED, a)
+        if a not in self.entries:
+            op, operands, payload = self.shared.row(a)
+            if op == "load" or self.preparation.is_number(a):
+                again = Operation(op, (), payload)
+                self.entries[a] = self.block.again(again, [self._entry(i) for i in operands])
+            else:
+                self.entries[a] = self.block.load(PREPARED, a)
+        return self.entries[a]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +22,7 @@ from lagc.optimize.block import Block
 from lagc.optimize.coefficients import Coefficients
 from lagc.optimize.lower import Lowering
 from lagc.optimize.preparation import Preparation
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, Operation
 from lagc.optimize.symbols import Places, lower
 from tests.optimize.interpret import interpret
 from tests.optimize.test_lower import compare, random_nodes
@@ -157,3 +158,26 @@ def test_constant_accelerations_cost_nothing(name: str) -> None:
     """Masses and slopes alone decide them: mass matrix, its factors and the solution are prepared."""
     program = lagc.load(name).compile(backend="numpy").program
     assert program.functions["rhs"].cost == 0 < program.interface.preparation
+
+
+def test_numbers_that_are_made_of_numbers_are_made_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The elimination of a mass matrix of numbers is a chain of them, each made of several before."""
+    made, again = [0], Block.again
+
+    def counted(self: Block, o: Operation, operands: Sequence[int]) -> int:
+        made[0] += 1
+        assert made[0] < 100_000
+        return again(self, o, operands)
+
+    monkeypatch.setattr(Block, "again", counted)
+    model = """model Rail
+      structural Integer n = 16;
+      coordinate Length x[n];
+      point P[0] = {0, 0, 0};
+      for i in 1:n loop
+        point P[i] = P[i-1] + {x[i], 0, 0};
+        body b[i] = Particle(mass = 1, at = P[i]);
+        force f[i] = {-1[N/m]*x[i], 0, 0} at b[i];
+      end for;
+    end Rail;"""
+    assert lagc.loads(model).compile().program.interface.nv == 16
