@@ -14,7 +14,7 @@ from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
 from lagc.records import replace
 
-STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
+STRAIGHT = 1800  # operations and stores; more are in the order in which they were made, see `rolling`
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
@@ -220,12 +220,19 @@ def _schedule(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:
 def ordered(function: Function) -> Function:
     """The same with each operation close before its first use."""
     rows = [(o.op, o.operands, o.payload) for o in function.operations]
-    order = _schedule(rows, [s.value for s in function.stores])
+    return reordered(function, _schedule(rows, [s.value for s in function.stores]))
+
+
+def reordered(function: Function, order: Sequence[int]) -> Function:
+    """The operations that `order` names, in this order; the others are not used."""
     number = {old: new for new, old in enumerate(order)}
     operations = [function.operations[k] for k in order]
+    behind = len(order) - len(function.operations)
     return replace(
         function,
-        operations=tuple([replace(o, operands=tuple([number[k] for k in o.operands])) for o in operations]),
-        stores=tuple([replace(s, value=number[s.value]) for s in function.stores]),
-        comments={len(order) + k - len(rows): text for k, text in function.comments.items()},
+        operations=tuple(
+            [Operation(o.op, tuple([number[k] for k in o.operands]), o.payload) for o in operations]
+        ),
+        stores=tuple([Store(s.array, s.index, number[s.value]) for s in function.stores]),
+        comments={behind + k: text for k, text in function.comments.items()},
     )

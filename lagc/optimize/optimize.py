@@ -45,7 +45,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
         more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
         made.update((f.name, preparation.separated(f)) for f in more)
     found, read = preparation.finished(made)
-    found = {name: rolled(function) for name, function in found.items()}
+    found = {name: rolled(function, often=name in ("rhs", "system")) for name, function in found.items()}
     return Program(
         interface(
             equations,

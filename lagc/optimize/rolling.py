@@ -9,11 +9,13 @@ does not come from side by side.  No operation and no operand changes, and so no
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import NamedTuple
 
-from lagc.optimize.block import STRAIGHT, ordered
+from lagc.optimize.block import STRAIGHT, ordered, reordered
 from lagc.optimize.program import LEAVES, Function, Operation, Run
 from lagc.records import replace
 
@@ -24,22 +26,64 @@ _LEAST = 3  # repetitions
 _WORTH = 32  # operations, in all repetitions, that make a loop
 _GAIN = 1.02  # a shorter period goes before a longer one that does not cover so much more
 _TOGETHER = 4  # repetitions that may be made one, where operands lie side by side then
+_ENDS = 2  # repetitions at either end that may be left out for that
+_MUCH = 0.2  # of a function's length: a cost of loops that may be worth another order
+_ROOM = 0.25  # what an operation costs by the room that it takes
 _ENTRIES = 4  # of tables that take as much room as an operation
-_SHARE = 0.25  # of the operations that may stay, for loops to be worth it
 _COMMUTE = ("add", "mul")
 
 
-def rolled(function: Function) -> Function:
-    """`function` with its `runs` where it is long and mostly repetition, else in the order of `ordered`."""
-    if len(function.operations) + len(function.stores) <= STRAIGHT:
+def rolled(function: Function, often: bool = False) -> Function:
+    """`function` with its `runs` where it is long and loops take less time, else in the order of `ordered`.
+    Of one that is called `often` another order is tried."""
+    straight = len(function.operations) + len(function.stores)
+    if straight <= STRAIGHT:
         return function
+    if not _moves_itself(function):
+        cost, found = _looped(function)
+        if often and cost > _MUCH * straight:
+            cost, found = min((cost, found), _looped(eager(function)), key=lambda form: form[0])
+        if cost < _cost(straight):
+            return found
+    return ordered(function)
+
+
+def _looped(function: Function) -> tuple[float, Function]:
+    """With the runs that are in its order, and what they cost."""
     kinds = _kinds(function)
     function = replace(function, operations=tuple([_alike(o, kinds) for o in function.operations]))
     text = _Text(function, kinds)
     runs = tuple(text.runs())
-    if _moves_itself(function, kinds) or sum([run.period for run in runs]) > _SHARE * len(text.letters):
-        return ordered(function)
-    return replace(function, runs=runs)
+    cost = _cost(sum([run.period for run in runs]), sum([text.indexing(run) for run in runs]))
+    return cost, replace(function, runs=runs)
+
+
+def _cost(text: int, indexing: int = 0) -> float:
+    """Of so many operations of text, iterations and indices from tables: time, where a processor does not hold
+    ready what is beyond STRAIGHT, and room."""
+    return max(text - STRAIGHT, 0) + _ROOM * text + indexing
+
+
+def eager(function: Function) -> Function:
+    """Each operation as soon as its operands are there, so that what is done to one value is done at once."""
+    operations = function.operations
+    users: list[list[int]] = [[] for _ in operations]
+    missing = [0] * len(operations)
+    for k, o in enumerate(operations):
+        for operand in set(o.operands):
+            if operations[operand].op not in LEAVES:
+                users[operand].append(k)
+                missing[k] += 1
+    order = [k for k, o in enumerate(operations) if o.op in LEAVES]
+    begin = [k for k, o in enumerate(operations) if o.op not in LEAVES and not missing[k]]
+    stack = begin[::-1]
+    while stack:
+        order.append(stack.pop())
+        for k in reversed(users[order[-1]]):
+            missing[k] -= 1
+            if not missing[k]:
+                stack.append(k)
+    return reordered(function, order)
 
 
 def _kinds(function: Function) -> list[str]:
@@ -66,9 +110,11 @@ def _alike(o: Operation, kinds: Sequence[str]) -> Operation:
     return o
 
 
-def _moves_itself(function: Function, kinds: Sequence[str]) -> bool:
+def _moves_itself(function: Function) -> bool:
     """Whether an entry that it stores is one that another store may have changed by then."""
-    return not {kinds[store.value] for store in function.stores}.isdisjoint(a for a, _ in function.outputs)
+    written = {array for array, _ in function.outputs}
+    values = [function.operations[store.value].payload for store in function.stores]
+    return any([isinstance(value, tuple) and value[0] in written for value in values])
 
 
 class _Repeated(NamedTuple):
@@ -180,25 +226,37 @@ class _Text:
         return one.times
 
     def _shaped(self, one: _Repeated) -> _Repeated:
-        """The same with several repetitions as one, or without the first or the last, where fewer tables are
-        needed then."""
-        at, period, times = one
-        forms = [one] if self._tables(one) else []
-        for n in range(2, _TOGETHER + 1 if forms else 0):
-            form = _Repeated(at, n * period, times // n)
-            if form.times >= _LEAST + 2:
-                forms.append(form._replace(times=self._same(form)))
-        forms += [_Repeated(form.at + form.period, form.period, form.times - 1) for form in forms]
-        forms += [form._replace(times=form.times - 1) for form in forms]
+        """The same with several repetitions as one, or without some at its ends, where fewer tables are needed
+        then."""
+        best, least = one, math.inf
+        for together in range(1, _TOGETHER + 1):
+            period, times = together * one.period, one.times // together
+            if together > 1:
+                if times < _LEAST + 2 or least <= period:
+                    break
+                times = self._same(_Repeated(one.at, period, times))
+            if times < _LEAST:
+                continue
+            columns = self._uneven(_Repeated(one.at, period, times))
+            for first, last in product(range(_ENDS + 1), repeat=2):
+                form = _Repeated(one.at + first * period, period, times - first - last)
+                if form.times < _LEAST:
+                    continue
+                tables = sum([not _even(column[first : times - last]) for column in columns])
+                room = period + form.times * tables / _ENTRIES + one.length - form.length
+                if room < least:
+                    best, least = form, room
+        return best
 
-        def room(form: _Repeated) -> float:
-            return form.period + form.times * self._tables(form) / _ENTRIES + one.length - form.length
+    def indexing(self, run: Run) -> int:
+        """Iterations of a run, and indices that it takes from tables."""
+        if run.count == 1:
+            return 0
+        return run.count * (1 + len(self._uneven(_Repeated(run.first - self.first, run.period, run.count))))
 
-        return min([form for form in forms if form.times >= _LEAST], key=room, default=one)
-
-    def _tables(self, one: _Repeated) -> int:
-        """How many operands do not come from side by side."""
-        tables: set[tuple[int, ...]] = set()
+    def _uneven(self, one: _Repeated) -> list[list[int]]:
+        """The operands that do not come from side by side."""
+        found: dict[tuple[int, ...], list[int]] = {}
         for outer, back in zip(self.outer, self.back):
             for k in range(one.period):
                 begin, end = one.at + k, one.at + one.length
@@ -206,8 +264,13 @@ class _Text:
                     continue
                 column = outer[begin : end : one.period]
                 if back[begin] < len(self.letters) + self.first:  # what comes before a row may lie before it
-                    column = column[1:]
-                first, step = column[0], column[1] - column[0]
-                if column != [first + step * n for n in range(len(column))]:
-                    tables.add(tuple(column))
-        return len(tables)
+                    column[0] = 2 * column[1] - column[2]
+                if not _even(column):
+                    found[tuple(column)] = column
+        return list(found.values())
+
+
+def _even(column: Sequence[int]) -> bool:
+    """Whether its numbers grow evenly."""
+    first, step = column[0], column[1] - column[0]
+    return column == [first + step * n for n in range(len(column))]

@@ -1,218 +1,207 @@
-"""How the cost of each stage of compiling grows with the model: seconds at the largest size, and exponents.
+"""What a model of size n costs: everything should grow as n does.
 
-CPU time of the process, the least of some runs.  An exponent is that of the two largest sizes, of the pieces
-that a model has (an n-body model n^2 of them).  `python -m tests.benchmarks.growth [FAMILY ...]`.
+    python -m tests.benchmarks growth [--families NAMES] [--up-to N]
+
+Compiling is timed in a cold process with an empty cache, imports included, from the model's text to the first
+right-hand side in Python, and in C with what the C compiler takes; `MB` is the most memory until then.  Right-hand
+sides and C are those of `lagc build`.  CPU times.  An exponent is the slope between logarithms over the last factor of
+ten of the sizes, of those from 50 on.  Peers are asked for the models that they have, in the same run; the least
+of some rounds is taken of all.
 """
 
 from __future__ import annotations
 
-import gc
+import argparse
+import json
 import math
+import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from lagc import compiler, library
-from lagc.compiler import Choice
-from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.limits import Limits
-from lagc.optimize.program import Program
+from tests.benchmarks import peers
+from tests.benchmarks.installed import run
+from tests.benchmarks.native import Native
 from tests.benchmarks.tables import Cell, machine, table
 
-LEAST = 0.3  # s of CPU a size, beyond which it is not measured again
-MOST = 60.0  # beyond which larger sizes are left out
-RUNS = 3
-NOISE = 0.02  # s at the largest size, below which an exponent says nothing
+LONGEST = 60.0  # s of one size
+LAST = 12.0  # s, beyond which no larger size is tried
+PEER_LIMIT = 30.0  # s; a peer that needs longer for one size is not tried for a larger one
+PATIENCE = 600.0  # s for the first answer: Pinocchio's harness is compiled for it
+ROUNDS = 3
+SMALLEST = 50  # of the sizes that exponents are taken from
+
+COLD = """
+import json, resource, sys
+def cpu():
+    used = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(u.ru_utime + u.ru_stime for u in used)
+def first(backend):
+    system = compiled.load(backend)
+    x = system.start()
+    system.rhs(0.0, x, [0.0] * len(x), [0.0] * compiled.interface.nc)
+    return list(x)
+began = cpu()
+import lagc
+compiled = lagc.load(sys.argv[1]).compile(parameters={"n": int(sys.argv[2])}, backend="numpy")
+compiled.program
+compiling = cpu()
+x = first("numpy")
+python = cpu()
+status = dict(line.split(":", 1) for line in open("/proc/self/status"))
+first("c")
+c = cpu()
+from lagc.compiler import render
+print(json.dumps({"x": x, "operations": compiled.operations, "MB": int(status["VmHWM"].split()[0]) / 1024.0,
+    "first": python - began, "C": compiling - began + c - python, "constrained": compiled.interface.nc > 0,
+    "sources": render(compiled.program, "c")}))
+"""
+MEASURED = ("operations", "us a rhs", "kB of C", "s of cc", "s to rhs", "s to rhs in C", "MB")
+
+
+class Peer(NamedTuple):
+    """A row of what a peer takes: us of a right-hand side, operations, s to the first one."""
+
+    us: float | None = None
+    operations: int | None = None
+    seconds: float | None = None
 
 
 class Family(NamedTuple):
-    text: Callable[[int], str]
+    model: str
     sizes: tuple[int, ...]
-    structural: bool = False  # n is a parameter of the model
-    pieces: Callable[[int], int] = lambda n: n
+    pieces: Callable[[int], int] = lambda n: n  # bodies
+    peers: Callable[[int], Mapping[str, Peer]] = lambda n: {}
 
 
-def shipped(name: str) -> Callable[[int], str]:
-    return lambda _: library.read(name).text
+NAMES = ("casadi", "pinocchio", "mujoco")
+_GAVE_UP: set[str] = set()
 
 
-def instances(row: str, last: str = "") -> Callable[[int], str]:
-    """n uncoupled parts with one row each."""
-    part = (
-        "model Part\n  coordinate Length x(start = 0.6 [m]), y(start = 0.8 [m]);\n"
-        f"  body b = Particle(mass = 3 [kg], at = {{x, y, 0}});\n  constraint c: {row};\n{last}end Part;\n"
-    )
-    return lambda n: f"{part}model M\n  Part a[{n}];\nend M;\n"
+def planar(n: int) -> dict[str, Peer]:
+    """The planar chain: casadi as articulated bodies, written by hand."""
+    found: dict[str, Peer] = {}
+    for name, script in zip(NAMES, ("casadi_aba_c", "pinocchio", "mujoco")):
+        if name not in _GAVE_UP:
+            answer = peers.chain(script, n, PATIENCE if n == SIZES[0] else PEER_LIMIT) or {}
+            seconds = answer.get("t_rhs")
+            if seconds is None:
+                _GAVE_UP.add(name)
+            else:
+                found[name] = Peer(1e6 * seconds, answer.get("ops"), answer["t_cpu"])
+    return found
 
 
-def lines(line: Callable[[int], str], last: Callable[[int], str] = lambda n: "") -> Callable[[int], str]:
-    first = "  parameter Mass m = 1 [kg];\n  parameter Length L = 1 [m];\n  parameter Energy E = 1 [J];\n"
-    body = "  coordinate Length x(start = 1 [m]), y;\n  body b = Particle(mass = m, at = {x, y, 0});\n"
-    return lambda n: f"model M\n{first}{body}{''.join(map(line, range(n)))}{last(n)}end M;\n"
+def balls(n: int) -> dict[str, Peer]:
+    found = peers.balls(n, PATIENCE if n == SIZES[0] else PEER_LIMIT) if "balls" not in _GAVE_UP else {}
+    if not found:
+        _GAVE_UP.add("balls")
+    return {name: Peer(1e6 * seconds, count) for name, (seconds, count) in found.items()}
 
 
-def scenes(n: int) -> str:
-    effect = "  effect g\n    Gravity field;\n  end g;\n"
-    one = lines(lambda k: f"  scene s{k} uses g\n    start x = {k} [m];\n  end s{k};\n")(n)
-    return one.replace("  scene s0 ", f"{effect}  scene s0 ", 1)
-
-
-def uncoupled(n: int) -> str:
-    spring = "  potential V{0} = 1/2*(1 [N/m])*x{0}^2;\n"
-    bodies = (
-        f"  coordinate Length x{k}(start = 1 [m]);\n  body b{k} = Particle(mass = m, at = {{x{k}, 0, 0}});\n"
-        + spring.format(k)
-        for k in range(n)
-    )
-    return "model M\n  parameter Mass m = 1 [kg];\n" + "".join(bodies) + "end M;\n"
-
-
-def product(n: int) -> str:
-    factors = "*".join(f"(1 + x/L/{k + 2})" for k in range(n))
-    return lines(lambda _: "", lambda _: f"  potential V = E*{factors};\n")(n)
-
-
-def roots(function: str) -> Callable[[int], str]:
-    """A sum of n functions that end somewhere, each of two of n + 1 coordinates."""
-
-    def text(n: int) -> str:
-        declared = "".join(
-            f"  coordinate Length x{k}(start = {k + 1} [m]);\n"
-            f"  body b{k} = Particle(mass = m, at = {{x{k}, 0, 0}});\n"
-            for k in range(n + 1)
-        )
-        terms = " + ".join(f"{function}((2*L + x{k + 1} - x{k})/L)" for k in range(n))
-        first = "  parameter Mass m = 1 [kg];\n  parameter Length L = 1 [m];\n  parameter Energy E = 1 [J];\n"
-        return f"model M\n{first}{declared}  potential V = E*({terms});\nend M;\n"
-
-    return text
-
-
-CIRCLE = "x^2 + y^2 = 1 [m2]"
-APART = "  constraint d: x^2 + y^2 = 2 [m2];\n"
-CHAINS = (12, 25, 50, 100)
+SIZES = (2, 5, 10, 20, 50, 100, 200, 500, 1000)
 FAMILIES = {
-    "rows": Family(instances(CIRCLE), (50, 100, 200, 400)),
-    "contradictions": Family(instances("x^2 + y^2 = -1 [m2]"), (25, 50, 100, 200)),
-    "moved": Family(instances("x^2 + y^2 = 4 [m2]"), (25, 50, 100, 200)),
-    "scenes": Family(scenes, (100, 200, 400, 800)),
-    "uncoupled": Family(uncoupled, (250, 500, 1000, 2000)),
-    "parameters": Family(lines(lambda k: f"  parameter Real p{k} = {k};\n"), (12500, 25000, 50000, 100000)),
-    "product": Family(product, (375, 750, 1500, 3000)),
-    "logarithms": Family(roots("log"), CHAINS),
-    "roots": Family(roots("sqrt"), CHAINS),
-    "n_body": Family(shipped("large/n_body"), (5, 10, 20, 40), True, lambda n: n * n),
-    "net": Family(shipped("large/net"), (2, 4, 6, 10), True, lambda n: n * n),
-    "truss": Family(shipped("large/truss"), CHAINS, True),
-    "lattice": Family(shipped("large/lattice"), CHAINS, True),
-    "mobile": Family(shipped("large/mobile"), (13, 25, 51, 101), True),
-    "rope": Family(shipped("large/rope"), CHAINS, True),
-    "ball_chain": Family(shipped("large/ball_chain"), CHAINS, True),
-    "relative_chain": Family(shipped("large/relative_chain"), CHAINS, True),
-    "chain": Family(shipped("classic/chain"), CHAINS, True),
-    "spring_chain": Family(shipped("classic/spring_chain"), CHAINS, True),
+    "chain": Family("classic/chain", (*SIZES, 2000, 5000, 10000), peers=planar),
+    "relative_chain": Family("large/relative_chain", SIZES),
+    "rope": Family("large/rope", SIZES),
+    "ball_chain": Family("large/ball_chain", SIZES, peers=balls),
+    "mobile": Family("large/mobile", (3, 5, 11, 21, 51, 101, 201, 501, 1001)),
+    "net": Family("large/net", (2, 3, 4, 5, 7, 10, 14, 22, 32), lambda n: n * n),
+    "lattice": Family("large/lattice", SIZES),
+    "truss": Family("large/truss", SIZES),
+    "n_body": Family("large/n_body", (2, 5, 10, 20, 50, 70, 100)),
 }
 
 
-class Stages:
-    """The stages of one model, each from what the one before has made."""
-
-    def __init__(self, text: str, n: int, structural: bool):
-        self.source = Source("m.lag", text)
-        self.choice = Choice(parameters={"n": n} if structural else {})
-        self.made: dict[str, Any] = {}
-
-    def parse(self) -> Any:
-        return compiler.parse(self.source)
-
-    def resolve(self) -> Any:
-        return compiler.resolve(self.made["parse"], self.choice)
-
-    def derive(self) -> Any:
-        return compiler.derive(self.made["resolve"])
-
-    def optimize(self) -> Program:
-        return compiler.optimize(self.made["derive"], work=True)
-
-    def start(self) -> Any:
-        from lagc.run.request import bound_parameters
-        from lagc.run.trial import try_start
-
-        program = self.made["optimize"]
-        left = compiler.unused(self.made["resolve"], program.interface)
-        values = bound_parameters(program.interface, {}, left, demanding=False)
-        return try_start(program, values)
-
-    def render(self) -> Any:
-        return compiler.render(self.made["optimize"], "c")
-
-    def equations(self) -> Any:
-        from lagc.view.equations import write
-
-        return write(self.made["derive"], full=False)
-
-    def explain(self) -> Any:
-        from lagc.view.explain import explanation
-
-        return explanation(self.made["derive"], self.made["optimize"])
-
-    def check(self) -> list[Fault]:
-        """All of it, from the text."""
-        return compiler.check(self.source, self.choice)
+def state(cold: Mapping[str, Any]) -> list[float]:
+    """The start, and nowhere special where no constraint holds it."""
+    x: list[float] = cold["x"]
+    return x if cold["constrained"] else [a + 0.1 * math.sin(1.7 * k + 0.4) for k, a in enumerate(x)]
 
 
-NEEDS = {
-    "resolve": ["parse"], "derive": ["resolve"], "optimize": ["derive"], "start": ["optimize"],
-    "render": ["optimize"], "equations": ["derive"], "explain": ["optimize"],
-}  # fmt: skip
-STAGES = ("parse", "resolve", "derive", "optimize", "start", "render", "equations", "explain", "check")
+def measured(family: Family, n: int) -> tuple[dict[str, float], dict[str, Peer]]:
+    """Raises TimeoutExpired."""
+    with tempfile.TemporaryDirectory() as cache:
+        words = [sys.executable, "-c", COLD, family.model, str(n)]
+        cold = json.loads(run(words, cache, LONGEST).stdout)
+    native = Native(cold["sources"], state(cold))
+    asked: dict[str, Peer] = {}
+    seconds = math.inf
+    for _ in range(ROUNDS if peers.available() else 1):
+        seconds = min(seconds, *(native.rhs() for _ in range(ROUNDS)))
+        for name, peer in family.peers(n).items() if peers.available() else ():
+            before = asked.get(name, peer)
+            asked[name] = min(before, peer, key=lambda p: p.us or math.inf)
+    values = (
+        cold["operations"], 1e6 * seconds, sum(map(len, cold["sources"].values())) / 1e3, native.seconds,
+        cold["first"], cold["C"], cold["MB"],
+    )  # fmt: skip
+    return dict(zip(MEASURED, values)), asked
 
 
-def seconds(stages: Stages, stage: str) -> float:
-    """CPU seconds, the least of some; infinite where it takes too long.  What is refused is a result too."""
-    least, spent = math.inf, 0.0
-    for _ in range(RUNS):
-        gc.collect()
-        began = time.process_time()
-        try:
-            with Limits(time=MOST):
-                stages.made[stage] = getattr(stages, stage)()
-        except Refused as refused:
-            if refused.faults[0].code == "LAG0801":
-                return math.inf
-        took = time.process_time() - began
-        least, spent = min(least, took), spent + took
-        if spent > LEAST:
-            break
-    return least
+def exponent(pieces: Sequence[int], values: Sequence[float]) -> float | None:
+    """The slope of least squares between logarithms."""
+    few = max(SMALLEST, max(pieces) / 10.0)
+    known = [(math.log(n), math.log(v)) for n, v in zip(pieces, values) if n >= few]
+    if len(known) < 2:
+        return None
+    x, y = (sum(column) / len(known) for column in zip(*known))
+    return sum((a - x) * (b - y) for a, b in known) / sum((a - x) ** 2 for a, _ in known)
 
 
-def grown(family: Family) -> list[list[Cell]]:
-    """A row a stage: seconds at each size, and the exponent of the two largest that were measured."""
-    taken: dict[str, list[float]] = {stage: [] for stage in STAGES}
+def rows(family: Family, most: int) -> list[list[Cell]]:
+    """A row a size, with the peers' right-hand sides, and one of exponents."""
+    found: list[list[Cell]] = []
+    pieces: list[int] = []
+    columns: dict[str, list[float]] = {name: [] for name in MEASURED}
     for n in family.sizes:
-        stages = Stages(family.text(n), n, family.structural)
-        for stage in STAGES:
-            over = bool(taken[stage]) and taken[stage][-1] > MOST / 8.0
-            possible = all(part in stages.made for part in NEEDS.get(stage, ()))
-            taken[stage].append(seconds(stages, stage) if possible and not over else math.inf)
-    rows: list[list[Cell]] = []
-    for stage, times in taken.items():
-        known = [(family.pieces(n), t) for n, t in zip(family.sizes, times) if t < math.inf]
-        exponent: Cell = None
-        if len(known) > 1 and known[-1][1] > NOISE:
-            (few, short), (many, long) = known[-2:]
-            exponent = round(math.log(long / short) / math.log(many / few), 2)
-        rows.append([stage, *(t if t < math.inf else None for t in times), exponent])
-    return rows
+        began = time.monotonic()
+        if family.pieces(n) > most:
+            break
+        try:
+            values, asked = measured(family, n)
+        except subprocess.TimeoutExpired:
+            found.append([f"{n} takes longer than {LONGEST:g} s"])
+            break
+        count = family.pieces(n)
+        pieces.append(count)
+        for name, value in values.items():
+            columns[name].append(value)
+        us = values["us a rhs"]
+        own = [value if name != "operations" else int(value) for name, value in values.items()]
+        others: list[Cell] = []
+        for name in NAMES:
+            peer = asked.get(name, Peer())
+            others += [peer.us, us / peer.us if peer.us else None]
+        casadi = asked.get(NAMES[0], Peer())
+        found.append(
+            [count, round(values["operations"] / count), *own, *others, casadi.operations, casadi.seconds]
+        )
+        if time.monotonic() - began > LAST and not asked:
+            break
+    grown = [exponent(pieces, values) for values in columns.values()] if len(pieces) > 1 else []
+    found.append(["exponent", None, *(round(e, 2) if e is not None else None for e in grown)])
+    return [row + [None] * (len(HEAD) - len(row)) for row in found]
+
+
+HEAD = (
+    "bodies", "a body", *MEASURED, *(word for name in NAMES for word in (f"{name} us", "lagc/it")),
+    "casadi ops", "casadi s",
+)  # fmt: skip
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--families", default=",".join(FAMILIES), help="separated by commas")
+    parser.add_argument("--up-to", type=int, default=10000, help="bodies")
+    asked = parser.parse_args()
     print(machine())
-    for name in sys.argv[1:] or FAMILIES:
-        family = FAMILIES[name]
-        table(f"{name} (s)", ["", *map(str, family.sizes), "exponent"], grown(family))
+    for name in asked.families.split(","):
+        table(name, HEAD, rows(FAMILIES[name], asked.up_to))
 
 
 if __name__ == "__main__":

@@ -29,11 +29,11 @@ def folder() -> str:
     return str(root)
 
 
-def run(words: Sequence[str], cache: str) -> subprocess.CompletedProcess[str]:
-    """One process that imports this lagc, with the given cache folder."""
+def run(words: Sequence[str], cache: str, limit: float | None = None) -> subprocess.CompletedProcess[str]:
+    """One process that imports this lagc, with the given cache folder.  Raises TimeoutExpired after `limit` s."""
     environment = dict(os.environ, LAGC_CACHE=cache, PYTHONPATH=folder())
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    done = subprocess.run(words, env=environment, cwd=folder(), capture_output=True, text=True)
+    done = subprocess.run(words, env=environment, cwd=folder(), capture_output=True, text=True, timeout=limit)
     if done.returncode != 0:
         raise SystemExit(f"{' '.join(words)[:200]} failed: {done.stderr}")
     return done

@@ -1,4 +1,4 @@
-"""Generated C, timed in C: a small driver, compiled together with the files that `lagc build` writes.
+"""Generated C, timed in C: a small driver beside the files that `lagc build` writes.
 
 Times are CPU times of the driver's process, medians of seven batches.  The flags are those of
 the C backend, so that what is timed here is what `lagc sim` runs.
@@ -6,6 +6,7 @@ the C backend, so that what is timed here is what `lagc sim` runs.
 
 from __future__ import annotations
 
+import resource
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lagc import library
-from lagc.compiler import Choice, program, render
-from lagc.optimize.program import Interface
+from lagc.compiler import program, render
 from lagc.run.backends.compile import FLAGS, compiler
 
 DRIVER = r"""
@@ -100,7 +100,7 @@ int main(int n, char **word)
     }
     qsort(times, 7, sizeof *times, by_size);
     @_rhs(&p, s.t, s.x, x, lam, &work);
-    printf("%.17g %d %ld %ld %ld", times[3], status, s.steps, s.rejected, s.rhs);
+    printf("%.17g %d %ld %ld %ld %d", times[3], status, s.steps, s.rejected, s.rhs, @@_NX);
     for (i = 0; i < @@_NX; i++)
         printf(" %.17g", s.x[i]);
     for (i = 0; i < @@_NC; i++)
@@ -125,25 +125,31 @@ class Run:
 
 
 class Native:
-    """A model compiled with the driver; `x0` is where its right-hand side is timed and runs begin."""
+    """Generated C with the driver; `x0` is where its right-hand side is timed and runs begin.  `seconds` is what
+    the C compiler took for it, of CPU."""
 
-    def __init__(self, model: str, x0: Sequence[float], parameters: Mapping[str, float] | None = None):
-        built = program(library.read(model), Choice(parameters=dict(parameters or {})))
-        self.interface: Interface = built.interface
+    def __init__(self, sources: Mapping[str, str], x0: Sequence[float]):
         self.words = [repr(float(a)) for a in x0]
         folder = Path(tempfile.mkdtemp(prefix="lagc-benchmark-"))
-        sources = render(built, "c")
         for name, text in sources.items():
             (folder / name).write_text(text)
         own = next(name for name in sources if name.endswith(".h")).removesuffix(".h")
-        driver = DRIVER.replace("@@", own.upper()).replace("@", own)
-        (folder / "driver.c").write_text(driver)
+        (folder / "driver.c").write_text(DRIVER.replace("@@", own.upper()).replace("@", own))
         self.path = folder / "driver"
-        flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
-        units = [str(folder / name) for name in (*sources, "driver.c") if name.endswith(".c")]
         words = compiler()
         assert words is not None, "these benchmarks need a C compiler"
-        subprocess.run([*words, *flags, "-o", str(self.path), *units, "-lm"], check=True)
+        flags = [flag for flag in FLAGS if flag not in ("-shared", "-fPIC")]
+        began = _of_children()
+        subprocess.run([*words, *flags, "-c", f"{own}.c"], check=True, cwd=folder)
+        self.seconds = _of_children() - began
+        subprocess.run(
+            [*words, *flags, "-o", "driver", "driver.c", f"{own}.o", "-lm"], check=True, cwd=folder
+        )
+
+    @classmethod
+    def shipped(cls, model: str, x0: Sequence[float]) -> Native:
+        """Of a model of the library."""
+        return cls(render(program(library.read(model)), "c"), x0)
 
     def rhs(self, x: Sequence[float] = ()) -> float:
         """CPU seconds of one right-hand side, at x0 or at x."""
@@ -153,12 +159,16 @@ class Native:
         """From x0 to t1 with rtol = atol = tolerance."""
         number = {"dop853": "0", "dopri5": "1"}[method]
         words = self._ask("run", number, repr(tolerance), repr(t1), *self.words)
-        nx = self.interface.nx
-        values = [float(w) for w in words[5:]]
-        counts = [int(w) for w in words[1:5]]
-        return Run(float(words[0]), counts[0], counts[1], counts[2], counts[3],
-                   tuple(values[:nx]), tuple(values[nx:]))  # fmt: skip
+        values = [float(w) for w in words[6:]]
+        status, steps, rejected, rhs, nx = [int(w) for w in words[1:6]]
+        return Run(float(words[0]), status, steps, rejected, rhs, tuple(values[:nx]), tuple(values[nx:]))
 
     def _ask(self, *words: str) -> list[str]:
         done = subprocess.run([str(self.path), *words], check=True, capture_output=True, text=True)
         return done.stdout.split()
+
+
+def _of_children() -> float:
+    """CPU seconds of processes that were waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime

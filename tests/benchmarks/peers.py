@@ -24,7 +24,20 @@ def available() -> bool:
     return "LAGC_PEERS" in os.environ
 
 
-def _run(script: str, *arguments: str, limit: float) -> dict[str, Any] | None:
+def _run(script: str, *arguments: str, limit: float) -> dict[str, Any]:
+    """The last line of JSON that a script prints, or `note`: why there is none."""
+    done = _finished(script, *arguments, limit=limit)
+    if done is None:
+        return {"note": f"gave up after {limit:g} s"}
+    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
+    if not lines:
+        why = done.stderr.strip().splitlines()[-1:] or ["no answer"]
+        return {"note": why[0][:60]}
+    result: dict[str, Any] = json.loads(lines[-1])
+    return result
+
+
+def _finished(script: str, *arguments: str, limit: float) -> subprocess.CompletedProcess[str] | None:
     folder = Path(os.environ["LAGC_PEERS"])
     root = Path(tempfile.gettempdir()) / "lagc-peers"
     (root / "build").mkdir(parents=True, exist_ok=True)
@@ -35,28 +48,28 @@ def _run(script: str, *arguments: str, limit: float) -> dict[str, Any] | None:
         OMP_NUM_THREADS="1",
         OPENBLAS_NUM_THREADS="1",
     )
-    python = os.environ.get("LAGC_PEERS_PYTHON", sys.executable)
+    words = [os.environ.get("LAGC_PEERS_PYTHON", sys.executable), str(folder / script), *arguments]
     try:
-        done = subprocess.run(
-            [python, str(folder / script), *arguments],
-            capture_output=True,
-            text=True,
-            env=environment,
-            timeout=limit,
-        )
+        return subprocess.run(words, capture_output=True, text=True, env=environment, timeout=limit)
     except subprocess.TimeoutExpired:
-        return {"note": f"gave up after {limit:g} s"}
-    lines = [line for line in done.stdout.splitlines() if line.startswith("{")]
-    if not lines:
-        why = done.stderr.strip().splitlines()[-1:] or ["no answer"]
-        return {"note": why[0][:60]}
-    result: dict[str, Any] = json.loads(lines[-1])
-    return result
+        return None
 
 
 def chain(peer: str, n: int, limit: float = 100.0) -> dict[str, Any] | None:
     """Planar chain of n links, cold process: {"t_cold": s, "t_rhs": s, "ops": int, ...}."""
     return _run("worker_a.py", peer, str(n), limit=limit) if available() else None
+
+
+def balls(n: int, limit: float = 100.0) -> dict[str, tuple[float, int | None]]:
+    """Chain of n boxes on ball joints: the first word of a peer's name -> seconds of a right-hand side, operations."""
+    done = _finished("case_b_forward.py", "--n", str(n), limit=limit) if available() else None
+    rows = [line.split("|") for line in done.stdout.splitlines()] if done else []
+    found = {}
+    for _, name, size, seconds, _, operations, *_ in (row for row in rows if len(row) > 6):
+        if size.strip() == str(n) and "failed" not in seconds:
+            count = operations.strip()
+            found[name.split()[0]] = 1e-6 * float(seconds), int(count) if count.isdigit() else None
+    return found
 
 
 def work_precision(peer: str, limit: float = 150.0) -> dict[str, Any] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from lagc.optimize.block import ordered
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import LEAVES, Function, Program
-from lagc.optimize.rolling import rolled
+from lagc.optimize.rolling import eager, rolled
 from lagc.records import replace
 from lagc.render.c.render import render
 from tests.optimize import large
@@ -63,21 +64,22 @@ def test_runs_cover_all_operations(family: str) -> None:
 @pytest.mark.parametrize("seed", range(15))
 def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._SHARE", 1.0)
+    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda text, indexing=-math.inf: -indexing)
     f = sorted_leaves(repeated_function(seed, "f"))
     rng = random.Random(seed)
     given = {"p": [0.3, 1.0, 9.81], "t": [0.7], "x": [rng.uniform(-1.0, 1.0) for _ in range(60)]}
     wanted = interpret(f, given)
     assert interpret(rolled(f), given) == wanted
-    back = ordered(f)
-    back.verify()
-    assert interpret(back, given) == wanted
+    for order in (ordered, eager):
+        back = order(f)
+        back.verify()
+        assert interpret(back, given) == wanted
 
 
 def test_an_entry_that_is_read_and_changed_keeps_a_function_straight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its stores would be in another order than its loads."""
     monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._SHARE", 1.0)
+    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda text, indexing=-math.inf: -indexing)
     f = sorted_leaves(repeated_function(1, "f"))
     assert rolled(f).runs
     assert not rolled(replace(f, outputs=(("x", 64),))).runs
