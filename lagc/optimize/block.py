@@ -14,7 +14,7 @@ from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
 from lagc.records import replace
 
-STRAIGHT = 1800  # operations and stores; more are in the order in which they were made, see `rolling`
+STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))

@@ -28,40 +28,42 @@ _GAIN = 1.02  # a shorter period goes before a longer one that does not cover so
 _TOGETHER = 4  # repetitions that may be made one, where operands lie side by side then
 _ENDS = 2  # repetitions at either end that may be left out for that
 _MUCH = 0.2  # of a function's length: a cost of loops that may be worth another order
-_ROOM = 0.25  # what an operation costs by the room that it takes
+_TEXT = 0.35  # of an iteration or an index: what an operation of text costs more than one done again
+_LONG = 4000  # operations; beyond, one is paid for by the room that it takes, too
 _ENTRIES = 4  # of tables that take as much room as an operation
 _COMMUTE = ("add", "mul")
 
 
 def rolled(function: Function, often: bool = False) -> Function:
-    """`function` with its `runs` where it is long and loops take less time, else in the order of `ordered`.
-    Of one that is called `often` another order is tried."""
+    """`function` with its `runs` where it is long and loops cost less, else in the order of `ordered`.
+    Where it is called `often` time counts, and another order is tried; else room."""
     straight = len(function.operations) + len(function.stores)
     if straight <= STRAIGHT:
         return function
-    if not _moves_itself(function):
-        cost, found = _looped(function)
+    if not moves_itself(function):
+        cost, found = _looped(function, often)
         if often and cost > _MUCH * straight:
-            cost, found = min((cost, found), _looped(eager(function)), key=lambda form: form[0])
-        if cost < _cost(straight):
+            cost, found = min((cost, found), _looped(eager(function), often), key=lambda form: form[0])
+        if cost < _cost(often, straight):
             return found
     return ordered(function)
 
 
-def _looped(function: Function) -> tuple[float, Function]:
+def _looped(function: Function, often: bool) -> tuple[float, Function]:
     """With the runs that are in its order, and what they cost."""
     kinds = _kinds(function)
     function = replace(function, operations=tuple([_alike(o, kinds) for o in function.operations]))
     text = _Text(function, kinds)
     runs = tuple(text.runs())
-    cost = _cost(sum([run.period for run in runs]), sum([text.indexing(run) for run in runs]))
+    cost = _cost(often, sum([run.period for run in runs]), sum([text.indexing(run) for run in runs]))
     return cost, replace(function, runs=runs)
 
 
-def _cost(text: int, indexing: int = 0) -> float:
-    """Of so many operations of text, iterations and indices from tables: time, where a processor does not hold
-    ready what is beyond STRAIGHT, and room."""
-    return max(text - STRAIGHT, 0) + _ROOM * text + indexing
+def _cost(often: bool, text: int, indexing: int = 0) -> float:
+    """Of so many operations of text, iterations and indices from tables."""
+    if often:
+        return _TEXT * text + max(text - _LONG, 0) + indexing
+    return text + indexing / _ENTRIES
 
 
 def eager(function: Function) -> Function:
@@ -110,7 +112,7 @@ def _alike(o: Operation, kinds: Sequence[str]) -> Operation:
     return o
 
 
-def _moves_itself(function: Function) -> bool:
+def moves_itself(function: Function) -> bool:
     """Whether an entry that it stores is one that another store may have changed by then."""
     written = {array for array, _ in function.outputs}
     values = [function.operations[store.value].payload for store in function.stores]
@@ -135,6 +137,7 @@ class _Text:
     def __init__(self, function: Function, kinds: Sequence[str]) -> None:
         operations, stores = function.operations, function.stores
         self.first = first = sum([o.op in LEAVES for o in operations])
+        self.stores = len(operations)
         sorts = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations[first:]]
         sorts += [(store.array, kinds[store.value]) for store in stores]
         letters: dict[tuple[str, ...], str] = {}
@@ -142,7 +145,8 @@ class _Text:
         # By place among the operands: where in its array a leaf is, which value another one is, no operand.
         where = [o.payload[1] if isinstance(o.payload, tuple) else k for k, o in enumerate(operations)]
         operands = [o.operands for o in operations[first:]] + [(store.value,) for store in stores]
-        far, items = len(operations) + len(stores), list(enumerate(operands, first))
+        self.far = far = len(operations) + len(stores)
+        items = list(enumerate(operands, first))
         slots = range(max(map(len, operands)))
         self.outer = [[where[o[slot]] if slot < len(o) else 0 for o in operands] for slot in slots]
         # How far back each is; what is no operation, farther than anything else.
@@ -226,8 +230,7 @@ class _Text:
         return one.times
 
     def _shaped(self, one: _Repeated) -> _Repeated:
-        """The same with several repetitions as one, or without some at its ends, where fewer tables are needed
-        then."""
+        """The same with several repetitions as one, or without some at its ends, where fewer tables do."""
         best, least = one, math.inf
         for together in range(1, _TOGETHER + 1):
             period, times = together * one.period, one.times // together
@@ -249,10 +252,13 @@ class _Text:
         return best
 
     def indexing(self, run: Run) -> int:
-        """Iterations of a run, and indices that it takes from tables."""
+        """Iterations of a run, and indices from tables; stores of what is computed stand beside it mostly."""
         if run.count == 1:
             return 0
-        return run.count * (1 + len(self._uneven(_Repeated(run.first - self.first, run.period, run.count))))
+        tables = len(self._uneven(_Repeated(run.first - self.first, run.period, run.count)))
+        first = run.first - self.first
+        alone = run.first < self.stores or self.far in self.back[0][first : first + run.period]
+        return run.count * (tables + alone)
 
     def _uneven(self, one: _Repeated) -> list[list[int]]:
         """The operands that do not come from side by side."""
@@ -263,7 +269,7 @@ class _Text:
                 if back[begin] <= k:
                     continue
                 column = outer[begin : end : one.period]
-                if back[begin] < len(self.letters) + self.first:  # what comes before a row may lie before it
+                if back[begin] < self.far:  # what comes before a row may lie before it
                     column[0] = 2 * column[1] - column[2]
                 if not _even(column):
                     found[tuple(column)] = column

@@ -9,7 +9,7 @@ from lagc.render.names import Names, prefix
 
 # Arrays of any Program, so that a name does not depend on which functions a model happens to have.
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",
-          "phi", "psi", "prepared", "e", "y", "c", "J", "sizes", "largest")  # fmt: skip
+          "phi", "psi", "prepared", "e", "y", "c", "J", "sizes", "largest", "kept")  # fmt: skip
 
 
 def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int], str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from lagc.optimize.program import Function
 from lagc.records import dataclass, replace
@@ -27,17 +27,21 @@ class Forms:
     number: str = "{}"  # an entry of a table of reals
 
 
-def loops(function: Function, dialect: Dialect, forms: Forms) -> list[list[str]]:
+def loops(
+    function: Function, dialect: Dialect, forms: Forms, locals_: Mapping[tuple[str, int], str]
+) -> list[list[str]]:
     """The body of a function that has `runs`: what is kept, then the lines of each segment, which share no
-    names but those of arrays."""
+    names but those of arrays.  `locals_`: names of entries, for what stands between loops."""
     found, size = segments(function)
     room = [forms.room.format(size=size)] if size else []
-    return [room, *(_Printer(segment, dialect, forms).run() for segment in found)]
+    return [room, *(_Printer(segment, dialect, forms, locals_).run() for segment in found)]
 
 
 class _Printer:
-    def __init__(self, segment: Segment, dialect: Dialect, forms: Forms) -> None:
-        self.segment, self.dialect, self.forms = segment, dialect, forms
+    def __init__(
+        self, segment: Segment, dialect: Dialect, forms: Forms, locals_: Mapping[tuple[str, int], str]
+    ) -> None:
+        self.segment, self.dialect, self.forms, self.locals = segment, dialect, forms, locals_
         self.tables: dict[tuple[float, ...], str] = {}
         self.before: list[str] = []
         self.running: list[tuple[str, str]] = []  # names and the sequences that they run through
@@ -55,7 +59,7 @@ class _Printer:
                 return self.dialect.store(segment.writes[int(index)].array, writes[int(index)], value)
             return forms.change.format(name=f"{CARRIED}{index}", value=value)
 
-        names = {(READ, k): f"{READ}{k}" for k, text in enumerate(reads) if not text.isidentifier()}
+        names = {(READ, k): self._name(k) for k, text in enumerate(reads) if not text.isidentifier()}
         body = lines(segment.body, replace(self.dialect, load=load, store=store), names)
         if segment.count == 1:
             return body
@@ -65,6 +69,12 @@ class _Printer:
         inner = [f"    {line}" for line in body]
         end = [forms.end] if forms.end else []
         return [*self.before, forms.head(segment.count, self.running), *inner, *end]
+
+    def _name(self, k: int) -> str:
+        access, own = self.segment.reads[k], f"{READ}{k}"
+        return (
+            self.locals.get((access.array, int(access.indices[0])), own) if self.segment.count == 1 else own
+        )
 
     def _read(self, k: int, access: Access) -> str:
         name, forms, count = f"{READ}{k}", self.forms, self.segment.count

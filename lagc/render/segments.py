@@ -3,7 +3,8 @@ between them.
 
 A segment computes from arrays into arrays.  What one needs of another, or of a repetition before, is kept in
 an array of the function, where the values that the repetitions make of one operation lie side by side; what
-only the next repetition needs is carried over by a variable.
+only the next repetition needs is carried over by a variable.  A store stands in the segment that makes its
+value, unless entries of its array are read as well, or only some repetitions store.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
+from lagc.optimize.block import reordered
 from lagc.optimize.program import LEAVES, Function, Operation, Run, Store
 from lagc.records import dataclass, replace
 
@@ -19,6 +21,7 @@ KEPT = "kept"  # the array of values that other segments need
 NUMBERS = ""  # stands for an array whose entries are their indices
 READ, WRITTEN, CARRIED = "r", "w", "d"  # arrays of a body: entries of `reads`, `writes`, `carries`
 _LARGEST = 400  # operations of a segment that is no loop
+_TURNS = {"sin": "cos", "cos": "sin"}
 
 _Place: TypeAlias = "tuple[int, int]"  # segment, operation in its body
 
@@ -50,6 +53,25 @@ class Segment:
     carries: Sequence[Access]  # what each is at first: one entry
 
 
+def in_parts(function: Function) -> Function:
+    """A straight function as one run, which segments divide; sine and cosine of an angle stay together."""
+    operations = function.operations
+    order = [k for k, o in enumerate(operations) if o.op in LEAVES]
+    first, partners = len(order), dict[tuple[str, int], int]()
+    for k, o in enumerate(operations):
+        if o.op in _TURNS:
+            partners[o.op, o.operands[0]] = k
+    placed = set(order)
+    for k, o in enumerate(operations):
+        other = partners.get((_TURNS[o.op], o.operands[0])) if o.op in _TURNS else None
+        for one in (k, other):
+            if one is not None and one not in placed:
+                placed.add(one)
+                order.append(one)
+    found = reordered(function, order)
+    return replace(found, runs=(Run(first, len(operations) + len(function.stores) - first, 1),))
+
+
 def segments(function: Function) -> tuple[list[Segment], int]:
     """And how many values are kept."""
     return _Segments(function).found()
@@ -60,7 +82,7 @@ class _Segments:
         self.function = function
         self.operations = function.operations
         self.first = function.runs[0].first
-        self.runs = list(_divided(function.runs, len(self.operations)))
+        self.runs = list(_divided(function))
         self.owner = [-1] * self.first  # of each operation and store
         for number, run in enumerate(self.runs):
             self.owner += [number] * (run.period * run.count)
@@ -68,22 +90,61 @@ class _Segments:
         self.operands = operands
         # By place among the operands, as slices give columns; what has none there is not asked.
         self.slots = [[o[slot] if slot < len(o) else -1 for o in operands] for slot in range(3)]
+        self.written: dict[
+            _Place, list[tuple[int, Access]]
+        ] = {}  # store and entries of what is stored at once
+        self.done: set[_Place] = set()  # stores of bodies that others do
+        self._at_once()
         self.columns = [_Columns(self, number) for number in range(len(self.runs))]
         self.places = _Places(self)
 
     def found(self) -> tuple[list[Segment], int]:
-        return [columns.segment() for columns in self.columns], self.places.size
+        made = [columns.segment() for columns in self.columns]
+        return [segment for segment in made if segment.writes or segment.carries], self.places.size
+
+    def row(self, value: int) -> _Place:
+        number = self.owner[value]
+        run = self.runs[number]
+        return number, (value - run.first) % run.period
+
+    def at(self, value: int) -> int:
+        run = self.runs[self.owner[value]]
+        return (value - run.first) // run.period
+
+    def _at_once(self) -> None:
+        """Stores of all values of a row, where the array is not read: they need not wait."""
+        count, stores = len(self.operations), self.function.stores
+        read = {o.payload[0] for o in self.operations if isinstance(o.payload, tuple)}
+        for number, run in enumerate(self.runs):
+            for k in range(run.period if run.first >= count else 0):
+                items = range(run.first + k, run.end, run.period)
+                found = [stores[item - count] for item in items]
+                if found[0].array in read or min([store.value for store in found]) < self.first:
+                    continue
+                rows: dict[_Place, dict[int, int]] = {}
+                for store in found:
+                    rows.setdefault(self.row(store.value), {})[self.at(store.value)] = store.index
+                if sum(map(len, rows.values())) == len(found) and all(
+                    [len(entries) == self.runs[row[0]].count for row, entries in rows.items()]
+                ):
+                    self.done.add((number, k))
+                    for row, entries in rows.items():
+                        access = Access(found[0].array, [entries[n] for n in range(len(entries))])
+                        self.written.setdefault(row, []).append((items[0], access))
 
 
-def _divided(runs: Sequence[Run], stores: int) -> Iterator[Run]:
-    """The runs that segments are made of; all is computed before the first of the `stores` is done."""
-    for run in runs:
+def _divided(function: Function) -> Iterator[Run]:
+    """The runs that segments are made of; all is computed before the first of the stores is done."""
+    operations, stores = function.operations, len(function.operations)
+    for run in function.runs:
         if run.count > 1:
             yield run
             continue
         first = run.first
         while first < run.end:
             end = min(first + _LARGEST, run.end, stores if first < stores else run.end)
+            if end < stores and _TURNS.get(operations[end - 1].op) == operations[end].op:
+                end += 1  # that may be of one angle
             yield Run(first, end - first, 1)
             first = end
 
@@ -97,6 +158,8 @@ class _Columns:
         self.outer: dict[tuple[int, int], list[int]] = {}  # operation of the body, slot -> values
         self.carried: dict[tuple[int, int], int] = {}  # the same -> operation of the body it is made by
         for k in range(run.period):
+            if (number, k) in all_.done:
+                continue
             for slot, operand in enumerate(all_.operands[run.first + k]):
                 if operand >= run.first:
                     continue
@@ -137,9 +200,9 @@ class _Places:
         for columns in all_.columns:
             for column in columns.values():
                 rows = (
-                    [self._row(column[0])]
+                    [self.all.row(column[0])]
                     if self.along(column) is not None
-                    else [self._row(value) for value in column]
+                    else [self.all.row(value) for value in column]
                 )
                 for row in dict.fromkeys(rows):
                     self.last[row] = columns.number
@@ -148,11 +211,6 @@ class _Places:
                         self._link(column[k], column[k + 1], following, before)
         self.size = 0
         self._allocate(following, before)
-
-    def _row(self, value: int) -> _Place:
-        number = self.all.owner[value]
-        run = self.all.runs[number]
-        return number, (value - run.first) % run.period
 
     def along(self, column: Sequence[int]) -> int | None:
         """The stride from place to place of values that are all in one row."""
@@ -164,15 +222,11 @@ class _Places:
             return step // run.period
         return None
 
-    def _at(self, value: int) -> int:
-        run = self.all.runs[self.all.owner[value]]
-        return (value - run.first) // run.period
-
     def _link(self, a: int, b: int, following: dict[_Place, _Place], before: dict[_Place, _Place]) -> None:
         """Rows that a column goes from end to beginning of, forwards or backwards."""
         for one, other in ((a, b), (b, a)):
-            left, right = self._row(one), self._row(other)
-            at_end = self._at(one) == self.all.runs[left[0]].count - 1 and self._at(other) == 0
+            left, right = self.all.row(one), self.all.row(other)
+            at_end = self.all.at(one) == self.all.runs[left[0]].count - 1 and self.all.at(other) == 0
             if (
                 at_end
                 and left not in following
@@ -219,7 +273,7 @@ class _Places:
         return [first] * len(column) if stride == 0 else [self._place(value) for value in column]
 
     def _place(self, value: int) -> int:
-        return self.start[self._row(value)] + self._at(value)
+        return self.start[self.all.row(value)] + self.all.at(value)
 
 
 def _leads(row: _Place, end: _Place, following: Mapping[_Place, _Place]) -> bool:
@@ -256,6 +310,8 @@ class _Body:
     def segment(self) -> Segment:
         run, count = self.run, len(self.all.operations)
         for k in range(run.period):
+            if (self.columns.number, k) in self.all.done:
+                continue
             item = run.first + k
             operands = tuple([self._operand(k, slot, a) for slot, a in enumerate(self.all.operands[item])])
             if item < count:
@@ -265,6 +321,8 @@ class _Body:
                 if row in self.all.places.start:
                     first = self.all.places.start[row]
                     self._write(Access(KEPT, range(first, first + run.count)), self.number[k])
+                for item, access in self.all.written.get(row, ()):
+                    self._write(access, self.number[k], item)
             else:
                 stores = self.all.function.stores[item - count : run.end - count : run.period]
                 self._write(Access(stores[0].array, [s.index for s in stores]), operands[0], item)

@@ -1,5 +1,4 @@
-"""All benchmarks, one after the other: `python -m tests.benchmarks [NAME ...] [OPTION ...]`; options are those of one
-benchmark that is named."""
+"""All benchmarks, one after the other: `python -m tests.benchmarks [NAME ...]`, or one with its options."""
 
 from __future__ import annotations
 

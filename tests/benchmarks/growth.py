@@ -3,10 +3,10 @@
     python -m tests.benchmarks growth [--families NAMES] [--up-to N]
 
 Compiling is timed in a cold process with an empty cache, imports included, from the model's text to the first
-right-hand side in Python, and in C with what the C compiler takes; `MB` is the most memory until then.  Right-hand
-sides and C are those of `lagc build`.  CPU times.  An exponent is the slope between logarithms over the last factor of
-ten of the sizes, of those from 50 on.  Peers are asked for the models that they have, in the same run; the least
-of some rounds is taken of all.
+right-hand side in Python, and in C with what the C compiler takes; `MB` is the most memory until then.
+Right-hand sides and C are those of `lagc build`.  All times are of the CPU.  An exponent is the slope between
+logarithms over the last factor of ten of the sizes, of those from 50 on.  Peers are asked for the models that
+they have, in the same run; the least of some rounds is taken of all.
 """
 
 from __future__ import annotations

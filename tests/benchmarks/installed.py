@@ -30,7 +30,7 @@ def folder() -> str:
 
 
 def run(words: Sequence[str], cache: str, limit: float | None = None) -> subprocess.CompletedProcess[str]:
-    """One process that imports this lagc, with the given cache folder.  Raises TimeoutExpired after `limit` s."""
+    """One process that imports this lagc, with the given cache folder; TimeoutExpired after `limit` s."""
     environment = dict(os.environ, LAGC_CACHE=cache, PYTHONPATH=folder())
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
     done = subprocess.run(words, env=environment, cwd=folder(), capture_output=True, text=True, timeout=limit)

@@ -125,8 +125,8 @@ class Run:
 
 
 class Native:
-    """Generated C with the driver; `x0` is where its right-hand side is timed and runs begin.  `seconds` is what
-    the C compiler took for it, of CPU."""
+    """Generated C with the driver; `x0` is where its right-hand side is timed and runs begin.
+    `seconds`: CPU time that the C compiler took for it."""
 
     def __init__(self, sources: Mapping[str, str], x0: Sequence[float]):
         self.words = [repr(float(a)) for a in x0]

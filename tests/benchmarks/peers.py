@@ -61,7 +61,7 @@ def chain(peer: str, n: int, limit: float = 100.0) -> dict[str, Any] | None:
 
 
 def balls(n: int, limit: float = 100.0) -> dict[str, tuple[float, int | None]]:
-    """Chain of n boxes on ball joints: the first word of a peer's name -> seconds of a right-hand side, operations."""
+    """Chain of n boxes on ball joints: first word of a peer's name -> seconds a call, operations."""
     done = _finished("case_b_forward.py", "--n", str(n), limit=limit) if available() else None
     rows = [line.split("|") for line in done.stdout.splitlines()] if done else []
     found = {}

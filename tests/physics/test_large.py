@@ -133,14 +133,14 @@ def test_a_net_of_one_knot_is_an_elastic_pendulum() -> None:
 def test_a_rod_on_a_ball_joint_is_a_top() -> None:
     """Euler's equations about the fixed point, and the orientation by its quaternion."""
     found = run("ball_chain", 1, 1.0)
-    m, length, r = 1.0, 0.3, 0.05
-    across, along = m * (length**2 / 3.0 + r**2 / 4.0), m * r**2 / 2.0
+    m, length, a, b = 1.0, 0.3, 0.03, 0.06
+    fixed = numpy.array([b * b / 12 + length**2 / 3, a * a / 12 + length**2 / 3, (a * a + b * b) / 12])
 
     def rates(t: float, x: list[float]) -> list[float]:
         w, i, j, k, *turn = x
         down = [-2 * (i * k - w * j), -2 * (j * k + w * i), -(1 - 2 * (i * i + j * j))]  # in the rod's axes
         torque = numpy.cross([0.0, 0.0, -length / 2.0], numpy.array(down) * m * G)
-        inertia = numpy.array([across, across, along])
+        inertia = m * fixed
         change = (torque - numpy.cross(turn, inertia * turn)) / inertia
         p, q, s = turn
         quaternion = [

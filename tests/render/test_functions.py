@@ -17,7 +17,6 @@ from lagc.optimize.program import Function, Program, operands
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers
-from lagc.render.c.parts import divided
 from lagc.render.kernels.arithmetic import DOUBLE
 from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
@@ -122,7 +121,7 @@ def test_long_functions_in_parts_are_the_same(
     length: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("lagc.render.c.functions.LONGEST", 0)
-    monkeypatch.setattr("lagc.render.c.parts.PART", length)
+    monkeypatch.setattr("lagc.render.segments._LARGEST", length)
     functions = [random_function(seed, name=f"f{seed}") for seed in range(12)]
     python, library = build(functions, tmp_path)
     rng = random.Random(2)
@@ -131,18 +130,6 @@ def test_long_functions_in_parts_are_the_same(
             values = [rng.gauss(0, 1) for _ in range(6)]
             ours, theirs = both(python, library, f.name, [values[0], 1.0, 9.81], values[1], values[2:], 8)
             assert ours == theirs, (f.name, values)
-
-
-def test_an_array_that_is_written_is_not_read_again_in_a_later_part() -> None:
-    body = ["const lagc_real t0 = w[0];", "const lagc_real q = x[1];", "w[0] = q * 2.0;", "w[1] = t0 * q;"]
-    parts, shared = divided(body, ("w",))
-    assert shared == 0 and parts == [body]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lagc.render.c.parts.PART", 2)
-        parts, shared = divided(body, ("w",))
-    assert shared == 1
-    assert parts[0] == ["const lagc_real t0 = w[0];", "lagc_shared[0] = t0;"]
-    assert set(parts[1][:2]) == {"const lagc_real t0 = lagc_shared[0];", "const lagc_real q = x[1];"}
 
 
 @needs_gcc

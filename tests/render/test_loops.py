@@ -35,7 +35,7 @@ def sorted_leaves(f: Function) -> Function:
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short functions are rolled, too, and ones with little repetition."""
     monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda text, indexing=-math.inf: -indexing)
+    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
     monkeypatch.setattr("lagc.optimize.rolling._GRAM", 4)
     monkeypatch.setattr("lagc.optimize.rolling._WORTH", 6)
     monkeypatch.setattr("lagc.render.numpy.functions._STRAIGHT", 0)

@@ -9,14 +9,17 @@ from functools import partial
 
 from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program, uses
-from lagc.render.c.parts import LONGEST, SHARED, divided
+from lagc.optimize.rolling import moves_itself
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.loops import Forms, loops
 from lagc.render.names import comment
+from lagc.render.segments import in_parts
 from lagc.render.statements import AND, OR, Dialect, lines
 from lagc.render.tables import NONE, Numbers, c_look_up
 
 CALLS = spelling("c")
+LONGEST = 600  # lines of a function: the time that C compilers take grows faster than that
+OPERATIONS = 2  # and stores in a line, about
 
 # Sines and cosines in double precision: see `lagc.kernels.trigonometry`.
 TURN = "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});"
@@ -74,19 +77,13 @@ def function_text(
     )
     size = dict(function.outputs)
     body = [f"{{ int i; for (i = 0; i < {size[a]}; i++) {a}[i] = 0.0; }}" for a in function.cleared]
-    if function.runs:
-        return _rolled(function, loops(function, dialect, _forms(real)), body)
-    body += lines(function, dialect, locals_)
-    name = f"lagc_fn_{function.name}"
-    about = f"/* {comment(function.description)} */\n" if function.description else ""
-    if len(body) <= LONGEST:
-        return about + _definition(name, function, body)
-    parts, shared = divided(body, {array for array, _ in function.outputs})
-    more = f", lagc_real *{SHARED}" if shared else ""
-    text = [_definition(f"{name}_{k}", function, part, more) for k, part in enumerate(parts, 1)]
-    arguments = ", ".join([*_order(function), *([SHARED] if shared else [])])
-    calls = [f"{name}_{k}({arguments});" for k in range(1, len(parts) + 1)]
-    return about + "\n".join([*text, _definition(name, function, _room(shared) + calls)])
+    if not function.runs:
+        long = len(function.operations) + len(function.stores) > OPERATIONS * LONGEST
+        if not long or moves_itself(function):
+            body += lines(function, dialect, locals_)
+            return _about(function) + _definition(f"lagc_fn_{function.name}", function, body)
+        function = in_parts(function)
+    return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
 
 
 def _forms(real: Arithmetic) -> Forms:
@@ -103,8 +100,8 @@ def _forms(real: Arithmetic) -> Forms:
     )  # fmt: skip
 
 
-def _rolled(function: Function, parts: Sequence[list[str]], cleared: list[str]) -> str:
-    """With its loops, in functions of about `PART` lines that share what is kept."""
+def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str]) -> str:
+    """In functions of about LONGEST lines that share what is kept."""
     room, *parts = parts
     blocks = [["{", *(f"    {line}" for line in part), "}"] for part in parts]
     groups: list[list[str]] = [[]]
@@ -112,23 +109,22 @@ def _rolled(function: Function, parts: Sequence[list[str]], cleared: list[str]) 
         if groups[-1] and len(groups[-1]) + len(block) > LONGEST:
             groups.append([])
         groups[-1] += block
-    about = f"/* {comment(function.description)} */\n" if function.description else ""
     name, more = f"lagc_fn_{function.name}", ", lagc_real *kept" if room else ""
     if len(groups) == 1:
-        return about + _definition(name, function, [*room, *cleared, *groups[0]])
+        return _definition(name, function, [*room, *cleared, *groups[0]])
     text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
     arguments = ", ".join([*_order(function), *(["kept"] if room else [])])
     calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
-    return about + "\n".join([*text, _definition(name, function, [*room, *cleared, *calls])])
+    return "\n".join([*text, _definition(name, function, [*room, *cleared, *calls])])
+
+
+def _about(function: Function) -> str:
+    return f"/* {comment(function.description)} */\n" if function.description else ""
 
 
 def _of_type(text: str, real: Arithmetic) -> str:
     """The function of C's library for this type of real."""
     return text if not text.isalnum() or text.startswith("lagc_") else real.call.format(text)
-
-
-def _room(shared: int) -> list[str]:
-    return [f"lagc_real {SHARED}[{shared}];"] if shared else []
 
 
 def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:

@@ -232,7 +232,7 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     size = dict(function.outputs)
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
     if function.runs and len(function.operations) > _STRAIGHT:
-        body += [line for part in loops(function, dialect, FORMS) for line in part]
+        body += [line for part in loops(function, dialect, FORMS, {}) for line in part]
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
