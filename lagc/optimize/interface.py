@@ -20,7 +20,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends", "timed", "driven", "doubtful", "derivatives",
+    "initial_places", "bends", "timed", "courses", "driven", "doubtful", "derivatives",
 )  # fmt: skip
 
 _BENDING = smooth_as(CORNER, STEP, CHOICE) - TRUTHS
@@ -99,6 +99,7 @@ def interface(
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
         bends=_bends(equations),
+        courses=model.courses,
         timed=_timed(functions["system" if "system" in functions else "rhs"]),
         doubtful=_doubtful(model),
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),

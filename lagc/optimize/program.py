@@ -179,6 +179,7 @@ class Interface:
     warnings: tuple[str, ...]  # what may not be meant as it is written
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
+    courses: tuple[tuple[str, float, float, bool], ...] = ()  # as of the Model
     timed: bool = False  # the rates depend on time itself
     doubtful: bool = (
         False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia

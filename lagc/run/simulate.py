@@ -38,7 +38,7 @@ def simulate(
     request = request.completed(system.interface.simulate)
     start = begin(system, request)
     times = request.grid()
-    notes = list(start.notes)
+    notes = [*start.notes, *_beyond_tables(system, times)]
     if request.by_hand:
         options = by_hand(request)
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
@@ -93,6 +93,16 @@ def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[
     if len(times) > 1 and rests(system, x, times):
         return x, RESTS
     return None
+
+
+def _beyond_tables(system: System, times: Sequence[float]) -> list[str]:
+    """What tables over time do where the run goes beyond them."""
+    found = []
+    for name, first, last, straight in system.interface.courses:
+        if times[0] < first or last < times[-1]:
+            what = "it goes on straight" if straight else "the value there is held"
+            found.append(f"the table `{name}` is known from {first:g} s to {last:g} s: beyond, {what}")
+    return found
 
 
 def by_hand(request: Request) -> Options:
