@@ -7,6 +7,7 @@ from math import pi
 from lagc.run.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
+MOST_EVENTS = 4  # the same of events
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
@@ -25,6 +26,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines.append(f"  {'ended':9} {run.message}")
     final = _final(run, verbose)
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
+    lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]
     lines.append(f"  {'accuracy':9} {_accuracy(run)}")
     if interface.nc or interface.quaternions:
         lines.append(
@@ -44,6 +46,14 @@ def _final(run: Solution, verbose: bool) -> list[str]:
     lines = [f"{n:{width}} = {value_text(final[n], units[n])}" for n in names]
     if len(names) < len(final):
         lines.append(f"and {len(final) - len(names)} more: --json or -v shows them")
+    return lines
+
+
+def _events(run: Solution, verbose: bool) -> list[str]:
+    shown = run.events if verbose else run.events[:MOST_EVENTS]
+    lines = [f"t = {event.t:.9g} s: {event.name}" for event in shown]
+    if len(shown) < len(run.events):
+        lines.append(f"and {len(run.events) - len(shown)} more: --json or -v shows them")
     return lines
 
 

@@ -11,8 +11,8 @@ from typing import NewType
 Status = NewType("Status", int)  # what a call ends with: see `statuses`
 FILES = (
     "statuses", "limits", "trigonometry",
-    "records", "binding", "kinds", "dense", "fallback", "rhs", "quaternions", "projection",
-    "runge_kutta", "method", "check", "control", "weights", "listening", "step", "recording",
+    "records", "binding", "kinds", "modes", "dense", "fallback", "rhs", "quaternions", "projection",
+    "runge_kutta", "method", "check", "control", "weights", "listening", "switching", "step", "recording",
     "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",
     "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip

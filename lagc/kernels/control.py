@@ -11,6 +11,7 @@ from math import fabs, sqrt
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.method import beta, exponent, most_growth, most_shrink
 from lagc.kernels.records import Options, State, Trial
+from lagc.kernels.sizes import NMODE
 from lagc.kernels.words import Real
 
 
@@ -36,6 +37,10 @@ def plan(s: State, t1: Real, o: Options, a: Trial) -> None:
     a.t_new = t1
     if o.step > 0.0:
         a.t_new = s.grid + float(s.on_grid + 1) * o.step * a.direction
+        if NMODE > 0:
+            if (a.t_new - s.t) * a.direction <= 1e-9 * o.step:  # a switch has changed just there
+                s.on_grid += 1
+                a.t_new = s.grid + float(s.on_grid + 1) * o.step * a.direction
         a.lands = (a.t_new - t1) * a.direction >= -1e-9 * o.step
         a.size = fabs(a.t_new - s.t)
     if a.lands:
@@ -76,6 +81,9 @@ def adapt(s: State, a: Trial, o: Options) -> None:
     following = a.size / factor
     if a.rejected > 0 and following > a.size:
         following = a.size
+    if NMODE > 0:
+        if a.meets and a.rejected == 0 and following < s.h:
+            following = s.h
     if a.lands and a.rejected == 0 and following < s.h:
         following = s.h  # the step was short only to land
     s.h = following

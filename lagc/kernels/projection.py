@@ -9,7 +9,6 @@ from lagc.kernels.fallback import solve_fallback
 from lagc.kernels.kinds import RESTING
 from lagc.kernels.limits import LARGEST_RESIDUAL, LEAST_PIVOT, LEFT_OVER, UNTOUCHED
 from lagc.kernels.model import (
-    fn_assemble,
     fn_displace,
     fn_factor,
     fn_position,
@@ -20,7 +19,7 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.quaternions import normalise
 from lagc.kernels.records import Work
-from lagc.kernels.rhs import factor_dense, system_at
+from lagc.kernels.rhs import assemble_entries, factor_dense, system_at
 from lagc.kernels.sizes import HAS_DISPLACE, NC, NH, NKIND, NQ, NQUAT, NR, NV, NX, STRAIGHT
 from lagc.kernels.statuses import INCONSISTENT, OK, failed
 from lagc.kernels.words import Params, Real, Size, Status, Vec, by_type, part
@@ -33,7 +32,7 @@ def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factors of [M G^T; G 0] at (t, x)."""
     if STRAIGHT:
         if not w.lost:
-            fn_assemble(p, t, x, w.entries)
+            assemble_entries(p, t, x, w)
             fn_factor(w.entries, w.health)
             if w.health[0] >= LEAST_PIVOT and w.health[1] <= LARGEST_RESIDUAL:
                 w.dense = False

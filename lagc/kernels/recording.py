@@ -10,7 +10,7 @@ from lagc.kernels.method import last, method_at, method_coefficients, method_sta
 from lagc.kernels.projection import project
 from lagc.kernels.records import BAD_BUDGET, BAD_TIME, NOWHERE, READY, Options, State, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NC, NQUAT, NX
+from lagc.kernels.sizes import NC, NMODE, NQUAT, NX
 from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
 from lagc.kernels.step import enter, leave, step_once, stop
 from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
@@ -20,6 +20,8 @@ BARELY = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for roun
 
 def repeat(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """The stages of the last step once more: those of an attempt that failed have taken their place."""
+    if NMODE > 0:
+        w.modes[:] = s.modes_old
     status = rhs_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
     s.rate = NOWHERE
     s.rhs += last(s.method) + 1
@@ -35,6 +37,8 @@ def interpolate(s: State, w: Work) -> Status:
     caller has changed since."""
     t = s.t_seen if s.called else s.t
     x = s.x_seen if s.called else s.x
+    if NMODE > 0:
+        w.modes[:] = s.modes_old
     if s.dense == NOWHERE:
         status = repeat(s, t, x, w)
         if failed(status):
@@ -84,6 +88,8 @@ def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Stat
         status = NOT_FINITE
     if NC > 0:
         s.lost = w.lost
+    if NMODE > 0:
+        w.held = False
     return status
 
 
@@ -162,5 +168,8 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             status = INTERRUPTED
         else:
             status = step_once(p, s, t1, o, w)
+            if NMODE > 0:
+                if status == OK and o.report != 0 and s.fresh:
+                    status = INTERRUPTED
         count += 1
     return leave(s, status, w)

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from lagc.kernels.sizes import (
+    NBOX,
     NC,
     ND,
+    NEDGES,
+    NENDS,
+    NFREE,
     NG,
     NH,
     NK,
     NKIND,
     NM,
+    NMODE,
     NQ,
     NR,
     NREACH,
+    NTIMED,
     NV,
     NWORK,
     NX,
@@ -53,6 +59,8 @@ class Options:
     step: Real  # > 0: fixed steps, rtol and atol unused
     first_step: Real  # 0: chosen
     max_step: Real  # 0: no limit
+    if NMODE > 0:
+        report: int  # 1: record returns INTERRUPTED at each time at which a switch changes, s->changed
 
 
 @record
@@ -122,6 +130,30 @@ class Work:
         nudged: Vec[NX]
     if NWORK > 0:
         entries: Vec[NWORK]
+    if NMODE > 0:
+        held: bool  # the modes are those of a step
+        modes: Vec[NMODE]
+        sides: Vec[NMODE]  # what each switch changes at
+        beside: Vec[NMODE]
+        turning: Vec[NMODE]  # rates of the sides
+        before: Vec[NMODE]
+        left_sides: Vec[NMODE]  # on the branch that it leaves
+        own_modes: Vec[NMODE]
+        left_rates: Vec[NX]  # of the state, on the branch that it leaves
+        crossed: IVec[NMODE]  # 1: it changes at the end of the step
+    if NEDGES > 0:
+        edges: Vec[NEDGES]  # of the modes
+        left_edges: Vec[NEDGES]
+    if NTIMED > 0:
+        slopes: Vec[NTIMED]
+        when: Vec[NTIMED]
+    if NFREE > 0:
+        box: Vec[NBOX]  # least time and states, largest time and states
+        ends: Vec[NENDS]
+        arrived: Vec[NX]
+        left_x: Vec[NX]
+        middle: Vec[NX]
+        right_x: Vec[NX]
 
 
 @record
@@ -139,6 +171,10 @@ class State:
     rhs: Count  # evaluations
     culprit: int
     sizes: Vec[NKIND]  # of coordinates, and speeds, of one unit: the largest so far
+    if NMODE > 0:
+        changes: Count  # times at which a switch has changed
+        changed: IVec[NMODE]  # 1: a switch that did at the last of these
+        jolts: Vec[NX]  # what the last place of these times is worth in the states, in all
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding
     recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
@@ -160,6 +196,11 @@ class State:
     t_seen: Real
     x_seen: Vec[NX]  # where the last step ended
     p: Params  # of the last step
+    if NMODE > 0:
+        modes: Vec[NMODE]  # the branch of the next step: sign(e), or floor(e), of each switch
+        modes_old: Vec[NMODE]  # of the last
+        slack: Vec[NMODE]  # how far a side is beyond its change
+        fresh: bool  # the last step ended with one
     y: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output
@@ -176,4 +217,6 @@ class Trial:
     error: Real  # at most 1 where it is accepted
     lands: bool  # on t1, exactly
     heard: bool  # the error was judged with its rounding
+    if NMODE > 0:
+        meets: bool  # it ends where a switch changes
     rejected: int  # attempts before

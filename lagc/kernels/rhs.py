@@ -10,25 +10,43 @@ from lagc.kernels.kinds import RESTING, enlarge, not_finite
 from lagc.kernels.limits import FAINT, LARGEST_RESIDUAL, LEAST_PIVOT, ROUNDING, SINGULAR
 from lagc.kernels.model import (
     fn_assemble,
+    fn_assemble_on,
     fn_factor,
     fn_gradient_sizes,
     fn_position,
     fn_reaches,
     fn_refine,
     fn_rhs,
+    fn_rhs_on,
     fn_scales,
     fn_solve,
     fn_system,
+    fn_system_on,
     fn_work,
+    fn_work_on,
 )
+from lagc.kernels.modes import own_branch
 from lagc.kernels.records import Work
-from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NQ, NV, NX, NZ, STRAIGHT
+from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NMODE, NQ, NV, NX, NZ, STRAIGHT
 from lagc.kernels.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
 from lagc.kernels.words import Params, Real, Status, Vec, part, size
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    fn_system(p, t, x, w.qdot, w.M, w.force, w.G, w.gamma)
+    if NMODE > 0:
+        own_branch(p, t, x, w)
+        fn_system_on(p, t, x, w.modes, w.qdot, w.M, w.force, w.G, w.gamma)
+    else:
+        fn_system(p, t, x, w.qdot, w.M, w.force, w.G, w.gamma)
+
+
+def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """Of [M G^T; G 0]."""
+    if NMODE > 0:
+        own_branch(p, t, x, w)
+        fn_assemble_on(p, t, x, w.modes, w.entries)
+    else:
+        fn_assemble(p, t, x, w.entries)
 
 
 def trust(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -119,7 +137,10 @@ def put_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
     xdot[:NQ] = w.qdot
     xdot[NQ : NQ + NV] = w.a
     if NZ > 0:
-        fn_work(p, t, x, w.a, lam, w.power)
+        if NMODE > 0:
+            fn_work_on(p, t, x, w.modes, w.a, lam, w.power)
+        else:
+            fn_work(p, t, x, w.a, lam, w.power)
         xdot[NQ + NV] = w.power[0]
 
 
@@ -146,7 +167,7 @@ def rhs_dense(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
 def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """The same once more with one step of iterative refinement."""
     system_at(p, t, x, w)
-    fn_assemble(p, t, x, w.entries)
+    assemble_entries(p, t, x, w)
     fn_factor(w.entries, w.health)
     w.right[:NV] = w.force
     w.right[NV : NV + NC] = w.gamma
@@ -174,7 +195,11 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
         if NC > 0:
             if w.lost:
                 return rhs_dense(p, t, x, xdot, lam, w)
-        fn_rhs(p, t, x, xdot, lam, w.health)
+        if NMODE > 0:
+            own_branch(p, t, x, w)
+            fn_rhs_on(p, t, x, w.modes, xdot, lam, w.health)
+        else:
+            fn_rhs(p, t, x, xdot, lam, w.health)
         if NM > 0:
             least = LEAST_PIVOT if NC > 0 else SINGULAR
             if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):

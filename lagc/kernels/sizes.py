@@ -35,6 +35,12 @@ class NLIMITS(metaclass=SizeType): ...  # values made of parameters that have bo
 class NU(metaclass=SizeType): ...  # unknowns of a start: NQ + NV + NRATE
 class NE(metaclass=SizeType): ...  # its conditions: NCOND + NQUAT
 class NJ(metaclass=SizeType): ...  # derivatives of these
+class NMODE(metaclass=SizeType): ...  # switches
+class NTIMED(metaclass=SizeType): ...  # of these, those that time alone changes, the first
+class NFREE(metaclass=SizeType): ...  # the others
+class NBOX(metaclass=SizeType): ...  # ends of a box of time and states
+class NENDS(metaclass=SizeType): ...  # 2 NFREE
+class NEDGES(metaclass=SizeType): ...  # 2 NMODE, where one counts
 class NROW(metaclass=SizeType): ...  # NU + 1: of a row of these, with its right-hand side
 
 

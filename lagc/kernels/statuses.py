@@ -16,6 +16,7 @@ STEP_UNDERFLOW = Status(5)
 MAX_STEPS = Status(6)  # the steps that one call may take are used up; culprit: none; call again to go on
 INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on
 INVALID = Status(8)  # an option, a time or a parameter makes no sense; culprit: see LAGC_BAD_METHOD and on
+CHATTERING = Status(9)  # a switch changes to and fro at once, without end; culprit: the switch
 
 
 def failed(status: Status) -> bool:

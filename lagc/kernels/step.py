@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from math import fabs
+
 from lagc.kernels.control import adapt, plan, retreat, too_small
 from lagc.kernels.kinds import enlarge
+from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
 from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import factor_dense, rhs_at
-from lagc.kernels.sizes import NC, NKIND, NP, NQUAT, NX, STRAIGHT
-from lagc.kernels.statuses import INTERRUPTED, MAX_STEPS, OK, STEP_UNDERFLOW, failed
+from lagc.kernels.sizes import NC, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NX, STRAIGHT
+from lagc.kernels.statuses import CHATTERING, INTERRUPTED, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
+from lagc.kernels.switching import all_but_changes, change, choose_branch, first_change, next_change, take
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status, Vec, public
+
+FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
 
 
 @public
@@ -51,6 +57,11 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.noise[i] = 0.0
     s.longest = 0.0
     s.culprit = -1
+    if NMODE > 0:
+        s.changes = 0
+        for i in range(NX):
+            s.jolts[i] = 0.0
+        s.fresh = False
 
 
 def enter(s: State, w: Work) -> None:
@@ -59,6 +70,8 @@ def enter(s: State, w: Work) -> None:
     s.entered = s.steps + s.rejected
     if NC > 0:
         w.lost = s.lost
+    if NMODE > 0:
+        w.held = True
 
 
 def leave(s: State, status: Status, w: Work) -> Status:
@@ -70,12 +83,17 @@ def leave(s: State, status: Status, w: Work) -> Status:
         s.x_seen[:] = s.x
     if NC > 0:
         s.lost = w.lost
+    if NMODE > 0:
+        w.held = False
     return status
 
 
 def stop(s: State, status: Status, w: Work) -> Status:
     if failed(status) and status < STEP_UNDERFLOW:
         s.culprit = w.culprit
+    if NMODE > 0:
+        if status == CHATTERING:
+            s.culprit = w.culprit
     return status
 
 
@@ -90,17 +108,15 @@ def state_changed(s: State) -> bool:
 
 
 def parameters_changed(p: Params, s: State) -> bool:
-    """Whether the rate at the state is to be found once more: the caller has changed parameters."""
-    if s.rate == NOWHERE:
-        return True
+    """Whether the caller has changed parameters since the last step."""
     for k in range(NP):
         if not p[k] == s.p[k]:
             return True
     return False
 
 
-def depart(p: Params, s: State, w: Work) -> Status:
-    """The rate at the start of a step."""
+def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The rate at the start of a step, and the branch of it."""
     again = False
     if s.called:
         if state_changed(s):
@@ -115,8 +131,14 @@ def depart(p: Params, s: State, w: Work) -> Status:
                     w.fallbacks -= 1
         else:
             again = parameters_changed(p, s)
+    if NMODE > 0:
+        if again:
+            s.rate = STAGES
+            return choose_branch(p, s, direction, w)
+        w.modes[:] = s.modes
+        take(w)
     status = OK
-    if again:
+    if again or s.rate == NOWHERE:
         status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
         s.rhs += 1
         if failed(status):
@@ -163,11 +185,42 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     return status
 
 
-def accept(p: Params, s: State, t1: Real, o: Options, a: Trial) -> None:
+def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
+    """Where a switch changes within the step, the step once more, to end there; a.h is 0 where that is at its
+    beginning, and the switch has changed."""
+    part = first_change(p, s, o.method, a, w)
+    if part < 0.0:
+        return NOT_FINITE
+    if part > 1.0:
+        a.meets = False
+        return OK
+    a.meets = True
+    whole_size = a.size
+    a.size *= part
+    a.h *= part
+    a.lands = False
+    a.t_new = s.t + a.h
+    if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * whole_size:
+        a.h = 0.0
+        return change(p, s, a.direction, w)
+    return try_step(p, s, o, a, w)
+
+
+def ends_early(a: Trial) -> bool:
+    """Whether a fixed step ends before its end: where a switch changes."""
+    if NMODE > 0:
+        return a.lands or a.meets
+    return a.lands
+
+
+def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
     """The state moves on."""
     if o.step > 0.0:
-        s.grid = t1 if a.lands else s.grid
-        s.on_grid = 0 if a.lands else s.on_grid + 1
+        if a.lands and a.t_new == t1:
+            s.grid = t1
+            s.on_grid = 0
+        elif not ends_early(a):
+            s.on_grid += 1
     else:
         s.stride = 0.0
         adapt(s, a, o)
@@ -185,17 +238,13 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial) -> None:
     s.listening = a.heard
     s.rate = READY
     s.dense = STAGES
+    if NMODE > 0:
+        s.modes_old[:] = w.modes
+        s.fresh = False
 
 
-def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
-    """One step towards t1, at most to it, and then exactly."""
-    if s.dense == STAGES:
-        s.dense = NOWHERE  # other stages take their place
-    a = Trial()
-    a.direction = 1.0 if t1 >= s.t else -1.0
-    status = depart(p, s, w)
-    if failed(status):
-        return stop(s, status, w)
+def size_up(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
+    """How long a step is tried."""
     if s.h == 0.0:
         if o.step > 0.0:
             s.h = o.step
@@ -207,21 +256,57 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         s.stride = o.step * a.direction
         s.grid = s.t
         s.on_grid = 0
-    forget(s, w)
     a.size = o.max_step if o.max_step > 0.0 and s.h > o.max_step else s.h
+
+
+def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
+    """Whether the first step after a switch has changed is to be as short as that of a motion which begins
+    there: it was far too long."""
+    if s.fresh and a.rejected == 0 and a.error > FAR_TOO_LONG and o.first_step == 0.0:
+        size = first_step(p, s, t1, a.direction, o, w)
+        if size < a.size:
+            a.size = size
+            return True
+    return False
+
+
+def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
+    """One step towards t1, at most to it, and then exactly."""
+    if s.dense == STAGES:
+        s.dense = NOWHERE  # other stages take their place
+    a = Trial()
+    a.direction = 1.0 if t1 >= s.t else -1.0
+    status = depart(p, s, a.direction, w)
+    if failed(status):
+        return stop(s, status, w)
+    size_up(p, s, t1, o, a, w)
+    forget(s, w)
+    goal = t1
+    if NTIMED > 0:
+        goal = next_change(p, s, t1, a.direction, w)
+        if goal == s.t:
+            return stop(s, change(p, s, a.direction, w), w)
     cause = OK
     while True:
         if o.max_steps > 0 and s.steps + s.rejected - s.entered >= o.max_steps:
             if a.rejected > 0:
                 s.h = a.size
             return MAX_STEPS
-        plan(s, t1, o, a)
+        plan(s, goal, o, a)
         if a.rejected == 0 and a.size > s.longest:
             s.longest = a.size
         w.longest = s.longest if a.rejected > 0 else 0.0
         if too_small(s, t1, a):
+            if NFREE > 0:
+                if cause != OK and all_but_changes(p, s, a.direction, w):
+                    return stop(s, change(p, s, a.direction, w), w)
             return stop(s, cause if cause != OK else STEP_UNDERFLOW, w)
         status = try_step(p, s, o, a, w)
+        if NFREE > 0:
+            if not failed(status) and a.error <= 1.0:
+                status = stop_short(p, s, o, a, w)
+                if status == CHATTERING or a.h == 0.0:
+                    return stop(s, status, w)
         if failed(status):
             if o.step > 0.0:
                 return stop(s, status, w)
@@ -231,8 +316,15 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
-            retreat(a, o)
+            if NMODE > 0:
+                if not starts_anew(p, s, t1, o, a, w):
+                    retreat(a, o)
+            else:
+                retreat(a, o)
         a.rejected += 1
         s.rejected += 1
-    accept(p, s, t1, o, a)
+    accept(p, s, t1, o, a, w)
+    if NMODE > 0:
+        if a.meets or (a.lands and goal != t1):
+            return stop(s, change(p, s, a.direction, w), w)
     return OK

@@ -69,7 +69,6 @@ class Context:
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.curves: dict[str, str] = {}  # names of tables, with what they stand for
-        self.courses: dict[str, tuple[float, float, bool]] = {}  # of those over time: see `Model.courses`
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
         self._reported: set[tuple[str, Span | None, str]] = set()

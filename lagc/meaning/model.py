@@ -342,8 +342,6 @@ class Model:
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     limits: tuple[Limit, ...] = ()  # of derived parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
-    # Of tables over time, by name: the first time and the last, and whether they go on straight beyond.
-    courses: tuple[tuple[str, float, float, bool], ...] = ()
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
 

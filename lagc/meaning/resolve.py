@@ -198,7 +198,6 @@ def _model(
         simulate=simulate,
         limits=_of(found, nouns.Limit),
         built_in=tuple(context.built_in),
-        courses=tuple([(name, *course) for name, course in context.courses.items()]),
         imports=tuple(context.importer.asked.items()),
         notes=notes,
     )

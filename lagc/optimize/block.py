@@ -15,7 +15,19 @@ from lagc.optimize.program import LEAVES, Function, Operation, Store
 from lagc.records import replace
 
 STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
-ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "s")  # inputs, in the order of a signature
+ARRAYS = (
+    "p",
+    "t",
+    "x",
+    "modes",
+    "a",
+    "lam",
+    "d",
+    "box",
+    "w",
+    "r",
+    "s",
+)  # inputs, in the order of a signature
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
 

@@ -28,8 +28,8 @@ def system(places: Places, seldom: bool) -> Function:
     equations, n = places.equations, len(places.equations.v)
     packed = {i * (i + 1) // 2 + j: node for (i, j), node in equations.mass_matrix.items()}
     jacobian = {k * n + j: node for k, row in enumerate(equations.rows) for j, node in row.jacobian.items()}
-    return _function(
-        places, "system", STATE,
+    return made(
+        places, "system", places.state,
         (
             ("qdot", equations.qdot), ("M", _matrix(places, packed, n * (n + 1) // 2)),
             ("r", equations.applied_forces), ("G", _matrix(places, jacobian, len(equations.rows) * n)),
@@ -63,20 +63,20 @@ def displace(places: Places) -> Function | None:
     d = [graph.symbol("displacement", name) for name in equations.v_names]
     dq = tangent(graph, equations.qdot, dict(zip(equations.v, d)))
     more = replace(places, arrays={**places.arrays, **{node: ("d", k) for k, node in enumerate(d)}})
-    return _function(more, "displace", (*STATE, "d"), (("dq", dq),), "dq = N(t,q) d")
+    return made(more, "displace", (*STATE, "d"), (("dq", dq),), "dq = N(t,q) d")
 
 
 def position(places: Places) -> Function:
     rows = [row for row in places.equations.rows if row.holonomic]
     residuals = [row.residual for row in rows]
     comments = row_comments(rows)
-    return _function(places, "position", STATE, (("phi", residuals),), "holonomic residuals", comments)
+    return made(places, "position", STATE, (("phi", residuals),), "holonomic residuals", comments)
 
 
 def velocity(places: Places) -> Function:
     rows = places.equations.rows
     rates = [row.rate for row in rows]
-    return _function(
+    return made(
         places, "velocity", STATE, (("psi", rates),), "rates of the constraint rows", row_comments(rows)
     )
 
@@ -93,7 +93,7 @@ def scales(places: Places) -> Function:
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
     sizes = _beside_others(places, places.equations.rows, sizes)
-    return _function(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
+    return made(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
 
 
 def _beside_others(places: Places, rows: Sequence[Row], sizes: Sequence[Node]) -> list[Node]:
@@ -121,7 +121,7 @@ def gamma_sizes(places: Places) -> Function:
         parts = [row.gamma, *(slope * v for v, slope in slopes.items())]
         sizes.append(graph.sum(magnitudes(graph, parts)))
     described = "size of the terms of each row's gamma"
-    return _function(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
+    return made(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
 
 
 def gradient_sizes(places: Places) -> Function:
@@ -130,7 +130,7 @@ def gradient_sizes(places: Places) -> Function:
     graph = places.graph
     sizes = [graph.sum(magnitudes(graph, list(row.jacobian.values()))) for row in places.equations.rows]
     described = "size of the terms of each row's gradient"
-    return _function(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
+    return made(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
 
 
 def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
@@ -180,7 +180,7 @@ def reaches(places: Places) -> Function:
         of_rates.append(reach(_of_speeds(places, row), parts))
     found += _beside_others(places, holonomic, of_rates)
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in size.items()}})
-    return _function(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
+    return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
 
 
 def _slopes(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
@@ -218,15 +218,15 @@ def energies(places: Places) -> Function:
     equations = places.equations
     e = [equations.kinetic, equations.potential, equations.energy]
     names = ["kinetic energy", "potential energy", "energy of the balance"]
-    return _function(places, "energies", STATE, (("e", e),), "energies", names, seldom=True)
+    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True)
 
 
 def power(places: Places) -> Function | None:
     equations = places.equations
     if equations.power.is_zero:
         return None
-    inputs = (*STATE, "a", "lam")
-    return _function(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", seldom=True)
+    inputs = (*places.state, "a", "lam")
+    return made(places, "power", inputs, (("e", [equations.power]),), "rate of that energy", seldom=True)
 
 
 def outputs(places: Places) -> Function | None:
@@ -234,7 +234,7 @@ def outputs(places: Places) -> Function | None:
     if not found:
         return None
     names = [o.name for o in places.equations.outputs]
-    return _function(
+    return made(
         places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model", names, seldom=True
     )
 
@@ -245,7 +245,7 @@ def start(places: Places, work: bool) -> Function:
     if work:
         x.append(places.graph.zero)
     names = [*equations.q_names, *equations.v_names]
-    return _function(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
+    return made(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
 
 
 def limits(places: Places) -> Function | None:
@@ -253,7 +253,7 @@ def limits(places: Places) -> Function | None:
     found = [limit.value for limit in places.equations.model.limits]
     parts = (("b", found),)
     described = "derived values that have bounds"
-    return _function(places, "limits", ("p",), parts, described, seldom=True) if found else None
+    return made(places, "limits", ("p",), parts, described, seldom=True) if found else None
 
 
 def conditions(places: Places) -> Function | None:
@@ -267,7 +267,7 @@ def conditions(places: Places) -> Function | None:
     slopes = [slope for row in condition_slopes(equations) for slope in row.values()]
     sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
     parts = (("c", rows), ("J", slopes), ("sizes", sizes))
-    return _function(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
+    return made(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
 
 
 def measures(places: Places) -> Function | None:
@@ -285,10 +285,10 @@ def measures(places: Places) -> Function | None:
         largest.append(node)
     values = [s.start.value for s in equations.stated_rates]
     parts = (("s", values), ("largest", largest))
-    return _function(places, "measures", ("p",), parts, "stated rates, sizes of parameters", seldom=True)
+    return made(places, "measures", ("p",), parts, "stated rates, sizes of parameters", seldom=True)
 
 
-def _function(
+def made(
     places: Places,
     name: str,
     inputs: tuple[str, ...],

@@ -8,11 +8,11 @@ from itertools import accumulate
 from lagc import cache
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
-from lagc.expr.operators import CHOICE, CORNER, STEP, TRUTHS, smooth_as
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.conditions import condition_slopes
+from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Field, Function, Interface
 from lagc.records import names, replace
@@ -20,10 +20,8 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "bends", "timed", "courses", "driven", "doubtful", "derivatives",
+    "initial_places", "switches", "timed", "driven", "doubtful", "derivatives",
 )  # fmt: skip
-
-_BENDING = smooth_as(CORNER, STEP, CHOICE) - TRUTHS
 
 
 def used_parameters(equations: EquationsOfMotion, roots: Iterable[Node]) -> tuple[Parameter, ...]:
@@ -46,6 +44,7 @@ def interface(
     dropped: tuple[str, ...] = (),
     remarks: tuple[str, ...] = (),
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
+    switches: tuple[Switch, ...] = (),
 ) -> Interface:
     """What the run needs to know of `functions`, the functions of the model of `equations`.
     `dropped` are the names that `equations` are without, `remarks` go to the notes."""
@@ -98,9 +97,11 @@ def interface(
         notes=(*model.notes, *notes, *equations.dropped, *remarks),
         warnings=tuple([_warning(fault) for fault in equations.warnings]),
         dropped=dropped,
-        bends=_bends(equations),
-        courses=model.courses,
-        timed=_timed(functions["system" if "system" in functions else "rhs"]),
+        switches=tuple([switch.words for switch in switches]),
+        counted_switches=tuple([int(switch.edges is not None) for switch in switches]),
+        timed_switches=sum(1 for switch in switches if switch.slope is not None),
+        timed=_timed(functions["system" if "system" in functions else "rhs"])
+        or ("sides" in functions and _timed(functions["sides"])),
         doubtful=_doubtful(model),
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
         derivatives=dict(derivatives),
@@ -109,23 +110,9 @@ def interface(
     return replace(found, model_hash=digest)
 
 
-def _moving(equations: EquationsOfMotion) -> list[Node]:
-    """What decides the rates."""
-    found = [*equations.qdot, *equations.loads, *equations.loads.values()]
-    found += [x for part in equations.inertias for x in part.velocity]
-    found += [x for row in equations.rows for x in (*row.jacobian.values(), row.gamma)]
-    return [*found, *equations.further_inertia.values()]
-
-
 def _timed(function: Function) -> bool:
     """Whether what it computes depends on time itself: that of frames that turn may cancel."""
     return any(isinstance(o.payload, tuple) and o.payload[0] == "t" for o in function.operations)
-
-
-def _bends(equations: EquationsOfMotion) -> bool:
-    """Whether an operation that may bend or jump takes what changes during a run."""
-    changing = [equations.time, *equations.q, *equations.v]
-    return any(node.op in _BENDING for node in depends(_moving(equations), changing))
 
 
 def _doubtful(model: Model) -> bool:

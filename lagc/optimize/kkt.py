@@ -17,7 +17,7 @@ from lagc.optimize.factoring import Factors, Matrix, factor, pair, refine, resid
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places, cheapest, lower
+from lagc.optimize.symbols import Places, cheapest, lower
 from lagc.records import dataclass
 
 
@@ -73,7 +73,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, left])
     outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
-    return block.function("rhs", STATE, outputs, "right-hand side: qdot, accelerations, multipliers")
+    return block.function("rhs", places.state, outputs, "right-hand side: qdot, accelerations, multipliers")
 
 
 def _with_inertia(
@@ -103,7 +103,7 @@ def assemble(places: Places, solver: Solver) -> Function:
         block = Block()
         _store_all(block, "w", lower(places, block, nodes)[1])
         return block.function(
-            "assemble", STATE, (("w", work_size(solver)),), "entries of [M G^T; G 0] into w"
+            "assemble", places.state, (("w", work_size(solver)),), "entries of [M G^T; G 0] into w"
         )
 
     return cheapest(places, solver.nodes, make)

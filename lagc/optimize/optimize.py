@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
@@ -10,6 +10,7 @@ from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
 from lagc.optimize.derivatives import derivatives
 from lagc.optimize.forms import forms_matrix, solvers
+from lagc.optimize.freezing import Switch, frozen
 from lagc.optimize.interface import interface, used_parameters
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import plain
@@ -19,6 +20,7 @@ from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.rolling import rolled
+from lagc.optimize.switching import switching
 from lagc.optimize.symbols import Places, places, weight
 from lagc.records import replace
 
@@ -36,10 +38,12 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     work = work and not equations.power.is_zero
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
-    solver, rhs = _solver(at, work)
+    moving, switches = frozen(equations)
+    along = places(moving, parameters, [switch.mode for switch in switches])
+    solver, rhs = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
-    made = _functions(at, solver, rhs, work, preparation)
+    made = _functions(at, along, switches, solver, rhs, work, preparation)
     slopes = derivatives(at) if differentiate else None
     if slopes:
         more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
@@ -60,6 +64,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             dropped=left_out,
             remarks=independent(equations, system),
             derivatives={name: pattern for name, (_, pattern) in slopes.by.items()} if slopes else {},
+            switches=switches,
         ),
         found,
     )
@@ -81,22 +86,29 @@ def _solver(at: Places, work: bool) -> tuple[Solver | None, Function | None]:
 
 
 def _functions(
-    at: Places, solver: Solver | None, rhs: Function | None, work: bool, preparation: Preparation
+    at: Places,
+    along: Places,
+    switches: Sequence[Switch],
+    solver: Solver | None,
+    rhs: Function | None,
+    work: bool,
+    preparation: Preparation,
 ) -> dict[str, Function]:
+    """`at` the state alone; `along` the branches of a run, which differ where there are switches."""
     constrained = bool(at.equations.rows)
     made = [rhs]
     if solver is None or constrained or forms_matrix(at.equations):
-        made.append(functions.system(at, seldom=solver is not None))
+        made.append(functions.system(along, seldom=solver is not None))
     if solver is not None and constrained:
-        made += [kkt.assemble(at, solver), kkt.factorize(solver), kkt.solve(solver), kkt.refiner(solver)]
+        made += [kkt.assemble(along, solver), kkt.factorize(solver), kkt.solve(solver), kkt.refiner(solver)]
     made.append(functions.displace(at))
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]
         made += [functions.gamma_sizes(at), functions.gradient_sizes(at)]
         made.append(functions.reaches(at))
-    made += [functions.energies(at), functions.power(at), functions.outputs(at)]
+    made += [functions.energies(at), functions.power(along), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
-    made.append(functions.limits(at))
+    made += [functions.limits(at), *switching(at, along, switches)]
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])

@@ -80,6 +80,11 @@ class Function:
     runs: tuple[Run, ...] = ()
 
     @property
+    def spelled(self) -> str:
+        """Its name in generated code: one that is a function of modes is that on their branch."""
+        return f"{self.name}_on" if "modes" in self.inputs else self.name
+
+    @property
     def cost(self) -> int:
         """Arithmetic operations and function calls (loads, constants, negations not counted)."""
         free = (*LEAVES, "neg")
@@ -178,8 +183,9 @@ class Interface:
     notes: tuple[str, ...]
     warnings: tuple[str, ...]  # what may not be meant as it is written
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
-    bends: bool = False  # a force may bend or jump with the motion or time: `abs`, `if`, ... in the rates
-    courses: tuple[tuple[str, float, float, bool], ...] = ()  # as of the Model
+    switches: tuple[str, ...] = ()  # conditions that a motion may change: what changes, in words
+    counted_switches: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
+    timed_switches: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates depend on time itself
     doubtful: bool = (
         False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
@@ -265,6 +271,15 @@ class Program:
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
+    and with switches, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
+      modes       (p,t,x)         -> modes[]   of the state: sign(e), floor(e), or the piece of a table
+      sides       (p,t,x,modes)   -> e[]    what each changes at
+      own         (p,t,x,modes)   -> e[]    the modes that sides tell
+      side_rates  (p,t,x,modes,d) -> e[]    the rates of sides, with those of the state
+      edges       (modes)         -> e[]    least and largest value of each side that is counted, in its mode
+      slopes      (p,modes)       -> e[]    of those that time alone changes
+      enclosure   (p,modes,box)   -> e[]    least and largest value of each other one, where time and states
+                                            keep to a box (least ones, then largest)
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
       stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the

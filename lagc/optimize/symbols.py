@@ -35,21 +35,26 @@ class Places:
     equations: EquationsOfMotion
     arrays: dict[Node, tuple[str, int]]
     constants: tuple[Node, ...]  # the symbols of parameters
+    state: tuple[str, ...] = STATE  # the arrays that the equations are functions of
 
     @property
     def graph(self) -> Graph:
         return self.equations.graph
 
 
-def places(equations: EquationsOfMotion, parameters: Sequence[Parameter]) -> Places:
-    """Parameters and inputs in p, time in t, q and v in x, and a, lam."""
+def places(
+    equations: EquationsOfMotion, parameters: Sequence[Parameter], modes: Sequence[Node] = ()
+) -> Places:
+    """Parameters and inputs in p, time in t, q and v in x, modes of switches, and a, lam."""
     found: dict[Node, tuple[str, int]] = {equations.time: ("t", 0)}
     given = [*(p.symbol for p in parameters), *(u.symbol for u in equations.model.inputs)]
     for array, symbols in (
-        ("p", given), ("x", [*equations.q, *equations.v]), ("a", equations.a), ("lam", equations.lam),
+        ("p", given), ("x", [*equations.q, *equations.v]), ("modes", modes), ("a", equations.a),
+        ("lam", equations.lam),
     ):  # fmt: skip
         found.update((symbol, (array, k)) for k, symbol in enumerate(symbols))
-    return Places(equations, found, tuple([p.symbol for p in parameters]))
+    state = (*STATE, "modes") if modes else STATE
+    return Places(equations, found, tuple([p.symbol for p in parameters]), state)
 
 
 def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:

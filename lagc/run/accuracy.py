@@ -105,7 +105,7 @@ class _Search:
         self.runs: dict[float, Trajectory] = {}  # by tolerance
         self.rounded: dict[float, float] = {}  # by tolerance
         self.scales: dict[float, Sizes] = {}  # by tolerance
-        self.truncation = Truncation(self.runs, self._sizes, order(self.method), system.interface.bends)
+        self.truncation = Truncation(self.runs, self._sizes, order(self.method))
         self.balance: Balance | None = None
         self.along: Rounding | None = None  # the motion
         self.still: dict[int, float] = {}  # kinds that rounding alone moves, and how far
@@ -124,7 +124,8 @@ class _Search:
         share = LONGEST_TIMED if self.system.interface.timed else LONGEST
         longest = share * abs(self.times[-1] - self.times[0])
         longest = min(longest, self.max_step or longest) * (tol / COARSE) ** (1.0 / order(self.method))
-        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch())
+        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(),
+                       report=True)  # fmt: skip
 
     def _watch(self) -> Callable[[Trajectory], bool]:
         looks = [(self.times[0], 0, 0.0)]
@@ -223,8 +224,6 @@ class _Search:
 
     def _settled(self) -> bool:
         """Whether no finer run is needed, or none would help."""
-        if not self.truncation.sampled:
-            return False
         if self.truncation.error() > self.accuracy:
             return len(self.runs) > 2 and self.drift() > self.accuracy
         if self.estimate() > self.accuracy:
@@ -293,7 +292,7 @@ class _Search:
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 noise = self._rounded_away(found.beside)
-                least = self.accuracy / self.truncation.on_difference()
+                least = self.accuracy / SAFETY
                 _, alike = difference(finest, found.beside, interface, least, noise)
                 until, last = self.along.until(self.accuracy), self.times[-1]
                 if alike is not None or self.times[0] < until < last:

@@ -20,7 +20,14 @@ class Counted:
 
     def bind(self, values: Sequence[float]) -> Counted:
         """The system with other parameters; what it does counts here."""
-        found = Counted(self.system.bind(values))
+        return self._beside(self.system.bind(values))
+
+    def on(self, t: float, x: Vector) -> Counted:
+        """The system on the branch of (t, x); what it does counts here."""
+        return self._beside(self.system.on(t, x))
+
+    def _beside(self, system: System) -> Counted:
+        found = Counted(system)
         found._counts = self._counts
         return found
 

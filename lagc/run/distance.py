@@ -13,10 +13,14 @@ Sizes = Sequence[tuple[Sequence[int], float]]
 
 
 def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
-    """The indices of the states of each kind, and the largest magnitude of these."""
+    """The indices of the states of each kind, and the largest magnitude of these: at the recorded times, and
+    at the ends of all steps."""
     largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
-    return [(group, max((largest[i] for i in group), default=0.0) if largest else 0.0)
-            for group in kinds(interface)]  # fmt: skip
+    found = []
+    for group in kinds(interface):
+        seen = [trajectory.sizes[interface.kinds[group[0]]]] if trajectory.sizes else [0.0]
+        found.append((group, max(seen + [largest[i] for i in group] if largest else seen)))
+    return found
 
 
 def moving(groups: Sizes, still: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:

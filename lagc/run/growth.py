@@ -15,7 +15,7 @@ from math import inf, sqrt
 
 from lagc.run.distance import Sizes, spread
 from lagc.run.problem import FAILED, INTERRUPTED, OK, System, Trajectory
-from lagc.run.rounding import Quick, close_look, nudged, quick_bound
+from lagc.run.rounding import Quick, close_look, jolted, nudged, quick_bound
 
 LITTLE = 10.0  # of growth: a distance that tells no more may be all displacement
 DISPLACED = 1e-7  # of the sizes: less than the errors of the coarse pilot in most motions
@@ -40,7 +40,7 @@ class Rounding:
                  integrate: Integrate):  # fmt: skip
         self.system, self.run, self.groups, self.integrate = system, run, groups, integrate
         changes, self.way = look
-        self.quick = quick_bound(run, groups, changes)
+        self.quick = quick_bound(system, run, groups, changes)
         self.beside = self._displaced(coarse, DISPLACED)
         self.bound = self.bounded(run)
         self.grown: list[float] | None = None  # differences from the start, up to each recorded time
@@ -94,7 +94,8 @@ class Rounding:
 
     def _looks(self, run: Trajectory, groups: Sizes) -> Looks:
         if self.looked is None or self.looked[0] is not run:
-            self.looked = run, close_look(self.system, run, groups)
+            looks = close_look(self.system, run, groups)
+            self.looked = run, [*looks, (0, jolted(self.system, run, groups))]
         return self.looked[1]
 
     def _growth(self, tol: float, run: Trajectory) -> list[float]:

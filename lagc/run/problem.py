@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from lagc.kernels.statuses import (
+    CHATTERING,
     INCONSISTENT,
     INTERRUPTED,
     INVALID,
@@ -25,9 +26,9 @@ from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 
 __all__ = [
-    "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS", "NOT_FINITE", "OK",
-    "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "System", "Trajectory", "Vector",
-    "rates_at", "row_gradients",
+    "CHATTERING", "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS",
+    "NOT_FINITE", "OK", "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "System", "Trajectory",
+    "Vector", "rates_at", "row_gradients",
 ]  # fmt: skip
 
 Vector = Sequence[float]
@@ -61,6 +62,11 @@ class System(Protocol):
 
     def bind(self, values: Sequence[float]) -> System:
         """The same model with other values of p."""
+        ...
+
+    def on(self, t: float, x: Vector) -> System:
+        """The same on the branch of (t, x), whatever the state that is asked: no condition of the equations
+        changes.  What it integrates is as usual."""
         ...
 
     def integrate(

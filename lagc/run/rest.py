@@ -69,7 +69,7 @@ def _last_places(system: System, t: float, x: Sequence[float], plain: Sequence[f
 
 def _other_rounding(system: System, t: float, x: Sequence[float], plain: Sequence[float]) -> list[float]:
     """How far each acceleration changes where arithmetic is rounded up, or down."""
-    return _changes(system, [r for way in (1, -1) for r in rounded_rates(system, [t], [x], way)], plain)
+    return _changes(system, [r for way in (1, -1) for r in rounded_rates([system], [t], [x], way)], plain)
 
 
 def _changes(system: System, others: Sequence[Sequence[float] | None], plain: Sequence[float]) -> list[float]:

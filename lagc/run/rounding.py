@@ -20,6 +20,9 @@ from lagc.run.problem import FAILED, System, Trajectory, rates_at
 
 ULP = 2.0**-52
 SAMPLES = 12  # of the recorded states
+# Of a rate, the rounding of a step, whose coefficients have last places too: where forces jump, a step may be
+# as long as what is between, and exact but for these, which add up.
+STEP = 16.0 * ULP
 UNSEEN = 10.0  # what a quick look may miss
 
 Quick = tuple[list[float], list[float]]
@@ -47,15 +50,17 @@ def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> Quick:
         return sum(abs(states[k][i]) / size for group, size in speeds for i in group)
 
     where = sorted({0, max(chosen, key=pace), chosen[len(chosen) // 2], chosen[-1]})
-    plain = [rates_at(system, times[k], states[k]) for k in where]
+    on = [system.on(times[k], states[k]) for k in where]
+    plain = [rates_at(own, times[k], states[k]) for own, k in zip(on, where)]
     at = [times[k] for k in where], [_shifted(states[k], k) for k in where]
+    least = _least(system)
     worst, span = [inf if trajectory.fallbacks else 0.0] * system.nx, abs(times[-1] - times[0])
     way = [ULP * generic(i) * a for i, a in enumerate(states[0])]
-    for k, one, up, down in zip(where, plain, rounded_rates(system, *at, 1), rounded_rates(system, *at, -1)):
+    for k, one, up, down in zip(where, plain, rounded_rates(on, *at, 1), rounded_rates(on, *at, -1)):
         if one is None or up is None or down is None:
             worst = [inf] * system.nx
             continue
-        worst = [max(w, abs(u - r), abs(d - r)) for w, r, u, d in zip(worst, one, up, down)]
+        worst = [max(w, abs(u - r), abs(d - r), least * abs(r)) for w, r, u, d in zip(worst, one, up, down)]
         a, b = span * generic(k), span * generic(-k - 1)
         way = [w + a * (u - r) + b * (d - r) for w, r, u, d in zip(way, one, up, down)]
     soon = span / max(trajectory.steps, 1)  # what moves the speeds moves the coordinates then
@@ -63,11 +68,27 @@ def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> Quick:
     return worst, [w + soon * m for w, m in zip(way, moved)] + way[system.nq :]
 
 
-def quick_bound(trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
+def _least(system: System) -> float:
+    return STEP if system.interface.switches else 0.0
+
+
+def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
     """How far rounding moves the states at most, relative to their sizes, where differences do not grow."""
     span = abs(trajectory.times[-1] - trajectory.times[0])
     worst = max((changes[i] / size for group, size in groups if size > 0.0 for i in group), default=0.0)
-    return UNSEEN * worst * span
+    return UNSEEN * worst * span + jolted(system, trajectory, groups)
+
+
+def jolted(system: System, trajectory: Trajectory, groups: Sizes) -> float:
+    """What is due to times at which switches changed being told to their last place, relative to the sizes of
+    the states: in speeds, and in coordinates by these over the time."""
+    jolts, nq = trajectory.jolts, system.nq
+    if not any(jolts):
+        return 0.0
+    span = abs(trajectory.times[-1] - trajectory.times[0])
+    way = system.displace(trajectory.times[0], trajectory.states[0], jolts[nq : nq + system.nv])
+    moved = [a + span * abs(b) for a, b in zip(jolts, way)] + [*jolts[nq:]]
+    return max((moved[i] / size for group, size in groups if size > 0.0 for i in group), default=0.0)
 
 
 def generic(k: int) -> float:
@@ -76,11 +97,11 @@ def generic(k: int) -> float:
 
 
 def rounded_rates(
-    system: System, times: Sequence[float], states: Sequence[Sequence[float]], way: int
+    systems: Sequence[System], times: Sequence[float], states: Sequence[Sequence[float]], way: int
 ) -> list[list[float] | None]:
     """The rates with arithmetic rounded up or down: in calls of compiled code, else in another thread."""
     found: list[list[float] | None] = []
-    for t, x in zip(times, states):
+    for system, t, x in zip(systems, times, states):
         xdot, lam = [0.0] * system.nx, [0.0] * system.nc
         status = system.rounded(t, x, xdot, lam, way)
         if status is None:
@@ -92,8 +113,8 @@ def rounded_rates(
 
     def work() -> list[list[float] | None]:
         with directed(way):
-            bound = system.bind(system.parameters)
-            return [rates_at(bound, t, x) for t, x in zip(times, states)]
+            bound = [system.bind(system.parameters) for system in systems]
+            return [rates_at(one, t, x) for one, t, x in zip(bound, times, states)]
 
     return apart(work)
 
@@ -141,17 +162,17 @@ def _looks(system: System, trajectory: Trajectory) -> list[Look]:
     """Where the rates can be told: as they are, and twice with other rounding."""
     from lagc.run.directed import directed
 
-    looks = []
+    looks, least = [], _least(system)
     for k in picked(trajectory):
-        found = []
+        found, x = [], trajectory.states[k]
+        on = system.on(trajectory.times[k], x)
         for way in (0, 1, -1):
-            x = trajectory.states[k]
             moved = [a * (1.0 + (way if i % 2 else -way) * ULP) for i, a in enumerate(x)]
             with directed(way):
-                found.append(rates_at(system.bind(system.parameters), trajectory.times[k], moved))
+                found.append(rates_at(on.bind(system.parameters), trajectory.times[k], moved))
         told = [f for f in found if f is not None]
         if len(told) == 3:
-            changes = [max(abs(u - r), abs(d - r)) for r, u, d in zip(*told)]
+            changes = [max(abs(u - r), abs(d - r), least * abs(r)) for r, u, d in zip(*told)]
             looks.append((k, changes, [*map(abs, told[0])]))
     return looks
 

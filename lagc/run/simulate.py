@@ -12,7 +12,7 @@ from lagc.run.counted import Counted
 from lagc.run.problem import FAILED, INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
-from lagc.run.solution import Cost, Energy, Solution
+from lagc.run.solution import Cost, Energy, Event, Solution
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
 from lagc.run.watched import Watched
 
@@ -38,7 +38,7 @@ def simulate(
     request = request.completed(system.interface.simulate)
     start = begin(system, request)
     times = request.grid()
-    notes = [*start.notes, *_beyond_tables(system, times)]
+    notes = list(start.notes)
     if request.by_hand:
         options = by_hand(request)
         trajectory = system.integrate(options, 0.0, start.x, times, progress)
@@ -77,6 +77,7 @@ def simulate(
         asked=request.accuracy, estimated=told.estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
+        events=tuple([Event(t, system.interface.switches[k]) for t, k in trajectory.events]),
         interrupted=trajectory.status == INTERRUPTED,
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),
@@ -95,24 +96,14 @@ def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[
     return None
 
 
-def _beyond_tables(system: System, times: Sequence[float]) -> list[str]:
-    """What tables over time do where the run goes beyond them."""
-    found = []
-    for name, first, last, straight in system.interface.courses:
-        if times[0] < first or last < times[-1]:
-            what = "it goes on straight" if straight else "the value there is held"
-            found.append(f"the table `{name}` is known from {first:g} s to {last:g} s: beyond, {what}")
-    return found
-
-
 def by_hand(request: Request) -> Options:
     method = request.method or "dop853"
     if request.step is not None:
-        return Options(method=method, step=request.step, max_steps=0)
+        return Options(method=method, step=request.step, max_steps=0, report=True)
     rtol = RTOL if request.rtol is None else request.rtol
     atol = 0.0 if request.atol is None else request.atol
     longest = request.max_step or 0.0
-    return Options(method=method, rtol=rtol, atol=atol, max_steps=0, max_step=longest)
+    return Options(method=method, rtol=rtol, atol=atol, max_steps=0, max_step=longest, report=True)
 
 
 def _overstepped(

@@ -194,6 +194,7 @@ class Solution:
             "units": {"time": "s", **self.units},
             "accuracy": self.accuracy, "drift": self.drift,
             "status": self.status, "message": self.message,
+            "events": [{"t": e.t, "name": e.name} for e in self.events],
         }  # fmt: skip
 
     def to_dict(self) -> dict[str, object]:

@@ -73,7 +73,7 @@ def _largest(system: System, states: States, zero: Iterable[int]) -> list[float]
     """Magnitude of each rate, with some states put to zero."""
     found = [0.0] * system.nx
     for t, x in states:
-        rates = rates_at(system, t, _without(x, zero))
+        rates = rates_at(system.on(t, x), t, _without(x, zero))
         if rates is not None:
             found = [max(a, abs(b)) for a, b in zip(found, rates)]
     return found
@@ -105,7 +105,8 @@ def _limits(
         soon = max(step, abs(t - run.times[0]))
         ways = [a + soon * b for a, b in zip(last, system.displace(t, y, off))] + off
         other = _without([a + b for a, b in zip(y, ways)] + y[n:], zero)
-        one, two = rates_at(system, t, y), rates_at(system, t, other)
+        on = system.on(t, x)
+        one, two = rates_at(on, t, y), rates_at(on, t, other)
         if one is not None and two is not None:
             found = [max(f, abs(a - b)) for f, a, b in zip(found, one, two)]
     return found

@@ -1,7 +1,6 @@
 """The error that its steps bring to the finest of some runs, as their differences tell, and which is next.
 
-It behaves as C tol^p.  Where forces may bend or jump, C is chance, and each difference a sample of it; where
-steps are few, p is.
+It behaves as C tol^p; where steps are few, p is chance.
 """
 
 from __future__ import annotations
@@ -14,9 +13,6 @@ from lagc.run.problem import Trajectory
 
 SAFETY = 2.0  # on every estimate
 FEW = 24.0  # steps: half of the slope found is believed
-BENT = 30.0  # on errors in proportion to their tolerances, where forces may bend or jump
-SAMPLES = 3  # of these
-NEAR = 4.0  # times the finest tolerance is the next
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
 FINEST = 1e-15  # no tolerance is below this
 MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
@@ -26,42 +22,17 @@ SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 
 class Truncation:
     """Of `runs`, by tolerance, to which more are added, by a method of this order; `sizes` of each by its
-    tolerance.  `bends`: steps may cross a bend or a jump, and errors follow no law."""
+    tolerance."""
 
-    def __init__(
-        self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int, bends: bool
-    ):
-        self.runs, self.sizes, self.order, self.bends = runs, sizes, order, bends
+    def __init__(self, runs: Mapping[float, Trajectory], sizes: Callable[[float], Sizes], order: int):
+        self.runs, self.sizes, self.order = runs, sizes, order
         self.found: dict[tuple[float, float], float] = {}
-
-    @property
-    def sampled(self) -> bool:
-        """Whether there are runs enough for C, where that is chance."""
-        return not self.bends or len(self.runs) > SAMPLES
 
     def error(self) -> float:
         """Of the finest run; infinite where there is no other."""
         if len(self.runs) < 2:
             return inf
-        return max(self._across_bends() if self.bends else self._by_law(), SMALLEST)
-
-    def on_difference(self) -> float:
-        """What the error of the finest run is taken for, over its difference from the next at one time."""
-        tols = sorted(self.runs)
-        return BENT * tols[0] / tols[1] if self.bends else SAFETY
-
-    def _across_bends(self) -> float:
-        """Where in a step a bend lies is chance, at every tolerance anew, and so is the part that the step
-        errs by of what it may.
-
-        What it may goes with the tolerance.  So each run is a sample of one distribution, of errors over
-        tolerances.  Few are beyond 30 times its median, and that all samples are far below it, or that the
-        finest run and all others err alike, is seldom enough where there are three.  Now and then one of
-        them is a freak, where all that a formula sees of a bend cancels: the largest of four is left out.
-        """
-        tols = sorted(self.runs)
-        found = sorted(self._difference(tols[0], tol) / tol for tol in tols[1 : 2 + SAMPLES])[:SAMPLES]
-        return BENT * found[-1] * tols[0]
+        return max(self._by_law(), SMALLEST)
 
     def _by_law(self) -> float:
         """The error of the next coarser run by their difference, carried on by the slope over three runs
@@ -110,25 +81,20 @@ class Truncation:
 
     def following(self, accuracy: float, unbalanced: bool) -> list[float]:
         """The tolerances of the next runs, to this accuracy; the finest agree, and yet are wrong, where they
-        are `unbalanced`.  Across bends a near one tells most: a run that errs by much differs from it."""
+        are `unbalanced`."""
         fine = self._predicted(accuracy) if not unbalanced else max(FINEST, min(self.runs) / 100.0)
-        if not self.bends:
-            coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
-            return [plain(coarse), plain(coarse / 10.0)]
-        near = len(self.runs) >= SAMPLES and min(self.runs) <= NEAR * fine
-        return [plain(fine)] if near else [plain(NEAR * fine), plain(fine)]
+        coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
+        return [plain(coarse), plain(coarse / 10.0)]
 
     def _predicted(self, accuracy: float) -> float:
         """The tolerance that should meet it, in steps of a quarter decade."""
         tols = sorted(self.runs)
-        slope, error = 1.0, self.error()
-        if not self.bends:
-            slope = self._slope() or 1.0
-            error = SAFETY * max(self._difference(tols[0], tols[1]), SMALLEST) * self._gain()
+        slope = self._slope() or 1.0
+        error = SAFETY * max(self._difference(tols[0], tols[1]), SMALLEST) * self._gain()
         tol: float = tols[0] * (0.5 * accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
-            tol = max(tol, tols[0] / (NEAR if self.bends else 100.0))
+            tol = max(tol, tols[0] / 100.0)
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return max(FINEST, fine)
 

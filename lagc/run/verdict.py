@@ -11,6 +11,7 @@ from lagc.records import dataclass
 from lagc.run.accuracy import MEANINGLESS, Verified
 from lagc.run.names import row_name, speed_name, state_name
 from lagc.run.problem import (
+    CHATTERING,
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,
@@ -72,6 +73,11 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == INTERRUPTED:
         limit = reached()
         return "failed", f"interrupted at {t}" + (f": it took longer than {limit}" if limit else "")
+    if status == CHATTERING:
+        what = system.interface.switches[k]
+        return "failed", (f"at {t} {what}, and what acts on either side drives it back, without end: a "
+                          "force that jumps there would hold it, as dry friction does what sticks; a smooth "
+                          "law, as tanh(v/v0) for sign(v), lets it pass")  # fmt: skip
     if status == SINGULAR_MASS:
         return (
             "failed",

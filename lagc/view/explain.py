@@ -70,6 +70,10 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "kinetic": kinetic and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), kinetic)},
         "potential": written.text(equations.potential),
         "pruned": _pruned(equations, program),
+        "switches": [
+            {"condition": words, "known": k < interface.timed_switches}
+            for k, words in enumerate(interface.switches)
+        ],
         "operations": {
             "right_hand_side": interface.operations,
             "preparation": interface.preparation,
@@ -171,6 +175,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing found"], verbose),
         _energies_text(facts),
         _section("not examined", facts["not_examined"], verbose),
+        _section("switches", map(_switch_line, facts["switches"]), verbose),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),
         _operations_text(facts, verbose),
         _short_names_text(facts),
@@ -282,6 +287,10 @@ def _energies_text(facts: Facts) -> list[str]:
     if facts["potential"] != "0":
         lines.append(f"V = {facts['potential']}")
     return _section("energy", lines)
+
+
+def _switch_line(fact: Facts) -> str:
+    return f"{fact['condition']}: {'at times that are known' if fact['known'] else 'found along the motion'}"
 
 
 def _operations_text(facts: Facts, verbose: bool) -> list[str]:

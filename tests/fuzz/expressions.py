@@ -194,10 +194,6 @@ class Expressions:
         ]  # fmt: skip
         if dimension == NUMBER:
             found += [f"floor({again()})", f"ceil({again()})", "size({1, 2, 3})"]
-            found += [
-                f"table({again()}, {{{{-1, 0.5}}, {{0, -1}}, {{{chance.uniform(0.1, 3.0)}, 2}}}})",
-                f'table({again()}, {{0, 0.5, 2}}, {{1, 0, -1}}, "{chance.choice(["held", "cubic"])}")',
-            ]
         return chance.choice(found)
 
     def _condition(self, on: frozenset[str], depth: int) -> str:

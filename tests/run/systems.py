@@ -47,6 +47,9 @@ class Handmade(ABC):
         other.parameters = list(values)
         return other
 
+    def on(self, t: float, x: Vector) -> Handmade:
+        return self
+
     def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
         return None
 

@@ -208,14 +208,3 @@ def test_a_row_follows_an_input_whose_course_is_smooth() -> None:
         except Refused as refused:
             found = refused.faults[0].code
         assert found == code
-
-
-def test_a_run_beyond_a_table_says_so() -> None:
-    for kind, what in (("held", "the value there is held"), ("cubic", "it goes on straight")):
-        system = compiled(backend="numpy", inputs={"u": ([0.0, 1.0, 2.5], [1.0, 2.0, 1.0], kind)})
-        said = f"the table `u` is known from 0 s to 2.5 s: beyond, {what}"
-        assert [said in system.simulate(stop).notes for stop in (2.5, 2.6)] == [False, True]
-    late = compiled(backend="numpy", inputs={"u": ([0.5, 1.0], [1.0, 2.0])}).simulate(1.0)
-    assert any("from 0.5 s to 1 s" in note for note in late.notes)
-    other = compiled(backend="numpy", inputs={"u": "table(x, {0, 1} [m], {0, 1})"}).simulate(3.0)
-    assert not any("table" in note for note in other.notes)

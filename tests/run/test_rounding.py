@@ -223,7 +223,7 @@ def test_what_is_well_conditioned_takes_few_evaluations(name: str, backend: str)
     # the quick look is a bound of the close one
     groups = sizes(found.trajectory, system.interface)
     changes, _ = quick_look(system, found.trajectory, groups)
-    quick = quick_bound(found.trajectory, groups, changes)
+    quick = quick_bound(system, found.trajectory, groups, changes)
     assert sum(moved for _, moved in close_look(system, found.trajectory, groups)) <= quick <= 1e-10
 
 

@@ -57,8 +57,8 @@ def test_a_singularity_is_found_at_its_time(action: str, v: float, end: float) -
 
 def test_forces_that_jump_to_and_fro_are_found() -> None:
     # friction that brings to rest, and then pushes to both sides in turn
-    friction = LINE_MODEL.format(x=0, v=1, action="force F = -1 [N]*sign(der(x))*world.x at b;")
-    system = lagc.loads(friction).compile(backend="numpy").load("numpy")
+    friction = "force F = (0.5 [N] - 1.0 [N]*sign(der(x)))*world.x at b;"
+    system = lagc.loads(LINE_MODEL.format(x=0, v=1, action=friction)).compile(backend="numpy").load("numpy")
     run = system.integrate(
         Options("dop853", 1e-9, 1e-9, max_steps=1000), 0.0, [0.0, 1.0, 0.0], [0.0, 0.5, 2.0]
     )

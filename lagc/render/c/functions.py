@@ -81,7 +81,7 @@ def function_text(
         long = len(function.operations) + len(function.stores) > OPERATIONS * LONGEST
         if not long or moves_itself(function):
             body += lines(function, dialect, locals_)
-            return _about(function) + _definition(f"lagc_fn_{function.name}", function, body)
+            return _about(function) + _definition(f"lagc_fn_{function.spelled}", function, body)
         function = in_parts(function)
     return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
 
@@ -109,7 +109,7 @@ def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str])
         if groups[-1] and len(groups[-1]) + len(block) > LONGEST:
             groups.append([])
         groups[-1] += block
-    name, more = f"lagc_fn_{function.name}", ", lagc_real *kept" if room else ""
+    name, more = f"lagc_fn_{function.spelled}", ", lagc_real *kept" if room else ""
     if len(groups) == 1:
         return _definition(name, function, [*room, *cleared, *groups[0]])
     text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]

@@ -42,6 +42,7 @@ class Runtime:
         self.searches = complete and interface.needs_consistency
         roots = [name for name in ROOTS if complete or name != "check"]
         roots += ["bind"] if interface.prepared else []
+        roots += ["hold"] if interface.switches else []
         roots += ["consistent"] if self.searches else []
         roots += [name for name in OF_VERBS[:2] if name != "system_at" or "system" in functions]
         roots += OF_VERBS[2:] if interface.nc and "scales" in functions else []
@@ -188,12 +189,16 @@ def _work(program: Program) -> str:
         return ""
     power = program.functions.get("power")
     used = power.inputs if power is not None else ()
-    unused = "".join(f"    (void){name};\n" for name in ("p", "t", "x", "a", "lam") if name not in used)
-    body = f"    lagc_fn_power({', '.join(used)}, e);\n" if power is not None else "    e[0] = 0.0;\n"
-    return (
-        "static void lagc_fn_work(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, "
-        f"const lagc_real *lam, lagc_real *e)\n{{\n{unused}{body}}}\n"
-    )
+    modes = ("modes",) if program.interface.switches else ()
+    given = ("p", "t", "x", *modes, "a", "lam")
+    unused = "".join(f"    (void){name};\n" for name in given if name not in used)
+    body = "    e[0] = 0.0;\n"
+    if power is not None:
+        body = f"    lagc_fn_{power.spelled}({', '.join(used)}, e);\n"
+    formal = {"p": "const lagc_params *p", "t": "lagc_real t"}
+    head = ", ".join(formal.get(name, f"const lagc_real *{name}") for name in given)
+    name = "work_on" if modes else "work"
+    return f"static void lagc_fn_{name}({head}, lagc_real *e)\n{{\n{unused}{body}}}\n"
 
 
 def _default_options(members: Sequence[Sequence[Any]], real: Arithmetic) -> str:
@@ -217,5 +222,5 @@ def _status_text() -> str:
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        '    return status >= 0 && status <= LAGC_INVALID ? texts[status] : "no status";\n}\n'
+        '    return status >= 0 && status <= LAGC_CHATTERING ? texts[status] : "no status";\n}\n'
     )

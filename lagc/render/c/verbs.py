@@ -175,10 +175,10 @@ def _outputs(program: Program) -> Verb:
 def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
     """A function that may need accelerations and multipliers, which the right-hand side gives."""
     function = program.functions[name]
-    given = {"p": "p", "t": "t", "x": "x", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
-    call = f"    lagc_fn_{name}({', '.join(given[i] for i in function.inputs)}, {output});\n"
+    given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
+    call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
     head = f"lagc_status lagc_{name}({_POINT}, lagc_real *{output}, lagc_work *w)"
-    if not {"a", "lam"} & {array for array, _ in loads(function)}:
+    if not {"a", "lam", "modes"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
         return Verb(comment, head, call + unused + "    return LAGC_OK;\n")
     solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"

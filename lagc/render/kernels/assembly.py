@@ -115,10 +115,14 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions)  # fmt: skip
+    switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
+        "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
+        "NEDGES": 2 * switches if "edges" in interface.functions else 0,
+        "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # work integrals are no part of a start
@@ -171,6 +175,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "level": interface.start_levels, "unit": interface.start_units,
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "column": columns or [0],
+        "counted": interface.counted_switches,
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip

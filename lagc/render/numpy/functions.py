@@ -236,14 +236,14 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
-    text = [f"def fn_{function.name}({', '.join(order)}):"]
+    text = [f"def fn_{function.spelled}({', '.join(order)}):"]
     if description:
         text.append(f'    """{description}"""')
     text.append("    try:")
     text += [f"        {line}" for line in body]
     text.append("    except (ArithmeticError, ValueError):")
     arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
-    text.append(f"        _again(fn_{function.name}, {arguments})")
+    text.append(f"        _again(fn_{function.spelled}, {arguments})")
     return "\n".join(text) + "\n"
 
 

@@ -22,7 +22,7 @@ OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
-PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK")
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
@@ -43,6 +43,7 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
+    more += ("hold",) if interface.switches else ()
     there = [root for root in roots if root not in OF_SYSTEM or "system" in interface.functions]
     return chosen(parts(), switches_of(interface, complete), (*there, *more))
 
@@ -112,5 +113,6 @@ def _work(program: Program) -> str:
     if not program.interface.nz:
         return ""
     power = program.functions.get("power")
-    body = f"fn_power({', '.join(power.inputs)}, e)" if power is not None else "e[0] = 0.0"
-    return f"def fn_work(p, t, x, a, lam, e):\n    {body}\n"
+    body = f"fn_{power.spelled}({', '.join(power.inputs)}, e)" if power is not None else "e[0] = 0.0"
+    name, modes = ("work_on", "modes, ") if program.interface.switches else ("work", "")
+    return f"def fn_{name}(p, t, x, {modes}a, lam, e):\n    {body}\n"

@@ -82,7 +82,7 @@ STATES = '''\
 class Asked:
     """Options as kernels read them."""
 
-    __slots__ = ("atol", "first_step", "max_step", "max_steps", "method", "project", "rtol", "step")
+    __slots__ = ("atol", "first_step", "max_step", "max_steps", "method", "project", "report", "rtol", "step")
 
     def __init__(self, options):
         for name in self.__slots__:
@@ -152,7 +152,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     run = Integrator(problem, options, t0, x0)
     asked, done = run._asked(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
-    work, fallbacks = problem.work, problem.work.fallbacks
+    work, fallbacks, events = problem.work, problem.work.fallbacks, []
 
     def record_(steps, max_steps):
         """As the kernel, but where an exception ends it all is as before."""
@@ -160,7 +160,12 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
         before, reached = [getattr(run, name) for name in names], done[0]
         run.x, asked.max_steps = run.x[:], max_steps
         try:
-            return record(problem.p, run, asked, times, len(times), states, done, steps, work)
+            seen = run.changes if NMODE else 0
+            status = record(problem.p, run, asked, times, len(times), states, done, steps, work)
+            if NMODE and asked.report and run.changes > seen:
+                events.extend((run.t, k) for k, changed in enumerate(run.changed) if changed)
+                asked.report = len(events) < MOST_EVENTS
+            return status
         except BaseException:
             for name, value in zip(names, before):
                 setattr(run, name, value)
@@ -173,7 +178,8 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
-            velocity_drift=run.velocity_drift,
+            velocity_drift=run.velocity_drift, sizes=run.sizes[:], jolts=run.jolts[:] if NMODE else (),
+            events=events,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress, clock)

@@ -187,7 +187,7 @@ def rhs_many(t, x, p=None):
                 prepared = [0.0] * (NALL - NP)
                 _vectorised(fn_bind)(given, prepared)
                 given += prepared
-            _vectorised(fn_rhs)(given, t, list(x.T), columns, [0.0] * NC, health)
+            @RHS@columns, [0.0] * NC, health)
             for k, value in enumerate(columns):
                 xdot[:, k] = value
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
@@ -226,6 +226,13 @@ _LOOKED_UP = """\
 """
 
 
+_PLAIN = "_vectorised(fn_rhs)(given, t, list(x.T), "
+_ON_BRANCHES = """\
+modes = [0.0] * NMODE
+            _vectorised(fn_modes)(given, t, list(x.T), modes)
+            _vectorised(fn_rhs_on)(given, t, list(x.T), modes, """
+
+
 def verbs(program: Program, complete: bool) -> list[str]:
     """Those that the model has a use for; `complete`, with those that a run of lagc does without."""
     found = [_ALWAYS.replace("@STATUSES@", _statuses())]
@@ -245,7 +252,8 @@ def verbs(program: Program, complete: bool) -> list[str]:
         found.append(_CONSTRAINTS)
     if program.interface.derivatives:
         found.append(_stacked(program.interface))
-    many, last, end = _MANY.rpartition("    return type")
+    rhs = _ON_BRANCHES if program.interface.switches else _PLAIN
+    many, last, end = _MANY.replace("@RHS@", rhs).rpartition("    return type")
     return [*found, many + (_LOOKED_UP if tables(program.functions.values()) else "") + last + end]
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 from _thread import _local
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias, cast
 
 from lagc.once import RLock
 from lagc.optimize.program import Interface
 from lagc.run.problem import System, Vector
+
+Branch: TypeAlias = tuple[float, tuple[float, ...]]  # that of a time and a state
 
 
 class Compiled(ABC):
@@ -23,8 +25,8 @@ class Compiled(ABC):
         self.lock = RLock()
 
     @abstractmethod
-    def bind(self, values: Sequence[float]) -> System:
-        """The system with the array p = `values`."""
+    def bind(self, values: Sequence[float], branch: Branch | None = None) -> System:
+        """The system with the array p = `values`; with a `branch`, on that of a time and a state."""
 
     def defaults(self) -> list[float]:
         """The model's own values of p; NaN where it gives none."""
@@ -49,7 +51,10 @@ class CompiledSystem(ABC):
     sees its own.
     """
 
-    def __init__(self, compiled: Compiled, values: Sequence[float], desk: Callable[..., Any], *given: Any):
+    def __init__(
+        self, compiled: Compiled, values: Sequence[float], branch: Branch | None, desk: Callable[..., Any],
+        *given: Any,
+    ):  # fmt: skip
         interface = compiled.interface
         wanted = len(interface.parameters) + len(interface.inputs)
         if len(values) != wanted:
@@ -59,7 +64,8 @@ class CompiledSystem(ABC):
         self.nc, self.nh, self.quaternions = interface.nc, interface.nh, interface.quaternions
         self._values = tuple(values)
         self.lock = RLock()
-        self._own = _Own(desk, compiled, *given)
+        self.branch = branch
+        self._own = _Own(desk, compiled, *given, self._hold)
 
     @property
     def parameters(self) -> tuple[float, ...]:
@@ -68,7 +74,22 @@ class CompiledSystem(ABC):
 
     def bind(self, values: Sequence[float]) -> System:
         """The same model with other values of p."""
-        return self.compiled.bind(values)
+        return self.compiled.bind(values, self.branch)
+
+    def on(self, t: float, x: Vector) -> System:
+        """The same on the branch of (t, x), whatever the state that is asked."""
+        if not self.interface.switches:
+            return cast("System", self)
+        return self.compiled.bind(self._values, (t, tuple(x)))
+
+    def _hold(self, desk: Any) -> None:
+        """The branch for a desk that was made."""
+        if self.branch is not None:
+            self._held(desk, *self.branch)
+
+    @abstractmethod
+    def _held(self, desk: Any, t: float, x: Vector) -> None:
+        """`desk` evaluates on the branch of (t, x) from here on."""
 
     @abstractmethod
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
@@ -119,7 +140,7 @@ class CompiledSystem(ABC):
         """The array of `length` that the function `name` of the Program gives at (t, x)."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _bound, (self.compiled, self._values)
+        return _bound, (self.compiled, self._values, self.branch)
 
     def __copy__(self) -> CompiledSystem:
         return self
@@ -128,18 +149,19 @@ class CompiledSystem(ABC):
         return self
 
 
-def _bound(compiled: Compiled, values: Sequence[float]) -> System:
-    return compiled.bind(values)
+def _bound(compiled: Compiled, values: Sequence[float], branch: Branch | None) -> System:
+    return compiled.bind(values, branch)
 
 
 class _Own(_local):
     """What a thread calls with: its `desk`, made when it first asks for it."""
 
     def __init__(self, make: Callable[..., Any], *given: Any):
-        self.make, self.given = make, given
+        self.make, (*self.given, self.made) = make, given
 
     def __getattr__(self, name: str) -> Any:
         if name != "desk":
             raise AttributeError(name)
         self.desk = self.make(*self.given)
+        self.made(self.desk)
         return self.desk

@@ -10,8 +10,9 @@ from typing import Any
 
 from lagc.kernels import METHODS
 from lagc.once import once
+from lagc.render.numpy.support.base import MOST_EVENTS
 from lagc.render.numpy.support.slices import recorded
-from lagc.run.backends.base import Compiled, CompiledSystem
+from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.problem import OK, Options, Trajectory, Vector
 
@@ -22,6 +23,7 @@ class _Options(ctypes.Structure):
     _fields_ = (
         ("method", c_int), ("project", c_int), ("max_steps", c_long), ("rtol", c_double),
         ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
+        ("report", c_int),
     )  # fmt: skip
 
 
@@ -30,7 +32,7 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
-    **dict.fromkeys(("solve", "begin", "bind", "conditions", "measures", "limits"), None),
+    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions", "measures", "limits"), None),
 }
 
 
@@ -52,14 +54,16 @@ class CModel(Compiled):
 
     @once
     def state(self) -> type[Any]:
-        return _state_type(self.interface.nx)
+        interface = self.interface
+        kinds = max(interface.kinds, default=0) + 1
+        return _state_type(interface.nx, kinds, len(interface.switches))
 
     @once
     def head(self) -> type[Any]:
         return _head_type(self.interface.nc)
 
-    def bind(self, values: Sequence[float]) -> CSystem:
-        return CSystem(self, values)
+    def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
+        return CSystem(self, values, branch)
 
     def work(self) -> Any:
         """A new workspace."""
@@ -85,9 +89,13 @@ class _Desk:
 class CSystem(CompiledSystem):
     backend = "c"
 
-    def __init__(self, model: CModel, values: Sequence[float]):
-        super().__init__(model, values, _Desk)
+    def __init__(self, model: CModel, values: Sequence[float], branch: Branch | None = None):
+        super().__init__(model, values, branch, _Desk)
         self.model = model
+
+    def _held(self, desk: _Desk, t: float, x: Vector) -> None:
+        desk.x[:] = [*x]
+        desk.call["hold"](self._p, c_double(t), desk.x, desk.work)
 
     @once
     def _p(self) -> Any:
@@ -173,7 +181,9 @@ class CSystem(CompiledSystem):
         state = self.model.state.from_buffer(room)
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
         asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
-                         options.atol, options.step, options.first_step, options.max_step)  # fmt: skip
+                         options.atol, options.step, options.first_step, options.max_step,
+                         options.report)  # fmt: skip
+        events: list[tuple[float, int]] = []
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
         p = self._p
@@ -185,10 +195,14 @@ class CSystem(CompiledSystem):
         def record(steps: int, max_steps: int) -> int:
             asked.max_steps = max_steps
             kernel = _rounded(call["record"], next(ways)) if way else call["record"]
+            seen = state.changes if self.interface.switches else 0
             status: int = kernel(
                 p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
+            if self.interface.switches and asked.report and state.changes > seen:
+                events.extend((state.t, k) for k, changed in enumerate(state.changed) if changed)
+                asked.report = len(events) < MOST_EVENTS
             return status
 
         def told(status: int) -> Trajectory:
@@ -202,6 +216,8 @@ class CSystem(CompiledSystem):
                 step=state.t - state.t_old, fallbacks=head.fallbacks,
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
+                sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
+                events=events,
             )  # fmt: skip
 
         return recorded(state, options, record, told, progress, None if way else perf_counter)
@@ -238,14 +254,19 @@ def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
     return call
 
 
-def _state_type(nx: int) -> type[Any]:
+def _state_type(nx: int, kinds: int, switches: int) -> type[Any]:
     """The first members of lagc_state."""
 
     class State(ctypes.Structure):
         _fields_ = (
             ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
-            ("culprit", c_int),
+            ("culprit", c_int), ("sizes", c_double * kinds),
+            *(
+                (("changes", c_long), ("changed", c_int * switches), ("jolts", c_double * nx))
+                if switches
+                else ()
+            ),
         )  # fmt: skip
 
     return State

@@ -13,7 +13,7 @@ from typing import Any
 
 from lagc.once import once
 from lagc.optimize.program import Interface
-from lagc.run.backends.base import Compiled, CompiledSystem
+from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.problem import Options, Trajectory, Vector
 
 
@@ -37,8 +37,8 @@ class NumpyModel(Compiled):
         exec(compiled(self.sources) if self.code is None else self.code, space)
         return space
 
-    def bind(self, values: Sequence[float]) -> NumpySystem:
-        return NumpySystem(self, values)
+    def bind(self, values: Sequence[float], branch: Branch | None = None) -> NumpySystem:
+        return NumpySystem(self, values, branch)
 
 
 class _Desk:
@@ -55,9 +55,12 @@ class _Desk:
 class NumpySystem(CompiledSystem):
     backend = "numpy"
 
-    def __init__(self, model: NumpyModel, values: Sequence[float]):
-        super().__init__(model, values, _Desk, tuple(values))
+    def __init__(self, model: NumpyModel, values: Sequence[float], branch: Branch | None = None):
+        super().__init__(model, values, branch, _Desk, tuple(values))
         self.model = model
+
+    def _held(self, desk: _Desk, t: float, x: Vector) -> None:
+        self.model.module["hold"](self._p, t, x, desk.equations.work)
 
     @once
     def _p(self) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any
 
@@ -11,6 +11,7 @@ from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS
 
 # -- what follows is part of generated modules --
 
+MOST_EVENTS = 10_000
 FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
@@ -22,7 +23,8 @@ class Options:
     the same kind, `atol` is added for all.  `step` > 0 asks for fixed steps (rtol, atol unused).
     `first_step` 0: chosen; `max_step` 0: no limit; `max_steps`, of one call: accepted and rejected, 0: no
     limit.  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
-    it says True, the run ends as at `max_steps`.  `project` False leaves the constraints to drift (for
+    it says True, the run ends as at `max_steps`.  `report`: the changes of switches are in the trajectory's
+    `events`.  `project` False leaves the constraints to drift (for
     tests).
     """
 
@@ -37,12 +39,13 @@ class Options:
         max_steps: int = 100_000_000,
         project: bool = True,
         watch: Callable[[Trajectory], bool] | None = None,
+        report: bool = False,
     ):
         self.method = method
         self.rtol, self.atol = rtol, atol
         self.step, self.first_step, self.max_step = step, first_step, max_step
         self.max_steps = max_steps
-        self.project, self.watch = project, watch
+        self.project, self.watch, self.report = project, watch, report
 
     def check(self) -> None:
         """Raises ValueError, naming the option that makes no sense."""
@@ -67,6 +70,9 @@ class Trajectory:
     `step` is the size of the last accepted step.
     `position_drift`, `velocity_drift`: largest scaled residuals over the accepted steps.
     `fallbacks`: linear solves that needed the pivoted QR.
+    `sizes`: the largest magnitude of the states of each kind, at the ends of all steps.
+    `events`: (time, switch) of changes of switches, the first MOST_EVENTS of them, where they were asked for.
+    `jolts`: what the last place of the times at which switches changed is worth in each state, in all.
     """
 
     def __init__(
@@ -85,6 +91,9 @@ class Trajectory:
         redundant_rows: tuple[int, ...] = (),
         position_drift: float = 0.0,
         velocity_drift: float = 0.0,
+        sizes: Sequence[float] = (),
+        jolts: Sequence[float] = (),
+        events: Sequence[tuple[float, int]] = (),
     ):
         self.times, self.states = times, states
         self.t, self.x = t, x
@@ -93,6 +102,7 @@ class Trajectory:
         self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
+        self.sizes, self.jolts, self.events = sizes, jolts, events
 
     def changed(self, **values: Any) -> Trajectory:
         """This one with other values."""

@@ -1,0 +1,162 @@
+"""What expressions keep to where their leaves keep to intervals, as expressions of the ends of these.
+
+R. E. Moore, *Interval Analysis*, Prentice-Hall 1966.  Rounding is left out of account.  A result may be
+wider than need be, and is `UNKNOWN`, or not a number, where nothing is known.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TypeAlias
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import OPERATORS
+from lagc.expr.walk import depends, reachable
+
+Ends: TypeAlias = tuple[Node, Node]
+
+UNKNOWN = 1e75  # so that products of a few of these are numbers, and none with zero is not
+_QUARTER, _HALF = 0.5 * math.pi, math.pi
+
+
+def enclosures(graph: Graph, nodes: Sequence[Node], leaves: Mapping[Node, Ends]) -> list[Ends]:
+    """The least and the largest value of each of `nodes`; what is none of `leaves` stands still."""
+    moving = depends(nodes, leaves)
+    found: dict[Node, Ends] = dict(leaves)
+    made = _Enclosure(graph)
+    for node in reachable(nodes):
+        if node not in found:
+            ends = [found[a] for a in node.args]
+            found[node] = made.of(node, ends) if node in moving else (node, node)
+    return [found[node] for node in nodes]
+
+
+class _Enclosure:
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.unknown: Ends = (graph.const(-UNKNOWN), graph.const(UNKNOWN))
+
+    def of(self, node: Node, x: Sequence[Ends]) -> Ends:
+        graph, op = self.graph, node.op
+        if op == "add":
+            return graph.add(x[0][0], x[1][0]), graph.add(x[0][1], x[1][1])
+        if op == "scale":
+            ends = [graph.scale(node.value, end) for end in x[0]]
+            return (ends[0], ends[1]) if node.value > 0.0 else (ends[1], ends[0])
+        if op == "mul":
+            return self._product(x, node.value)
+        if op in ("sin", "cos"):
+            shift = 0.0 if op == "sin" else _QUARTER
+            return self._wave(op, x[0], _QUARTER - shift)
+        if op in ("abs", "cosh"):
+            near, far = self._distances(x[0])
+            if op == "abs":
+                return near, far
+            return graph.unary(op, self._growing(near)), graph.unary(op, self._growing(far))
+        if op == "tan":
+            return self._tangent(x[0])
+        if op == "pow":
+            return self._power(node, x)
+        if op == "select" and x[0][0] is x[0][1]:
+            return graph.select(x[0][0], x[1][0], x[2][0]), graph.select(x[0][0], x[1][1], x[2][1])
+        if op == "acos":
+            return graph.unary(op, self._within(x[0][1])), graph.unary(op, self._within(x[0][0]))
+        if OPERATORS[op].rising:
+            ends = [graph.rebuild(node, tuple([self._allowed(op, e[k]) for e in x])) for k in (0, 1)]
+            return ends[0], ends[1]
+        low, high = OPERATORS[op].within
+        known = math.isfinite(low) and math.isfinite(high)
+        return (graph.const(low), graph.const(high)) if known else self.unknown
+
+    def _allowed(self, op: str, end: Node) -> Node:
+        """An end within what the function is defined for."""
+        if op == "sqrt" or op == "log":
+            return self.graph.binary("max", end, self.graph.const(0.0 if op == "sqrt" else 1.0 / UNKNOWN))
+        if op == "exp" or op == "sinh":
+            return self._growing(end)
+        return self._within(end) if op == "asin" else end
+
+    def _growing(self, end: Node) -> Node:
+        """No exponent leads beyond what is unknown."""
+        return self.graph.binary("min", end, self.graph.const(math.log(UNKNOWN)))
+
+    def _within(self, end: Node) -> Node:
+        graph = self.graph
+        return graph.binary("max", -graph.one, graph.binary("min", graph.one, end))
+
+    def _distances(self, x: Ends) -> Ends:
+        """Of an interval from zero, the nearest and the farthest point."""
+        graph, (low, high) = self.graph, x
+        near = graph.binary("max", graph.zero, graph.binary("max", low, -high))
+        return near, graph.binary("max", -low, high)
+
+    def _product(self, bases: Sequence[Ends], exponents: Sequence[int]) -> Ends:
+        graph = self.graph
+        still = [(b[0], e) for b, e in zip(bases, exponents) if b[0] is b[1]]
+        found: Ends | None = None
+        for base, exponent in zip(bases, exponents):
+            if base[0] is not base[1]:
+                power = self._raised(base, exponent)
+                found = power if found is None else self._times(found, power)
+        assert found is not None
+        if still:
+            factor = graph.product(still)
+            found = self._hull([graph.mul(factor, end) for end in found])
+        return found
+
+    def _times(self, x: Ends, y: Ends) -> Ends:
+        return self._hull([self.graph.mul(a, b) for a in x for b in y])
+
+    def _hull(self, ends: Sequence[Node]) -> Ends:
+        graph, low, high = self.graph, ends[0], ends[0]
+        for end in ends[1:]:
+            low, high = graph.binary("min", low, end), graph.binary("max", high, end)
+        return low, high
+
+    def _raised(self, x: Ends, n: int) -> Ends:
+        graph = self.graph
+        low, high = self._distances(x) if n % 2 == 0 else x
+        size = abs(n)
+        low, high = graph.power(low, size), graph.power(high, size)
+        if n > 0:
+            return low, high
+        apart = graph.binary("lt", graph.zero, graph.mul(*x))  # both ends on one side of zero
+        least, most = self.unknown
+        return graph.select(apart, graph.div(graph.one, high), least), graph.select(
+            apart, graph.div(graph.one, low), most
+        )
+
+    def _wave(self, op: str, x: Ends, crest: float) -> Ends:
+        """Of a sine or cosine with a crest there."""
+        graph, ends = self.graph, [self.graph.unary(op, end) for end in x]
+
+        def passes(place: float) -> Node:
+            turns = [graph.unary("floor", (end - place) * (0.5 / _HALF)) for end in x]
+            return graph.binary("lt", turns[0], turns[1])
+
+        low, high = self._hull(ends)
+        return (
+            graph.select(passes(crest - _HALF), -graph.one, low),
+            graph.select(passes(crest), graph.one, high),
+        )
+
+    def _tangent(self, x: Ends) -> Ends:
+        graph = self.graph
+        branch = [graph.unary("floor", end * (1.0 / _HALF) + 0.5) for end in x]
+        one = graph.binary("le", branch[1], branch[0])
+        return (
+            graph.select(one, graph.unary("tan", x[0]), self.unknown[0]),
+            graph.select(one, graph.unary("tan", x[1]), self.unknown[1]),
+        )
+
+    def _power(self, node: Node, x: Sequence[Ends]) -> Ends:
+        """Of a positive base; an exponent that moves is not followed."""
+        graph, (low, high) = self.graph, x[0]
+        if x[1][0] is not x[1][1]:
+            return graph.zero, self.unknown[1]
+        exponent = x[1][0]
+        ends = [
+            graph.pow(graph.binary("max", end, graph.const(1.0 / UNKNOWN)), exponent) for end in (low, high)
+        ]
+        return self._hull(ends)

@@ -1,0 +1,442 @@
+"""Switches: conditions that a motion changes.
+
+A step is made on one branch, that of the modes it begins with.  Where time alone changes a switch, a step
+ends there.  Elsewhere what it changes at is enclosed over the step (R. E. Moore, *Interval Analysis*, 1966),
+on ever smaller parts of its dense output, where it might; a step that passes a change is made once more, to
+end there.  L. F. Shampine, I. Gladwell, R. W. Brankin: Reliable solution of special event location problems
+for ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
+"""
+
+from __future__ import annotations
+
+from math import fabs, inf
+
+from lagc.kernels.limits import SPACING
+from lagc.kernels.method import last, method_at, method_coefficients
+from lagc.kernels.model import (
+    fn_edges_on,
+    fn_enclosure_on,
+    fn_modes,
+    fn_own_on,
+    fn_side_rates_on,
+    fn_sides_on,
+    fn_slopes_on,
+)
+from lagc.kernels.records import NOWHERE, State, Trial, Work
+from lagc.kernels.rhs import rhs_at
+from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NQ, NTIMED, NV, NX
+from lagc.kernels.statuses import CHATTERING, OK, failed
+from lagc.kernels.tables import counted
+from lagc.kernels.words import Params, Real, Status, Vec
+
+COARSEST = 0.25  # of a step: the longest part that is enclosed in one
+FINEST = 0.00390625  # the shortest
+WIDER = 0.25  # of what a cubic between the ends of a step keeps to
+NONE = 2.0  # no part of a step: nothing changes within it
+LITTLE = 1e-6  # of a step
+NEARLY_THERE = 100.0  # last places of the time
+TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
+STILL = 1e-12  # of the rates on both sides: less than that is rest between them
+
+
+def sign_of(a: Real) -> Real:
+    if a > 0.0:
+        return 1.0
+    return -1.0 if a < 0.0 else 0.0
+
+
+def take(w: Work) -> None:
+    """What goes with the modes."""
+    if NEDGES > 0:
+        fn_edges_on(w.modes, w.edges)
+
+
+def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
+    """How far a side is from where its switch changes, below zero beyond it."""
+    if NEDGES > 0:
+        if counted[k] > 0:
+            low = side - w.edges[2 * k]
+            high = w.edges[2 * k + 1] - side
+            return slack + (low if low < high else high)
+    mode = w.modes[k]
+    return slack + (mode * side if mode != 0.0 else -fabs(side))
+
+
+def nearest(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
+    """The least margin of those switches that the state changes."""
+    least = inf
+    fn_sides_on(p, t, x, w.modes, w.sides)
+    for j in range(NFREE):
+        k = NTIMED + j
+        own = margin(k, w.sides[k], s.slack[k], w)
+        if own < least:
+            least = own
+    return least
+
+
+def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
+    """Whether a side that is between these changes nothing."""
+    if NEDGES > 0:
+        if counted[k] > 0:
+            return low > w.edges[2 * k] and high < w.edges[2 * k + 1]
+    mode = w.modes[k]
+    return (mode < 0.0 or low > 0.0) and (mode > 0.0 or high < 0.0)
+
+
+def certain(p: Params, s: State, w: Work) -> bool:
+    """Whether no switch changes in w.box."""
+    fn_enclosure_on(p, w.modes, w.box, w.ends)
+    for j in range(NFREE):
+        k = NTIMED + j
+        low = w.ends[2 * j] + s.slack[k]
+        high = w.ends[2 * j + 1] - s.slack[k]
+        if not within_mode(k, low, high, w):
+            return False
+    return True
+
+
+def enclose_time(t0: Real, t1: Real, w: Work) -> None:
+    w.box[0] = t0 if t0 < t1 else t1
+    w.box[NQ + NV + 1] = t1 if t0 < t1 else t0
+
+
+def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
+    w.box[1 + i] = low - more
+    w.box[NQ + NV + 2 + i] = high + more
+
+
+def enclose_step(s: State, a: Trial, rate: Vec[NX], w: Work) -> None:
+    """About what the step keeps to: the hull of the cubic between its ends, and a quarter more; `rate` is
+    that at the new state."""
+    enclose_time(s.t, a.t_new, w)
+    for i in range(NQ + NV):
+        low = s.x[i]
+        high = low
+        for j in range(3):
+            if j == 0:
+                value = s.y[i]
+            elif j == 1:
+                value = s.x[i] + a.h * s.k[0][i] / 3.0
+            else:
+                value = s.y[i] - a.h * rate[i] / 3.0
+            if value < low:
+                low = value
+            if value > high:
+                high = value
+        enclose_state(i, low, high, WIDER * (high - low), w)
+
+
+def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
+    """What this part of a step keeps to: the hull of its ends and its middle, and a quarter of what these
+    bend by, twice as much as a parabola asks for."""
+    enclose_time(t + left * h, t + right * h, w)
+    for i in range(NQ + NV):
+        low = w.left_x[i]
+        high = low
+        if w.middle[i] < low:
+            low = w.middle[i]
+        if w.middle[i] > high:
+            high = w.middle[i]
+        if w.right_x[i] < low:
+            low = w.right_x[i]
+        if w.right_x[i] > high:
+            high = w.right_x[i]
+        enclose_state(i, low, high, 0.25 * fabs(w.left_x[i] - 2.0 * w.middle[i] + w.right_x[i]), w)
+
+
+def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
+    """Where the least margin changes its sign between two parts of the step, to the last place of the time:
+    just beyond, with w.crossed.  Regula falsi, every third time halves."""
+    low = left
+    high = right
+    method_at(method, low, s, w.middle)
+    below = nearest(p, s.t + low * h, w.middle, s, w)
+    method_at(method, high, s, w.middle)
+    above = nearest(p, s.t + high * h, w.middle, s, w)
+    least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
+    turn = 0
+    while high - low > least:
+        part = 0.5
+        if turn % 3 < 2 and below > 0.0:
+            part = below / (below - above)
+        shortest = 0.5 * least / (high - low)
+        if part < shortest:
+            part = shortest
+        if part > 1.0 - shortest:
+            part = 1.0 - shortest
+        guess = low + part * (high - low)
+        method_at(method, guess, s, w.middle)
+        found = nearest(p, s.t + guess * h, w.middle, s, w)
+        if found < 0.0:
+            high = guess
+            above = found
+            below *= 0.5
+        else:
+            low = guess
+            below = found
+            above *= 0.5
+        turn += 1
+    method_at(method, high, s, w.middle)
+    nearest(p, s.t + high * h, w.middle, s, w)
+    for i in range(NTIMED):
+        w.crossed[i] = 0
+    for j in range(NFREE):
+        k = NTIMED + j
+        w.crossed[k] = 1 if margin(k, w.sides[k], s.slack[k], w) < 0.0 else 0
+    return high
+
+
+def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """The part of the step from s.x to s.y after which a switch changes first; NONE; below zero where that
+    cannot be told."""
+    enclose_step(s, a, s.k[last(method)], w)
+    if certain(p, s, w):
+        return NONE
+    w.arrived[:] = s.y
+    status = method_coefficients(method, p, s.t, s.x, w.arrived, a.h, s, w)
+    s.y[:] = w.arrived
+    s.dense = NOWHERE
+    if failed(status):
+        return -1.0
+    left = 0.0
+    width = COARSEST
+    w.left_x[:] = s.x
+    while left < 1.0:
+        right = left + width if left + width < 1.0 else 1.0
+        method_at(method, right, s, w.right_x)
+        method_at(method, 0.5 * (left + right), s, w.middle)
+        enclose_part(s.t, a.h, left, right, w)
+        if certain(p, s, w):
+            if width < COARSEST:
+                width *= 2.0
+        elif width > FINEST:
+            width *= 0.5
+            continue
+        elif nearest(p, s.t + right * a.h, w.right_x, s, w) < 0.0:
+            return located(p, s, method, a.h, left, right, w)
+        left = right
+        w.left_x[:] = w.right_x
+    return NONE
+
+
+def all_but_changes(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether a switch changes within some last places of the time, w.crossed: where the branch ends there,
+    as sqrt(x) does at 0, no step gets any nearer."""
+    found = False
+    time = NEARLY_THERE * SPACING * fabs(s.t)
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    fn_side_rates_on(p, s.t, s.x, w.modes, s.k[0], w.turning)
+    for k in range(NMODE):
+        w.crossed[k] = 0
+    for j in range(NFREE):
+        i = NTIMED + j
+        own = margin(i, w.sides[i], s.slack[i], w)
+        if own < time * fabs(w.turning[i]):
+            if own > margin(i, w.sides[i] + time * direction * w.turning[i], s.slack[i], w):
+                w.crossed[i] = 1
+                found = True
+    return found
+
+
+def due(k: int, t: Real, direction: Real, w: Work) -> Real:
+    """When time changes this switch, on from t; infinite where it does not."""
+    slope = w.slopes[k]
+    ahead = slope * direction
+    if NEDGES > 0:
+        if counted[k] > 0:
+            target = w.edges[2 * k + 1] if ahead > 0.0 else w.edges[2 * k]
+            return t + (target - w.sides[k]) / slope
+    if not w.modes[k] * ahead < 0.0:
+        return inf * direction
+    return t - w.sides[k] / slope
+
+
+def next_change(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real:
+    """The time at which time itself changes a switch next, with w.crossed; t1 where that comes before."""
+    fn_slopes_on(p, w.modes, w.slopes)
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    soon = inf * direction
+    first = 0
+    for k in range(NMODE):
+        w.crossed[k] = 0
+    for k in range(NTIMED):
+        w.when[k] = due(k, s.t, direction, w)
+        if (w.when[k] - soon) * direction < 0.0:
+            soon = w.when[k]
+            first = k
+    if not fabs(soon) < inf:
+        return t1
+    fn_sides_on(p, soon, s.x, w.modes, w.sides)
+    soon = due(first, soon, direction, w)
+    near = 8.0 * SPACING * (fabs(soon) + fabs(s.t))
+    if (soon - s.t) * direction < 0.0:
+        soon = s.t
+    if fabs(soon - t1) <= near:
+        soon = t1
+    if (soon - t1) * direction > 0.0:
+        return t1
+    for k in range(NTIMED):
+        if fabs(w.when[k] - soon) <= near:
+            w.crossed[k] = 1
+    return soon
+
+
+def spread_changes(p: Params, s: State, w: Work) -> None:
+    """Sides that depend on modes that have changed, w.crossed, may be on another side of theirs.  w.beside
+    are those before."""
+    for turn in range(NMODE):
+        done = True
+        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+        fn_own_on(p, s.t, s.x, w.modes, w.own_modes)
+        for k in range(NMODE):
+            if w.crossed[k] == 0 and w.sides[k] != w.beside[k]:
+                if w.own_modes[k] != w.modes[k]:
+                    w.modes[k] = w.own_modes[k]
+                    done = False
+        w.beside[:] = w.sides
+        if done:
+            take(w)
+            return
+    take(w)
+
+
+def keep_branch(s: State, w: Work) -> None:
+    """The branch that was found; what a side is beyond its change, as it is where that was located, is none
+    of another."""
+    s.modes[:] = w.modes
+    for k in range(NMODE):
+        beyond = -margin(k, w.sides[k], 0.0, w)
+        s.slack[k] = beyond if beyond > 0.0 else 0.0
+
+
+def at_its_beginning(k: int, w: Work) -> bool:
+    """Whether a side is at the lower edge of its mode."""
+    if NEDGES > 0:
+        return w.beside[k] == w.edges[2 * k]
+    return False
+
+
+def choose_branch(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The branch on from a state of which nothing else is known, and the rates there."""
+    fn_modes(p, s.t, s.x, w.modes)
+    take(w)
+    status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+    s.rhs += 1
+    if failed(status):
+        return status
+    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
+    fn_side_rates_on(p, s.t, s.x, w.modes, s.k[0], w.turning)
+    changed = False
+    for k in range(NMODE):
+        ahead = sign_of(w.turning[k] * direction)
+        w.crossed[k] = 0
+        if counted[k] > 0:
+            if at_its_beginning(k, w) and ahead < 0.0:
+                w.modes[k] -= 1.0
+                w.crossed[k] = 1
+        elif w.modes[k] == 0.0 and ahead != 0.0:
+            w.modes[k] = ahead
+            w.crossed[k] = 1
+        if w.crossed[k] > 0:
+            changed = True
+    w.sides[:] = w.beside
+    if changed:
+        spread_changes(p, s, w)
+        status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+        s.rhs += 1
+    keep_branch(s, w)
+    return status
+
+
+def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
+    """Whether a switch that has changed goes back at once, by its rates now and before."""
+    ahead = rate * direction
+    if counted[k] > 0:
+        ahead *= sign_of(before * direction)
+    else:
+        ahead *= w.modes[k]
+    return ahead < -TURNED * fabs(before)
+
+
+def rests(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
+    """Whether the side stays at zero, where its mode is zero."""
+    if counted[k] > 0:
+        return False
+    mode = w.modes[k]
+    w.modes[k] = 0.0
+    s.rhs += 1
+    if not failed(rhs_at(p, s.t, s.x, w.xdot, w.lam, w)):
+        fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
+        if fabs(w.turning[k]) <= STILL * (fabs(rate) + fabs(before)):
+            return True
+    w.modes[k] = mode
+    return False
+
+
+def late(k: int, direction: Real, w: Work) -> Real:
+    """The time since this switch changed, by what its side was before."""
+    target = 0.0
+    if NEDGES > 0:
+        if counted[k] > 0:
+            target = w.left_edges[2 * k + 1] if w.before[k] * direction > 0.0 else w.left_edges[2 * k]
+    return (w.left_sides[k] - target) / w.before[k] if w.before[k] != 0.0 else 0.0
+
+
+def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
+    """The state, for the time since the first of the switches in w.crossed changed, or until it does: what is
+    left of a step that ends there, which rounding is for the most part, as times have last places."""
+    for k in range(NMODE):
+        if w.crossed[k] > 0:
+            since = late(k, direction, w)
+            if fabs(since) <= LITTLE * fabs(s.h_old):
+                for i in range(NX):
+                    apart = w.xdot[i] - w.left_rates[i]
+                    s.x[i] += since * apart
+                    if k < NTIMED:
+                        s.jolts[i] += SPACING * fabs(s.t * apart)
+                fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+            return
+
+
+def change(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The switches in w.crossed change at (s.t, s.x)."""
+    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
+    if NEDGES > 0:
+        for i in range(NEDGES):
+            w.left_edges[i] = w.edges[i]
+    w.left_sides[:] = w.beside
+    s.rhs += 1
+    status = rhs_at(p, s.t, s.x, w.left_rates, w.lam, w)
+    if failed(status):
+        return status
+    fn_side_rates_on(p, s.t, s.x, w.modes, w.left_rates, w.before)
+    for i in range(NMODE):
+        if w.crossed[i] > 0:
+            if counted[i] > 0:
+                w.modes[i] += 1.0 if w.before[i] * direction > 0.0 else -1.0
+            elif w.modes[i] == 0.0:
+                w.modes[i] = sign_of(w.beside[i])
+            else:
+                w.modes[i] = -w.modes[i]
+    spread_changes(p, s, w)
+    s.rhs += 1
+    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    if failed(status):
+        return status
+    fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
+    for j in range(NFREE):
+        k = NTIMED + j
+        rate = w.turning[k]
+        if w.crossed[k] > 0 and turns_back(k, rate, w.before[k], direction, w):
+            # From rest it goes only where it does not come back.
+            if s.modes[k] == 0.0 or not rests(p, s, k, rate, w.before[k], w):
+                w.culprit = k
+                return CHATTERING
+    for i in range(NMODE):
+        s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
+    put_right(p, s, direction, w)
+    keep_branch(s, w)
+    s.changes += 1
+    s.fresh = True
+    s.rate = NOWHERE
+    return OK

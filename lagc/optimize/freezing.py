@@ -1,0 +1,202 @@
+"""The equations with their conditions taken out: what a condition decides is the same all through a step.
+
+Of each condition that a motion may change, `sign(g)`, `floor(g)` or the piece of a table that holds its side
+g is a *mode*, a symbol of its own; the equations are made of modes, and smooth for each choice of them.
+`abs(x)` is mode*x, `a < b` says that the mode of b - a is above 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.expr.derivative import tangent
+from lagc.expr.graph import Graph, Node
+from lagc.expr.operators import COMPARISONS, CORNER, STEP, smooth_as
+from lagc.expr.table import Table
+from lagc.expr.text import text
+from lagc.expr.vectors import Matrix, Vector
+from lagc.expr.walk import depends, reachable, symbols
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.intervals import intervals
+from lagc.records import dataclass, replace
+
+_SWITCHING = smooth_as(CORNER, STEP)
+FARTHEST = 1.7e308  # an end that no side comes to
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A condition that a motion may change.  `side`: g, on the branches that the modes of others tell, and
+    `own` its mode there; `natural` as a function of the state alone.  `edges`: between which the side of one
+    that counts is, by its mode; None of a sign.  `slope`: dg/dt, where g is affine in time and nothing else
+    moves it: when it changes is known."""
+
+    mode: Node
+    side: Node
+    own: Node
+    natural: Node
+    edges: tuple[Node, Node] | None
+    slope: Node | None
+    words: str
+
+
+def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switch, ...]]:
+    """The equations as they are along a step, and their switches, those with a slope first; each depends on
+    the modes of switches before it, among those with a slope and all."""
+    changing = [equations.time, *equations.q, *equations.v]
+    moved = depends(_deciding(equations), changing)
+    if not any(node.op in _SWITCHING for node in moved):
+        return equations, ()
+    made = _Freezing(equations.graph, frozenset(changing), equations.time)
+    found = _with(equations, made)
+    order = sorted(made.switches, key=lambda switch: switch.slope is None)
+    return found, tuple(order)
+
+
+class _Freezing:
+    def __init__(self, graph: Graph, changing: frozenset[Node], time: Node) -> None:
+        self.graph, self.changing, self.time = graph, changing, time
+        self.known: dict[Node, Node] = {}
+        self.modes: dict[Node, Node] = {}  # by what they stand for
+        self.switches: list[Switch] = []
+
+    def all(self, nodes: Sequence[Node]) -> list[Node]:
+        known = self.known
+        for node in reachable(nodes):
+            if node not in known:
+                args = tuple([known[a] for a in node.args])
+                if node.op in _SWITCHING:
+                    known[node] = self._switching(node, args)
+                else:
+                    known[node] = node if args == node.args else self.graph.rebuild(node, args)
+        return [known[node] for node in nodes]
+
+    def one(self, node: Node) -> Node:
+        return self.all([node])[0]
+
+    def _switching(self, node: Node, args: tuple[Node, ...]) -> Node:
+        graph, op = self.graph, node.op
+        if self.changing.isdisjoint(symbols(args)):
+            return node if args == node.args else graph.rebuild(node, args)
+        if op in ("floor", "piece"):
+            return self._counted(args[0], node)
+        if op in ("abs", "sign"):
+            mode = self._sign(args[0], node.args[0], node)
+            return mode * args[0] if op == "abs" else mode
+        plain = node.args
+        mode = self._sign(graph.sub(args[1], args[0]), graph.sub(plain[1], plain[0]), node)
+        if op in COMPARISONS:
+            return graph.binary("eq", mode, graph.zero) if op == "eq" else graph.binary(op, graph.zero, mode)
+        first = (args[0], args[1]) if op == "min" else (args[1], args[0])
+        return graph.select(graph.binary("lt", graph.zero, mode), *first)
+
+    def _counted(self, side: Node, node: Node) -> Node:
+        """floor(side), or the piece of a table that holds it, as a mode."""
+        graph, own = self.graph, self.graph.rebuild(node, (side,))
+        if own not in self.modes:
+            mode = self._symbol()
+            edges = (mode, mode + 1.0)
+            if node.op == "piece":
+                knots = [*node.value][1:]
+                ends = (Table([-FARTHEST, *knots]), Table([*knots, FARTHEST]))
+                edges = (graph.looked_up("entry", ends[0], mode), graph.looked_up("entry", ends[1], mode))
+            self._found(Switch(mode, side, own, node, edges, self._slope(side), _words(node)))
+        return self.modes[own]
+
+    def _sign(self, side: Node, plain: Node, node: Node) -> Node:
+        """sign(side), as a mode; of opposite sides one is the negative of the other."""
+        graph = self.graph
+        if side.op == "scale":
+            mode = self._sign(side.args[0], graph.scale(1.0 / side.value, plain), node)
+            return mode if side.value > 0.0 else -mode
+        opposite = graph.add(*(-a for a in side.args)) if side.op == "add" else -side
+        known = self.modes.get(graph.unary("sign", opposite))
+        if known is not None:
+            return -known
+        low, high = intervals([side], {})[side]
+        if low > 0.0 or high < 0.0:
+            return graph.one if low > 0.0 else -graph.one
+        own = graph.unary("sign", side)
+        if own not in self.modes:
+            natural, slope = graph.unary("sign", plain), self._slope(side)
+            self._found(Switch(self._symbol(), side, own, natural, None, slope, _words(node)))
+        return self.modes[own]
+
+    def _symbol(self) -> Node:
+        return self.graph.symbol("mode", str(len(self.switches)))
+
+    def _found(self, switch: Switch) -> None:
+        self.modes[switch.own] = switch.mode
+        self.switches.append(switch)
+
+    def _slope(self, side: Node) -> Node | None:
+        """Of what is affine in time, and moved by nothing else but modes of which that is true too."""
+        own = symbols([side])
+        known = {switch.mode for switch in self.switches if switch.slope is not None}
+        others = set(self.modes.values()) - known
+        if own & self.changing != {self.time} or own & others:
+            return None
+        (slope,) = tangent(self.graph, [side], {self.time: self.graph.one})
+        return None if self.time in symbols([slope]) or slope.is_zero else slope
+
+
+def _words(node: Node) -> str:
+    """What changes, for people."""
+    args = node.args
+    if len(args) == 1:
+        passed = {"floor": "a whole number", "piece": "a knot of a table"}.get(node.op, "0")
+        return f"{text(args[0])} passes {passed}"
+    left, right = (args[1], args[0]) if args[0].is_const else args
+    return f"{text(left)} passes {text(right)}"
+
+
+def _vector(flat: Sequence[Node]) -> Vector:
+    return flat[0], flat[1], flat[2]
+
+
+def _matrix(flat: Sequence[Node]) -> Matrix:
+    return _vector(flat[:3]), _vector(flat[3:6]), _vector(flat[6:])
+
+
+def _deciding(equations: EquationsOfMotion) -> list[Node]:
+    """All that the rates are made of."""
+    found = [*equations.qdot, *equations.loads, *equations.loads.values()]
+    found += [*equations.bias_forces, *equations.given_forces, equations.power]
+    for part in equations.inertias:
+        found += [*part.velocity, *part.at_rest, *part.explicit]
+        found += [x for row in part.mass for x in row] if isinstance(part.mass, tuple) else [part.mass]
+    for row in equations.rows:
+        found += [row.rate, row.gamma, *row.jacobian.values()]
+    return [*found, *equations.further_inertia.values()]
+
+
+def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
+    """`equations` with f of all that the rates are made of."""
+
+    def mass(given: Node | Matrix) -> Node | Matrix:
+        return _matrix(f.all([x for row in given for x in row])) if isinstance(given, tuple) else f.one(given)
+
+    inertias = [
+        replace(
+            part, velocity=_vector(f.all(part.velocity)), at_rest=_vector(f.all(part.at_rest)),
+            explicit=_vector(f.all(part.explicit)), mass=mass(part.mass),
+        )
+        for part in equations.inertias
+    ]  # fmt: skip
+    rows = [
+        replace(
+            row, rate=f.one(row.rate), gamma=f.one(row.gamma),
+            jacobian=dict(zip(row.jacobian, f.all(list(row.jacobian.values())))),
+        )
+        for row in equations.rows
+    ]  # fmt: skip
+    loads: dict[Node, Node] = {}
+    for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
+        loads[velocity] = loads[velocity] + weight if velocity in loads else weight
+    return replace(
+        equations,
+        qdot=tuple(f.all(equations.qdot)), inertias=tuple(inertias), rows=tuple(rows), loads=loads,
+        further_inertia=dict(zip(equations.further_inertia, f.all(list(equations.further_inertia.values())))),
+        bias_forces=tuple(f.all(equations.bias_forces)), given_forces=tuple(f.all(equations.given_forces)),
+        power=f.one(equations.power),
+    )  # fmt: skip

@@ -1,0 +1,95 @@
+"""The functions by which a run tells that a condition changes, and when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.expr.derivative import tangent
+from lagc.expr.enclosure import Ends, enclosures
+from lagc.expr.graph import Node
+from lagc.optimize.freezing import Switch
+from lagc.optimize.functions import made
+from lagc.optimize.program import Function
+from lagc.optimize.symbols import STATE, Places
+from lagc.records import replace
+
+
+def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> list[Function]:
+    """`modes` by the state alone; `sides`, `own` modes and `side_rates` on the branches that modes tell;
+    `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.  None
+    where there are no switches."""
+    if not switches:
+        return []
+    found = [_modes(natural, switches), _sides(along, switches), _own(along, switches)]
+    found.append(_rates(along, switches))
+    if any(switch.edges for switch in switches):
+        found.append(_edges(along, switches))
+    timed = [switch for switch in switches if switch.slope is not None]
+    others = switches[len(timed) :]
+    return [
+        *found,
+        *([_slopes(along, timed)] if timed else []),
+        *([_enclosure(along, others)] if others else []),
+    ]
+
+
+def _modes(natural: Places, switches: Sequence[Switch]) -> Function:
+    values = [switch.natural for switch in switches]
+    words = [switch.words for switch in switches]
+    return made(
+        natural, "modes", STATE, (("modes", values),), "which side of each switch the state is on", words
+    )
+
+
+def _sides(along: Places, switches: Sequence[Switch]) -> Function:
+    values = [switch.side for switch in switches]
+    return made(along, "sides", along.state, (("e", values),), "what each switch changes at", seldom=True)
+
+
+def _own(along: Places, switches: Sequence[Switch]) -> Function:
+    values = [switch.own for switch in switches]
+    return made(along, "own", along.state, (("e", values),), "the mode that each side tells", seldom=True)
+
+
+def _edges(along: Places, switches: Sequence[Switch]) -> Function:
+    """Of those that count; else zeros."""
+    zero = along.graph.zero
+    values = [end for switch in switches for end in switch.edges or (zero, zero)]
+    return made(along, "edges", ("modes",), (("e", values),), "between which they change", seldom=True)
+
+
+def _rates(along: Places, switches: Sequence[Switch]) -> Function:
+    """de/dt with the rates of the state given."""
+    equations, graph = along.equations, along.graph
+    states = [*equations.q, *equations.v]
+    rates = [graph.symbol("change", str(k)) for k in range(len(states))]
+    seeds = {**dict(zip(states, rates)), equations.time: graph.one}
+    values = tangent(graph, [switch.side for switch in switches], seeds)
+    more = replace(along, arrays={**along.arrays, **{node: ("d", k) for k, node in enumerate(rates)}})
+    inputs = (*along.state, "d")
+    return made(more, "side_rates", inputs, (("e", values),), "the rates of these", seldom=True)
+
+
+def _slopes(along: Places, timed: Sequence[Switch]) -> Function:
+    values = [switch.slope for switch in timed if switch.slope is not None]
+    return made(
+        along, "slopes", ("p", "modes"), (("e", values),), "of those that time alone moves", seldom=True
+    )
+
+
+def _enclosure(along: Places, others: Sequence[Switch]) -> Function:
+    """The least and the largest value of each while time and state keep to a box: the least of time and
+    states, then the largest."""
+    equations, graph = along.equations, along.graph
+    leaves = [equations.time, *equations.q, *equations.v]
+    arrays = dict(along.arrays)
+    boxes: dict[Node, Ends] = {}
+    for k, leaf in enumerate(leaves):
+        low, high = graph.symbol("least", str(k)), graph.symbol("largest", str(k))
+        boxes[leaf] = low, high
+        arrays[low], arrays[high] = ("box", k), ("box", len(leaves) + k)
+    ends = enclosures(graph, [switch.side for switch in others], boxes)
+    values = [end for pair in ends for end in pair]
+    more = replace(along, arrays=arrays)
+    inputs = ("p", "modes", "box")
+    return made(more, "enclosure", inputs, (("e", values),), "what these keep to in a box", seldom=True)

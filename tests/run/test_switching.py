@@ -1,0 +1,128 @@
+"""Conditions that a motion changes: none is stepped over, and what is said of the error holds."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+import lagc
+from tests.run.switched import STOP, case, motion
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+TIMES = [STOP * k / 7 for k in range(8)]
+
+
+@pytest.mark.parametrize("first", range(0, 60, 15))
+def test_pulses_barriers_square_waves(first: int) -> None:
+    """Forces that are constant piece by piece, kicks of 1e-5 s, barriers of 0.1 mm: no true error
+    is above the estimate, no estimate above what was asked."""
+    known = 0
+    for seed in range(first, first + 15):
+        exact = motion(case(seed), TIMES)
+        if exact is None:
+            continue
+        accuracy = 10.0 ** -(4 + seed % 6)
+        run = lagc.loads(case(seed).text).compile(backend="numpy").simulate(STOP, points=8, accuracy=accuracy)
+        if run.status != "ok":  # of many changes, the last places of their times
+            assert "rounding" in run.message and len(run.events) > 50, run.message
+            continue
+        known += 1
+        sizes = [max(abs(state[i]) for state in exact) for i in (0, 1)]
+        errors = [
+            max(abs(state[i] - value) for state, value in zip(exact, run[name])) / size
+            for i, (name, size) in enumerate(zip(("x", "der(x)"), sizes))
+        ]
+        assert run.estimated is not None and run.estimated <= accuracy
+        assert max(errors) <= run.estimated, (seed, float(max(errors)), run.estimated)
+    assert known > 10
+
+
+@pytest.mark.parametrize("seed", [3, 7, 21])
+def test_both_backends_are_equal_to_the_bit(seed: int) -> None:
+    runs = [
+        lagc.loads(case(seed).text).compile(backend=backend).simulate(STOP, points=8, accuracy=1e-8)
+        for backend in ("numpy", "c")
+    ]
+    assert runs[0].states == runs[1].states
+    assert runs[0].events == runs[1].events and runs[0].cost.rhs == runs[1].cost.rhs
+    assert runs[0].events
+
+
+def model(action: str, start: str = "x(start = 1 [m], rate = 0 [m/s])") -> lagc.CompiledModel:
+    return lagc.loads(
+        f"model M\n  coordinate Length {start};\n  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});\n"
+        f"  {action}\nend M;"
+    ).compile(backend="numpy")
+
+
+def test_changes_are_told_with_their_times() -> None:
+    """x = 1 - t^2/2 passes 0 at sqrt(2), and time 0.75 s; a fall from 1 m and back."""
+    run = model("potential V = 1 [N]*abs(x) + (if time > 0.75 [s] then 0 else 0)*1 [J];").simulate(
+        4.0, accuracy=1e-10
+    )
+    assert [event.name for event in run.events] == ["x passes 0"]
+    assert run.events[0].t == pytest.approx(math.sqrt(2.0), abs=1e-12)
+    run = model("force f = {if time < 0.75 [s] then 1 [N] else -1 [N], 0, 0} at b;").simulate(4.0)
+    assert [(event.t, event.name) for event in run.events] == [(0.75, "time passes 0.75")]
+
+
+def test_a_bounce_costs_what_its_steps_cost() -> None:
+    """The force of V = F |x| jumps at every passage: so many steps a passage, however exact."""
+    wedge = model("potential V = 1 [N]*abs(x);")
+    run = wedge.simulate(100.0, accuracy=1e-10)
+    assert run.status == "ok"
+    passages = int((100.0 + math.sqrt(2.0)) / (2.0 * math.sqrt(2.0)))
+    assert len(run.events) == passages
+    assert run.cost.rhs < 100 * passages * run.cost.integrations
+
+
+@pytest.mark.parametrize("pull", ["5 [N/m]*(0.1 [m/s]*time - x)", "0.5 [N]"])
+def test_what_goes_to_and_fro_without_end_is_told(pull: str) -> None:
+    """Dry friction as a sign, on what sticks: told at once, with the way out."""
+    run = model(f"force f = {{{pull} - 3 [N]*sign(der(x)), 0, 0}} at b;", "x(start = 0 [m])").simulate(10.0)
+    assert run.status == "failed" and run.cost.rhs < 1000
+    assert "der(x) passes 0" in run.message and "tanh(v/v0)" in run.message
+
+
+def test_what_slides_comes_to_rest() -> None:
+    """v0^2/(2 mu g) far, and nothing drives it then: the branch between both."""
+    run = model("force f = {-3 [N]*sign(der(x)), 0, 0} at b;", "x(start = 0 [m], rate = 2 [m/s])").simulate(
+        5.0, accuracy=1e-9
+    )
+    assert run.status == "ok"
+    assert run["x"][-1] == pytest.approx(2.0 / 3.0, rel=1e-9)
+    assert abs(run["der(x)"][-1]) < 1e-9
+
+
+def test_a_branch_may_end_at_its_change() -> None:
+    """sqrt(x) has no value beyond 0: v^2 = 1 + 2 (1 - 2/3) there."""
+    run = model(
+        "force f = {-1 [N] + (if x > 0 then 1 [N]*sqrt(x/(1 [m])) else 0 [N]), 0, 0} at b;",
+        "x(start = 1 [m], rate = -1 [m/s])",
+    ).simulate(5.0, accuracy=1e-9)
+    (event,) = run.events
+    speed, after = math.sqrt(1.0 + 2.0 / 3.0), 5.0 - event.t
+    assert run.status == "ok"
+    assert run["x"][-1] == pytest.approx(-speed * after - 0.5 * after**2, rel=1e-9)
+
+
+def test_backwards_fixed_steps_and_other_methods() -> None:
+    """A fixed step keeps the order of its method across changes, in time and in place."""
+    wedge = model(
+        "potential V = 1 [N]*abs(x); force f = {if time < 0.4 [s] then 1 [N] else 0 [N], 0, 0} at b;"
+    )
+    exact = wedge.simulate(4.0, accuracy=1e-12)
+    for method in ("rk4", "bs32", "dopri5", "dop853"):
+        run = wedge.simulate(4.0, method=method, step=0.1)
+        assert run["x"][-1] == pytest.approx(exact["x"][-1], abs=1e-12), method
+
+
+def test_the_rates_of_a_state_do_not_depend_on_a_run() -> None:
+    """Beside a run equations are those of the state alone."""
+    wedge = model("potential V = 1 [N]*abs(x);")
+    system = wedge.simulate(3.0).system
+    for x, force in ((0.5, -1.0), (-0.5, 1.0), (0.0, 0.0)):
+        xdot = [0.0] * system.nx
+        system.rhs(0.0, [x, 0.0], xdot, [])
+        assert xdot[1] == force
