@@ -15,14 +15,20 @@ from collections.abc import Sequence
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.modular import Point
+from lagc.expr.walk import reachable
 from lagc.mechanics.finite import Echelon, Entries
 from lagc.mechanics.forms import Form
 from lagc.mechanics.judge import Truths
 from lagc.mechanics.speeds import solve_rows
 
 LARGEST = 16  # positions; the brackets of more become long
+LONGEST = 10_000  # nodes of fields whose brackets are formed
 
 Field = dict[Node, Node]
+
+
+class TooLong(Exception):
+    """Brackets are too long to be formed."""
 
 
 def reachable_directions(
@@ -30,12 +36,15 @@ def reachable_directions(
 ) -> list[Entries]:
     """A basis, at `point`, of the directions of all motions that the forms leave: by place in `where`.
 
-    Raises Undefined where something has no value at this point.
+    Raises Undefined where something has no value at this point, TooLong where fields or brackets on the way
+    are.
     """
     span = _Span(where, point, truths)
     fields = [x for x in _fields(graph, forms, where, point, truths) if span.grows(x)]
     latest = fields
     while latest and span.size < len(where):
+        if len(reachable([node for x in latest for node in x.values()])) > LONGEST:
+            raise TooLong
         brackets = (_bracket(graph, x, y) for x in fields for y in latest)
         latest = [z for z in brackets if span.grows(z)]
     return span.directions

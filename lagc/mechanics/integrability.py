@@ -7,18 +7,19 @@ combinations are the largest integrable part of I (the last of its derived flag;
 relations that lie in no row alone the number is told.  All of it is linear algebra at points of a
 finite field on the constraints, so no tolerance decides.
 
-For many positions brackets become long.  Rows are then taken for integrable where they are closed
-along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
+For many positions, or long rows, brackets become too long.  Rows are then taken for integrable where they
+are closed along each other, dw(X, Y) = 0 for all X, Y that all of them annul (F. W. Warner, *Foundations of
 Differentiable Manifolds and Lie Groups*, th. 2.32); combinations are not looked for.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 
 from lagc.expr.graph import Node
 from lagc.expr.modular import P, Point, Undefined
-from lagc.mechanics.brackets import LARGEST, reachable_directions
+from lagc.mechanics.brackets import LARGEST, TooLong, reachable_directions
 from lagc.mechanics.equations import Row
 from lagc.mechanics.finite import Echelon, Entries
 from lagc.mechanics.forms import Form, exact_form, places, spelt, unit_forms, velocity_form
@@ -130,9 +131,14 @@ class _Part:
 
     def _at(self, place: _Place) -> tuple[dict[str, str], int, int]:
         """Reasons of integrable rows, all new relations, and those of combinations alone."""
-        if len(self.where) > LARGEST:
-            reasons = self._closed_rows(place)
-            return reasons, self._rank(place, reasons) - self._rank(place, ()), 0
+        if len(self.where) <= LARGEST:
+            with suppress(TooLong):
+                return self._reached(place)
+        reasons = self._closed_rows(place)
+        return reasons, self._rank(place, reasons) - self._rank(place, ()), 0
+
+    def _reached(self, place: _Place) -> tuple[dict[str, str], int, int]:
+        """The same by brackets.  Raises TooLong."""
         kept = self._kept(place, [*self.forms.values(), *self.given])
         inside = {label for label, form in self.forms.items() if self._annuls(place, form, kept)}
         whole = len(self.where) - len(kept)
