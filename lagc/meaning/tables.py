@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -43,9 +44,7 @@ def _table(
     beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
     name = "table"
     if isinstance(data.value, Text):
-        knots, found = _from_file(context, data, values, over)
-        if values and isinstance(values.value, Text):
-            name = values.value.text
+        knots, found, name = _from_file(context, data, values, over)
     elif over:
         raise Wrong("LAG0209", "columns have names in files only", over.span)
     else:
@@ -62,10 +61,10 @@ def through(
     context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
     name: str, span: Span | None,
 ) -> Node:  # fmt: skip
-    """`interpolant`, with a name that no other has.  Raises Wrong."""
+    """`interpolant`, with a name that no other has, of letters, digits and `_`.  Raises Wrong."""
     check_order(knots, span)
     key, count = key_of(knots, values, way, straight), 1
-    own = name
+    own = name = re.sub(r"\W+", "_", name).strip("_") or "table"
     while context.curves.setdefault(own, key) != key:
         count += 1
         own = f"{name}_{count}"
@@ -139,7 +138,8 @@ def _column(cells: Sequence[Value], given: Argument) -> Column:
 
 def _from_file(
     context: Context, data: Argument, values: Argument | None, over: Argument | None
-) -> tuple[Column, Column]:
+) -> tuple[Column, Column, str]:
+    """What the table is over, its values, and what they are called."""
     assert isinstance(data.value, Text)
     file = context.importer.data(data.value.text, data.span)
     first = 0 if over is None else _place(file, over)
@@ -151,7 +151,8 @@ def _from_file(
         second = others[0]
     else:
         second = _place(file, values)
-    return _measured(file, first, over or data), _measured(file, second, values or data)
+    columns = _measured(file, first, over or data), _measured(file, second, values or data)
+    return (*columns, file.heads[second][0])
 
 
 def _place(file: Columns, asked: Argument) -> int:

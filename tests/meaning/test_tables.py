@@ -354,3 +354,20 @@ def test_equations_name_tables_and_their_slopes() -> None:
     made: dict[str, Any] = {}
     exec(write(equations, "sympy"), made)
     assert "table''(x(t))" in str(made["equations"])
+
+
+def test_tables_are_called_as_their_columns(tmp_path: Path) -> None:
+    (tmp_path / "d.csv").write_text("time,a,b,c\x1b[31m %}\n0,1,1,3\n1,2,2,4\n")
+    (tmp_path / "e.csv").write_text("time,a\n0,5\n1,7\n")
+    model = """model M coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});
+      force f = {FORCE, 0, 0} at b; end M;"""
+    (tmp_path / "model.lag").write_text(
+        model.replace("FORCE", " + ".join(f"1[N]*({i} + table(time, {table}))^2" for i, table in enumerate((
+            '"d.csv", "a"', '"d.csv", "b"', '"e.csv"', '"d.csv", "c\x1b[31m %}"', '"d.csv", "a", "cubic"',
+            "{0, 1}, {1, 4}",
+        ))))
+    )  # fmt: skip
+    written = write(lagc.load(str(tmp_path / "model.lag")).compile().equations)
+    # The same numbers are one table.
+    assert all(f"{name}(t)" in written for name in ("a", "a_2", "c_31m", "a_3", "table"))
+    assert "b(t)" not in written and "\x1b" not in written
