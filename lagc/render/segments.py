@@ -112,25 +112,29 @@ class _Segments:
         return (value - run.first) // run.period
 
     def _at_once(self) -> None:
-        """Stores of all values of a row, where the array is not read: they need not wait."""
+        """Stores that need not wait, as their array is not read: where all values of a row are stored so."""
         count, stores = len(self.operations), self.function.stores
         read = {o.payload[0] for o in self.operations if isinstance(o.payload, tuple)}
+        columns: dict[_Place, range] = {}
         for number, run in enumerate(self.runs):
             for k in range(run.period if run.first >= count else 0):
                 items = range(run.first + k, run.end, run.period)
                 found = [stores[item - count] for item in items]
-                if found[0].array in read or min([store.value for store in found]) < self.first:
-                    continue
-                rows: dict[_Place, dict[int, int]] = {}
-                for store in found:
-                    rows.setdefault(self.row(store.value), {})[self.at(store.value)] = store.index
-                if sum(map(len, rows.values())) == len(found) and all(
-                    [len(entries) == self.runs[row[0]].count for row, entries in rows.items()]
-                ):
-                    self.done.add((number, k))
-                    for row, entries in rows.items():
-                        access = Access(found[0].array, [entries[n] for n in range(len(entries))])
-                        self.written.setdefault(row, []).append((items[0], access))
+                if found[0].array not in read and min([store.value for store in found]) >= self.first:
+                    columns[number, k] = items
+        while len(self.done) != len(columns):
+            self.done = set(columns)
+            rows: dict[tuple[_Place, str], dict[int, int]] = {}  # -> items by repetition
+            for items in columns.values():
+                for item in items:
+                    store = stores[item - count]
+                    rows.setdefault((self.row(store.value), store.array), {})[self.at(store.value)] = item
+            complete = [made for (row, _), made in rows.items() if len(made) == self.runs[row[0]].count]
+            whole = {item for made in complete for item in made.values()}
+            columns = {place: items for place, items in columns.items() if whole.issuperset(items)}
+        for (row, array), made in rows.items() if self.done else ():
+            access = Access(array, [stores[made[n] - count].index for n in range(len(made))])
+            self.written.setdefault(row, []).append((made[0], access))
 
 
 def _divided(function: Function) -> Iterator[Run]:

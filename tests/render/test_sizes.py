@@ -1,0 +1,62 @@
+"""The code of a model grows with it, and no faster; by counts of operations, of accesses and of letters."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from lagc import library
+from lagc.compiler import Choice
+from lagc.compiler import program as compiled
+from lagc.optimize.program import LEAVES, Program
+from lagc.render.c.render import render
+from lagc.render.segments import KEPT, Segment, segments
+
+
+def program(name: str, n: int) -> Program:
+    return compiled(library.read(name), Choice(parameters={"n": n}))
+
+
+FAMILIES = [
+    ("classic/chain", 60, 120, 1.1), ("classic/spring_chain", 150, 300, 1.1),
+    ("large/relative_chain", 50, 100, 1.1), ("large/rope", 30, 60, 1.1), ("large/ball_chain", 15, 30, 1.1),
+    ("large/mobile", 51, 101, 1.1), ("large/lattice", 150, 300, 1.1), ("large/net", 100, 196, 1.1),
+    ("large/n_body", 8, 16, 2.1),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "few", "many", "most"), FAMILIES, ids=[family[0] for family in FAMILIES])
+def test_operations_grow_as_bodies_do_and_code_does_not_faster(
+    name: str, few: int, many: int, most: float
+) -> None:
+    """Of n bodies; those that attract each other have n^2 forces."""
+    less, more = (program(name, math.isqrt(n) if name == "large/net" else n) for n in (few, many))
+    growth = many / few
+    assert 1.8 < more.interface.operations / less.interface.operations < growth**most
+    short, long = (sum(map(len, render(p).values())) for p in (less, more))
+    assert long < growth * short
+
+
+def accesses(found: list[Segment]) -> int:
+    """Of what is kept, and of tables of indices."""
+    loops = [(access, s.count) for s in found if s.count > 1 for access in (*s.reads, *s.writes)]
+    return sum([count * ((a.array == KEPT) + (a.stride is None)) for a, count in loops])
+
+
+@pytest.mark.parametrize(
+    ("name", "n"), [("large/lattice", 500), ("large/net", 12), ("classic/spring_chain", 300)]
+)
+def test_what_is_done_to_one_value_is_done_at_once(name: str, n: int) -> None:
+    """In the order in which operations are made there are one to two a operation."""
+    f = program(name, n).functions["rhs"]
+    assert f.runs
+    found, _ = segments(f)
+    assert accesses(found) < 0.6 * f.cost
+
+
+@pytest.mark.parametrize(("name", "n"), [("classic/chain", 60), ("large/net", 8), ("large/rope", 30)])
+def test_what_is_stored_is_not_kept_for_that(name: str, n: int) -> None:
+    found, _ = segments(program(name, n).functions["rhs"])
+    copies = [s for s in found if all([o.op in LEAVES for o in s.body.operations])]
+    assert copies and not [access for s in copies for access in s.reads if access.array == KEPT]
