@@ -41,8 +41,8 @@ def units(factors: Factors) -> Iterator[None]:
     def other_si(self: Unit, value: float) -> float:
         return to_si(self, value) * factor(self.dimension, factors)
 
-    def other_dressed(value: Value, dimension: Dimension) -> Value:
-        found = dressed(value, dimension)
+    def other_dressed(value: Value, dimension: Dimension, bare: bool) -> Value:
+        found = dressed(value, dimension, bare)
         if isinstance(value, Array) or not isinstance(found, Scalar) or found is value:
             return found
         return Scalar(factor(dimension, factors) * found.node, found.dimension)
