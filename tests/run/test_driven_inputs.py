@@ -197,7 +197,7 @@ def test_what_was_given_once_is_not_kept_for_those_who_do_not_give_it() -> None:
 def test_a_row_follows_an_input_whose_course_is_smooth() -> None:
     t, places = [0.0, 0.5, 1.0, 1.5, 2.0], [0.0, 0.2, -0.1, 0.3, 0.1]
     system = compiled(use=["rail"], backend="numpy", inputs={"place": (t, places, "cubic")})
-    run = system.simulate(2.0, max_step=0.02)
+    run = system.simulate(2.0, accuracy=1e-10)
     assert run.status == "ok"
     assert run["x"] == pytest.approx(CubicSpline(t, places)(run.t), abs=1e-12)
     assert run["pull"] + 1.0 == pytest.approx(2.0 * CubicSpline(t, places)(run.t, 2), abs=1e-9)
@@ -208,3 +208,26 @@ def test_a_row_follows_an_input_whose_course_is_smooth() -> None:
         except Refused as refused:
             found = refused.faults[0].code
         assert found == code
+
+
+@pytest.mark.parametrize("backend", ["c", "numpy"])
+@pytest.mark.parametrize("kind", ["held", "linear"])
+def test_no_step_passes_over_what_is_short_in_a_table(kind: str, backend: str) -> None:
+    """Pulses of microseconds to milliseconds, anywhere in ten seconds, change the speed by their areas."""
+    rng = random.Random(kind)
+    system = compiled(backend=backend)
+    for _ in range(4):
+        t, values, speed = [0.0], [0.0], 0.0
+        for _ in range(3):
+            begin, width, height = (
+                t[-1] + rng.uniform(0.5, 3.0),
+                10.0 ** rng.uniform(-6, -3),
+                rng.uniform(1.0, 9.0),
+            )
+            t += [begin, begin + 0.5 * width, begin + width]
+            values += [height, height, 0.0] if kind == "held" else [0.0, height, 0.0]
+            speed += height * width * (1.0 if kind == "held" else 0.5) / 2.0
+        run = system.simulate(10.0, inputs={"u": (t, values, kind)}, accuracy=1e-8)
+        assert run.status == "ok" and run["der(x)"][-1] == pytest.approx(speed, rel=1e-8)
+        rough = system.simulate(10.0, inputs={"u": (t, values, kind)}, rtol=1e-3)
+        assert rough["der(x)"][-1] == pytest.approx(speed, rel=1e-8)  # a quadrature of polynomials
