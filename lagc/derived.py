@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from lagc.compiler import PER_OPERATION
 from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
@@ -105,14 +106,17 @@ class Differentiable:
         """The linear models about the equilibria at t = 0 that are found from the start and from so many
         random postures: the first is that which is found from the start, if one is, the others are in order
         of their potential energy; of families of equilibria one each."""
+        from lagc.limits import stage
         from lagc.records import replace
         from lagc.run import equilibria
         from lagc.run.linearize import linearize
 
         system = self.differentiated(parameters)
         guess = self._at(0.0, parameters, starts)
-        found = equilibria.equilibria(system, guess, 0.0, equilibria.TRIES if tries is None else tries, seed)
-        return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]
+        most = equilibria.TRIES if tries is None else tries
+        with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
+            found = equilibria.equilibria(system, guess, 0.0, most, seed)
+            return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]
 
     def _at(
         self, t: float, parameters: Mapping[str, Any] | None, starts: Mapping[str, Any] | None

@@ -172,7 +172,7 @@ class _Search:
         *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3)."""
         moved = z + share * step * columns
         for _ in range(HALVINGS):
-            if np.linalg.norm(inverse @ self._rows(moved)[0]) < np.linalg.norm(step):
+            if np.linalg.norm(inverse @ self._residual(moved)) < np.linalg.norm(step):
                 break
             share /= 2.0
             moved = z + share * step * columns
@@ -185,19 +185,15 @@ class _Search:
         n = nq + nv
         point = Point(system, self.t, z[:n].tolist(), [0.0] * nv, z[n:].tolist())
         own = interface.nh + nc
+        residual = self._residual(z)
         quaternions = np.zeros((len(interface.quaternions), n + nc))
-        lengths = np.zeros(len(quaternions))
         for k, first in enumerate(interface.quaternions):
-            part = z[first : first + 4]
-            quaternions[k, first : first + 4], lengths[k] = part, (part @ part - 1.0) / 2.0
-        residual = np.concatenate(
-            [point.value("qdot"), point.value("force"), point.value("condition")[:own], lengths]
-        )
+            quaternions[k, first : first + 4] = z[first : first + 4]
         by_state = [point.partial("qdot", "state"), point.partial("force", "state"),
                     point.partial("condition", "state")[:own]]  # fmt: skip
         table = np.vstack([np.hstack([np.vstack(by_state), np.zeros((n + own, nc))]), quaternions])
         table[nq:n, n:] = point.partial("force", "acceleration")[:, nv:]
-        if not (np.isfinite(residual).all() and np.isfinite(table).all()):
+        if not np.isfinite(table).all():
             raise ArithmeticError("not finite")
         columns = np.ones(n + nc)
         columns[:n] = self.sizes
@@ -207,6 +203,20 @@ class _Search:
         columns[n:] = 1.0 / np.where(forces.any(axis=0), forces.max(axis=0, initial=0.0), 1.0)
         rows += np.abs(table[:, n:]) @ columns[n:]
         return residual, table, columns, np.where(rows > 0.0, rows, 1.0)
+
+    def _residual(self, z: Array) -> Array:
+        """Raises ArithmeticError where it is not finite."""
+        system = self.system
+        n, stack = system.nq + system.nv, system.interface.stack
+        values = np.array(system.stack(self.t, z[:n].tolist(), [0.0] * system.nv, z[n:].tolist()))
+        own = stack["condition"].start + system.nh + system.nc
+        parts = [values[stack["qdot"].start : stack["qdot"].stop], values[self._forces]]
+        parts.append(values[stack["condition"].start : own])
+        squares = [z[first : first + 4] @ z[first : first + 4] for first in system.quaternions]
+        residual = np.array([*np.concatenate(parts), *((square - 1.0) / 2.0 for square in squares)])
+        if not np.isfinite(residual).all():
+            raise ArithmeticError("not finite")
+        return residual
 
     @property
     def _forces(self) -> slice:
