@@ -38,7 +38,6 @@ _FLAT = 1e-3  # of the steepest gradient on the way
 _HOLDS = 1e-7  # of its terms, on a state that meets other rows to 1e-12
 _FOUND = 1e-6  # of the residual at first
 _NOISE = 1e-6  # of the coordinates: steps that grow and are shorter are rounding
-_LARGEST = 60  # rows beyond which this is not asked
 _BESIDE = 1e-2  # of the sizes of the unknowns: how far around a multiple zero others are looked for
 _APART = 1e-4  # of these sizes
 _PAIRS = 3
@@ -59,8 +58,6 @@ class _Suspect:
 def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     """Raises Refused: LAG0413 rows whose gradient vanishes wherever they hold, or on a branch of them,
     and that others do not bring about."""
-    if len(classified) > _LARGEST:
-        return
     model = states.model
     tries = [*samples(model, _STATES, vary=False), *samples(model, _STATES)]
     start = list(samples(model, 1, vary=False, spread=0.0))

@@ -268,3 +268,30 @@ def test_values_of_parameters_refuse_no_row(row: str) -> None:
     """With r = 0 it only touches; what is compiled holds for any r."""
     lines = f"parameter Length r = 0; constraint c: {row};"
     assert derived(0.3, 0.3, lines).rows
+
+
+MANY = """
+model Many
+  structural Integer n = 90;
+  coordinate Length x[n](each start = 1 [m]), y[n](each start = 0.5 [m]);
+  for i in 1:n loop
+    body b[i] = Particle(mass = 1 [kg], at = {x[i], y[i], 0});
+  end for;
+  for i in 1:n-1 loop
+    constraint c[i]: x[i]^2 + y[i]^2 = 1 [m2];
+  end for;
+  constraint last: %(row)s;
+end Many;
+"""
+
+
+@pytest.mark.parametrize(
+    ("row", "touches"), [("1 - cos(x[n]/(1 [m])) = 0", True), ("1 - cos(x[n]/(1 [m])) = 0.5", False)]
+)
+def test_however_many_rows_there_are_each_is_asked(row: str, touches: bool) -> None:
+    try:
+        assert len(lagc.loads(MANY % {"row": row}).compile().equations.rows) == 90
+        refused = False
+    except lagc.Refused as found:
+        refused = [fault.code for fault in found.faults] == ["LAG0413"]
+    assert refused == touches
