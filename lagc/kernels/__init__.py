@@ -12,7 +12,8 @@ Status = NewType("Status", int)  # what a call ends with: see `statuses`
 FILES = (
     "statuses", "limits", "trigonometry",
     "records", "binding", "kinds", "modes", "dense", "fallback", "rhs", "quaternions", "projection",
-    "runge_kutta", "method", "check", "control", "weights", "listening", "switching", "step", "recording",
+    "runge_kutta", "method", "check", "control", "weights", "listening",
+    "enclosing", "switching", "narrow", "step", "recording",
     "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",
     "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip

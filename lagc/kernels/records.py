@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from lagc.kernels.sizes import (
+    NBOUNDS,
     NBOX,
     NC,
     ND,
     NEDGES,
     NENDS,
+    NFEAT,
     NFREE,
     NG,
     NH,
     NK,
     NKIND,
+    NLOOK,
     NM,
     NMODE,
     NQ,
@@ -148,8 +151,14 @@ class Work:
         slopes: Vec[NTIMED]
         when: Vec[NTIMED]
     if NFREE > 0:
-        box: Vec[NBOX]  # least time and states, largest time and states
         ends: Vec[NENDS]
+    if NFEAT > 0:
+        bounds: Vec[NBOUNDS]
+        values: Vec[NFEAT]
+        floors: Vec[NFEAT]  # between which each is seen
+        tops: Vec[NFEAT]
+    if NLOOK > 0:
+        box: Vec[NBOX]  # least time and states, largest time and states
         arrived: Vec[NX]
         left_x: Vec[NX]
         middle: Vec[NX]

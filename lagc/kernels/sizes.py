@@ -40,6 +40,9 @@ class NTIMED(metaclass=SizeType): ...  # of these, those that time alone changes
 class NFREE(metaclass=SizeType): ...  # the others
 class NBOX(metaclass=SizeType): ...  # ends of a box of time and states
 class NENDS(metaclass=SizeType): ...  # 2 NFREE
+class NFEAT(metaclass=SizeType): ...  # terms that may be narrow
+class NBOUNDS(metaclass=SizeType): ...  # 2 NFEAT
+class NLOOK(metaclass=SizeType): ...  # NFREE + NFEAT
 class NEDGES(metaclass=SizeType): ...  # 2 NMODE, where one counts
 class NROW(metaclass=SizeType): ...  # NU + 1: of a row of these, with its right-hand side
 

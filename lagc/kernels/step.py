@@ -9,15 +9,18 @@ from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
 from lagc.kernels.method import last, method_error, method_stages, uses_new
+from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import factor_dense, rhs_at
-from lagc.kernels.sizes import NC, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NX, STRAIGHT
+from lagc.kernels.sizes import NC, NFEAT, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NX, STRAIGHT
 from lagc.kernels.statuses import CHATTERING, INTERRUPTED, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
 from lagc.kernels.switching import all_but_changes, change, choose_branch, first_change, next_change, take
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status, Vec, public
 
+LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
+MOST_SHRUNK = 40  # times
 FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
 
 
@@ -287,6 +290,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if goal == s.t:
             return stop(s, change(p, s, a.direction, w), w)
     cause = OK
+    if NFEAT > 0:
+        shrunk = 0
     while True:
         if o.max_steps > 0 and s.steps + s.rejected - s.entered >= o.max_steps:
             if a.rejected > 0:
@@ -302,6 +307,14 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                     return stop(s, change(p, s, a.direction, w), w)
             return stop(s, cause if cause != OK else STEP_UNDERFLOW, w)
         status = try_step(p, s, o, a, w)
+        if NFEAT > 0:
+            if not failed(status) and a.error <= 1.0 and o.step == 0.0 and shrunk < MOST_SHRUNK:
+                hidden = first_hidden(p, s, o.method, a, o.rtol, w)
+                if hidden < 1.0:
+                    a.size *= hidden if hidden > LEAST_SHRUNK else LEAST_SHRUNK
+                    s.rejected += 1
+                    shrunk += 1
+                    continue
         if NFREE > 0:
             if not failed(status) and a.error <= 1.0:
                 status = stop_short(p, s, o, a, w)

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from math import fabs, inf
 
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
 from lagc.kernels.limits import SPACING
-from lagc.kernels.method import last, method_at, method_coefficients
+from lagc.kernels.method import last, method_at
 from lagc.kernels.model import (
     fn_edges_on,
     fn_enclosure_on,
@@ -24,15 +25,12 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.records import NOWHERE, State, Trial, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NQ, NTIMED, NV, NX
+from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
 from lagc.kernels.statuses import CHATTERING, OK, failed
 from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status, Vec
 
-COARSEST = 0.25  # of a step: the longest part that is enclosed in one
 FINEST = 0.00390625  # the shortest
-WIDER = 0.25  # of what a cubic between the ends of a step keeps to
-NONE = 2.0  # no part of a step: nothing changes within it
 LITTLE = 1e-6  # of a step
 NEARLY_THERE = 100.0  # last places of the time
 TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
@@ -90,58 +88,10 @@ def certain(p: Params, s: State, w: Work) -> bool:
         k = NTIMED + j
         low = w.ends[2 * j] + s.slack[k]
         high = w.ends[2 * j + 1] - s.slack[k]
-        if not within_mode(k, low, high, w):
+        known = w.ends[2 * j] <= w.ends[2 * j + 1]
+        if not (known and within_mode(k, low, high, w)):
             return False
     return True
-
-
-def enclose_time(t0: Real, t1: Real, w: Work) -> None:
-    w.box[0] = t0 if t0 < t1 else t1
-    w.box[NQ + NV + 1] = t1 if t0 < t1 else t0
-
-
-def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
-    w.box[1 + i] = low - more
-    w.box[NQ + NV + 2 + i] = high + more
-
-
-def enclose_step(s: State, a: Trial, rate: Vec[NX], w: Work) -> None:
-    """About what the step keeps to: the hull of the cubic between its ends, and a quarter more; `rate` is
-    that at the new state."""
-    enclose_time(s.t, a.t_new, w)
-    for i in range(NQ + NV):
-        low = s.x[i]
-        high = low
-        for j in range(3):
-            if j == 0:
-                value = s.y[i]
-            elif j == 1:
-                value = s.x[i] + a.h * s.k[0][i] / 3.0
-            else:
-                value = s.y[i] - a.h * rate[i] / 3.0
-            if value < low:
-                low = value
-            if value > high:
-                high = value
-        enclose_state(i, low, high, WIDER * (high - low), w)
-
-
-def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
-    """What this part of a step keeps to: the hull of its ends and its middle, and a quarter of what these
-    bend by, twice as much as a parabola asks for."""
-    enclose_time(t + left * h, t + right * h, w)
-    for i in range(NQ + NV):
-        low = w.left_x[i]
-        high = low
-        if w.middle[i] < low:
-            low = w.middle[i]
-        if w.middle[i] > high:
-            high = w.middle[i]
-        if w.right_x[i] < low:
-            low = w.right_x[i]
-        if w.right_x[i] > high:
-            high = w.right_x[i]
-        enclose_state(i, low, high, 0.25 * fabs(w.left_x[i] - 2.0 * w.middle[i] + w.right_x[i]), w)
 
 
 def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
@@ -192,11 +142,7 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     enclose_step(s, a, s.k[last(method)], w)
     if certain(p, s, w):
         return NONE
-    w.arrived[:] = s.y
-    status = method_coefficients(method, p, s.t, s.x, w.arrived, a.h, s, w)
-    s.y[:] = w.arrived
-    s.dense = NOWHERE
-    if failed(status):
+    if failed(dense_of_trial(p, s, method, a, w)):
         return -1.0
     left = 0.0
     width = COARSEST

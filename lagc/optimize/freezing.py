@@ -44,7 +44,7 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
     """The equations as they are along a step, and their switches, those with a slope first; each depends on
     the modes of switches before it, among those with a slope and all."""
     changing = [equations.time, *equations.q, *equations.v]
-    moved = depends(_deciding(equations), changing)
+    moved = depends(deciding(equations), changing)
     if not any(node.op in _SWITCHING for node in moved):
         return equations, ()
     made = _Freezing(equations.graph, frozenset(changing), equations.time)
@@ -158,7 +158,7 @@ def _matrix(flat: Sequence[Node]) -> Matrix:
     return _vector(flat[:3]), _vector(flat[3:6]), _vector(flat[6:])
 
 
-def _deciding(equations: EquationsOfMotion) -> list[Node]:
+def deciding(equations: EquationsOfMotion) -> list[Node]:
     """All that the rates are made of."""
     found = [*equations.qdot, *equations.loads, *equations.loads.values()]
     found += [*equations.bias_forces, *equations.given_forces, equations.power]

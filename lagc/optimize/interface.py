@@ -100,6 +100,7 @@ def interface(
         switches=tuple([switch.words for switch in switches]),
         counted_switches=tuple([int(switch.edges is not None) for switch in switches]),
         timed_switches=sum(1 for switch in switches if switch.slope is not None),
+        features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         timed=_timed(functions["system" if "system" in functions else "rhs"])
         or ("sides" in functions and _timed(functions["sides"])),
         doubtful=_doubtful(model),

@@ -9,6 +9,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
 from lagc.optimize.derivatives import derivatives
+from lagc.optimize.features import features, narrow
 from lagc.optimize.forms import forms_matrix, solvers
 from lagc.optimize.freezing import Switch, frozen
 from lagc.optimize.interface import interface, used_parameters
@@ -109,6 +110,7 @@ def _functions(
     made += [functions.energies(at), functions.power(along), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     made += [functions.limits(at), *switching(at, along, switches)]
+    made += narrow(along, features(along.equations))
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])

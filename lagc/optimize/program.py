@@ -185,6 +185,7 @@ class Interface:
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     switches: tuple[str, ...] = ()  # conditions that a motion may change: what changes, in words
     counted_switches: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
+    features: int = 0  # terms that may be narrow
     timed_switches: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates depend on time itself
     doubtful: bool = (
@@ -271,6 +272,8 @@ class Program:
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
+      features    (p,t,x)         -> e[]    terms that may be narrow
+      feature_bounds (p,box)      -> e[]    least and largest value of each, in a box
     and with switches, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
       modes       (p,t,x)         -> modes[]   of the state: sign(e), floor(e), or the piece of a table
       sides       (p,t,x,modes)   -> e[]    what each changes at

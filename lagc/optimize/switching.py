@@ -80,6 +80,15 @@ def _slopes(along: Places, timed: Sequence[Switch]) -> Function:
 def _enclosure(along: Places, others: Sequence[Switch]) -> Function:
     """The least and the largest value of each while time and state keep to a box: the least of time and
     states, then the largest."""
+    more, boxes = boxed(along)
+    ends = enclosures(along.graph, [switch.side for switch in others], boxes)
+    values = [end for pair in ends for end in pair]
+    inputs = ("p", "modes", "box")
+    return made(more, "enclosure", inputs, (("e", values),), "what these keep to in a box", seldom=True)
+
+
+def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
+    """With the ends of a box of time and states: the least of all, then the largest."""
     equations, graph = along.equations, along.graph
     leaves = [equations.time, *equations.q, *equations.v]
     arrays = dict(along.arrays)
@@ -88,8 +97,4 @@ def _enclosure(along: Places, others: Sequence[Switch]) -> Function:
         low, high = graph.symbol("least", str(k)), graph.symbol("largest", str(k))
         boxes[leaf] = low, high
         arrays[low], arrays[high] = ("box", k), ("box", len(leaves) + k)
-    ends = enclosures(graph, [switch.side for switch in others], boxes)
-    values = [end for pair in ends for end in pair]
-    more = replace(along, arrays=arrays)
-    inputs = ("p", "modes", "box")
-    return made(more, "enclosure", inputs, (("e", values),), "what these keep to in a box", seldom=True)
+    return replace(along, arrays=arrays), boxes

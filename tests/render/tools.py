@@ -46,12 +46,12 @@ def call(*words: str | Path) -> str:
 
 
 @cache
-def of_model(name: str, work: bool = True, **parameters: float) -> Program:
+def of_model(name: str, work: bool = True, derivatives: bool = False, **parameters: float) -> Program:
     """The program of a model of the library, `classic/four_bar`."""
     path = MODELS / f"{name}.lag"
     source = Source(path.name, path.read_text())
     model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))
-    return compiler.optimize(compiler.derive(model), work)
+    return compiler.optimize(compiler.derive(model), work, derivatives)
 
 
 def bits(values: Iterable[float]) -> list[bytes]:

@@ -121,6 +121,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
+        "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
+        "NLOOK": free + interface.features,
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,
         "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),

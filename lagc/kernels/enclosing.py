@@ -1,0 +1,72 @@
+"""Boxes that hold time and states over a step, and over parts of its dense output."""
+
+from __future__ import annotations
+
+from math import fabs
+
+from lagc.kernels.method import method_coefficients
+from lagc.kernels.records import NOWHERE, State, Trial, Work
+from lagc.kernels.sizes import NQ, NV, NX
+from lagc.kernels.words import Params, Real, Status, Vec
+
+COARSEST = 0.25  # of a step: the longest part that is enclosed in one
+WIDER = 0.25  # of what a cubic between the ends of a step keeps to
+NONE = 2.0  # no part of a step: nothing changes within it
+
+
+def enclose_time(t0: Real, t1: Real, w: Work) -> None:
+    w.box[0] = t0 if t0 < t1 else t1
+    w.box[NQ + NV + 1] = t1 if t0 < t1 else t0
+
+
+def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
+    w.box[1 + i] = low - more
+    w.box[NQ + NV + 2 + i] = high + more
+
+
+def enclose_step(s: State, a: Trial, rate: Vec[NX], w: Work) -> None:
+    """About what the step keeps to: the hull of the cubic between its ends, and a quarter more; `rate` is
+    that at the new state."""
+    enclose_time(s.t, a.t_new, w)
+    for i in range(NQ + NV):
+        low = s.x[i]
+        high = low
+        for j in range(3):
+            if j == 0:
+                value = s.y[i]
+            elif j == 1:
+                value = s.x[i] + a.h * s.k[0][i] / 3.0
+            else:
+                value = s.y[i] - a.h * rate[i] / 3.0
+            if value < low:
+                low = value
+            if value > high:
+                high = value
+        enclose_state(i, low, high, WIDER * (high - low), w)
+
+
+def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
+    """What this part of a step keeps to: the hull of its ends and its middle, and a quarter of what these
+    bend by, twice as much as a parabola asks for."""
+    enclose_time(t + left * h, t + right * h, w)
+    for i in range(NQ + NV):
+        low = w.left_x[i]
+        high = low
+        if w.middle[i] < low:
+            low = w.middle[i]
+        if w.middle[i] > high:
+            high = w.middle[i]
+        if w.right_x[i] < low:
+            low = w.right_x[i]
+        if w.right_x[i] > high:
+            high = w.right_x[i]
+        enclose_state(i, low, high, 0.25 * fabs(w.left_x[i] - 2.0 * w.middle[i] + w.right_x[i]), w)
+
+
+def dense_of_trial(p: Params, s: State, method: int, a: Trial, w: Work) -> Status:
+    """The coefficients of dense output of the step from s.x to s.y."""
+    w.arrived[:] = s.y
+    status = method_coefficients(method, p, s.t, s.x, w.arrived, a.h, s, w)
+    s.y[:] = w.arrived
+    s.dense = NOWHERE
+    return status

@@ -1,0 +1,116 @@
+"""Narrow features: terms that are nothing at both ends of a step, and much within it."""
+
+from __future__ import annotations
+
+from math import fabs
+
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
+from lagc.kernels.method import last, method_at
+from lagc.kernels.model import fn_feature_bounds, fn_feature_bounds_on, fn_features, fn_features_on
+from lagc.kernels.records import State, Trial, Work
+from lagc.kernels.sizes import NFEAT, NMODE, NX
+from lagc.kernels.statuses import failed
+from lagc.kernels.words import Params, Real, Vec
+
+MUCH = 0.1  # in the measure of features
+NEARLY_ALL = 0.9
+THINNEST = 1e-9  # of a step: what is narrower is not looked for
+
+
+def bound_features(p: Params, w: Work) -> None:
+    """w.bounds in w.box."""
+    if NMODE > 0:
+        fn_feature_bounds_on(p, w.modes, w.box, w.bounds)
+    else:
+        fn_feature_bounds(p, w.box, w.bounds)
+
+
+def features_at(p: Params, t: Real, x: Vec[NX], values: Vec[NFEAT], w: Work) -> None:
+    if NMODE > 0:
+        fn_features_on(p, t, x, w.modes, values)
+    else:
+        fn_features(p, t, x, values)
+
+
+def steep(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """The part of the step after which a feature, which goes from w.floors to w.tops, goes nearly all of its
+    way within a quarter; NONE."""
+    for k in range(NFEAT):
+        w.bounds[k] = w.floors[k]
+    for quarter in range(4):
+        right = 0.25 * float(quarter + 1)
+        method_at(method, right, s, w.middle)
+        features_at(p, s.t + right * a.h, w.middle, w.values, w)
+        for k in range(NFEAT):
+            way = fabs(w.tops[k] - w.floors[k])
+            if way > MUCH and fabs(w.values[k] - w.bounds[k]) > NEARLY_ALL * way:
+                return right - 0.25
+        for k in range(NFEAT):
+            w.bounds[k] = w.values[k]
+    return NONE
+
+
+def goes_far(w: Work) -> bool:
+    for k in range(NFEAT):
+        if fabs(w.tops[k] - w.floors[k]) > MUCH:
+            return True
+    return False
+
+
+def limit_features(rtol: Real, w: Work) -> None:
+    """w.floors and w.tops, the ends of a step: what is seen of each there, and half of that more."""
+    for k in range(NFEAT):
+        one = w.floors[k]
+        other = w.tops[k]
+        more = 0.5 * (fabs(one) + fabs(other)) + rtol
+        w.floors[k] = (one if one < other else other) - more
+        w.tops[k] = (one if one > other else other) + more
+
+
+def is_seen(p: Params, w: Work) -> bool:
+    """Whether no feature goes beyond that in w.box."""
+    bound_features(p, w)
+    for k in range(NFEAT):
+        if not (w.bounds[2 * k] >= w.floors[k] and w.bounds[2 * k + 1] <= w.tops[k]):
+            return False
+    return True
+
+
+def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
+    """The part of the step from s.x to s.y after which a feature begins that its ends do not show; NONE;
+    below zero where that cannot be told."""
+    features_at(p, s.t, s.x, w.floors, w)
+    features_at(p, a.t_new, s.y, w.tops, w)
+    far = goes_far(w)
+    if far:
+        if failed(dense_of_trial(p, s, method, a, w)):
+            return -1.0
+        begins = steep(p, s, method, a, w)
+        if begins < 1.0:
+            return begins
+    limit_features(rtol, w)
+    enclose_step(s, a, s.k[last(method)], w)
+    if is_seen(p, w):
+        return NONE
+    if not far:
+        if failed(dense_of_trial(p, s, method, a, w)):
+            return -1.0
+    left = 0.0
+    width = COARSEST
+    w.left_x[:] = s.x
+    while left < 1.0:
+        right = left + width if left + width < 1.0 else 1.0
+        method_at(method, right, s, w.right_x)
+        method_at(method, 0.5 * (left + right), s, w.middle)
+        enclose_part(s.t, a.h, left, right, w)
+        if is_seen(p, w):
+            if width < COARSEST:
+                width *= 2.0
+        elif width > THINNEST:
+            width *= 0.5
+            continue
+        else:
+            return left
+        left = right
+        w.left_x[:] = w.right_x
+    return NONE

@@ -1,0 +1,77 @@
+"""Enclosures hold whatever their expressions come to, and are points where nothing moves."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import pytest
+
+from lagc.expr.enclosure import UNKNOWN, enclosures
+from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Graph, Node
+
+UNARY = ("sin", "cos", "abs", "tanh", "atan", "cosh", "sinh", "tan", "floor", "sign")
+
+
+def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> Node:
+    if depth == 0:
+        return chance.choice([*leaves, graph.const(chance.uniform(-2.0, 2.0))])
+    a, b = (expression(graph, leaves, chance, depth - 1) for _ in range(2))
+    kind = chance.randrange(10)
+    if kind < 3:
+        return (a + b, a - b, a * b)[kind]
+    if kind < 6:
+        return graph.unary(chance.choice(UNARY), a)
+    if kind == 6:
+        return graph.power(a, chance.choice((2, 3, 4)))
+    if kind == 7:
+        return graph.div(b, graph.power(a, 2) + 0.5)
+    if kind == 8:
+        return graph.unary("exp", graph.unary("sin", a))
+    return graph.binary(chance.choice(("min", "max")), a, b)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_random_expressions_keep_to_their_enclosures(seed: int) -> None:
+    graph, chance = Graph(), Random(seed)
+    leaves = [graph.symbol("coordinate", name) for name in "xyz"]
+    ends = [(graph.symbol("least", name), graph.symbol("largest", name)) for name in "xyz"]
+    seen = tight = 0
+    for _ in range(100):
+        node = expression(graph, leaves, chance, 3)
+        ((low, high),) = enclosures(graph, [node], dict(zip(leaves, ends)))
+        for _ in range(5):
+            box = [sorted(chance.uniform(-3.0, 3.0) for _ in range(2)) for _ in leaves]
+            if chance.random() < 0.5:
+                box = [[a, a + 1e-3] for a, _ in box]
+            given = {end: value for pair, two in zip(ends, box) for end, value in zip(pair, two)}
+            least, largest = evaluate([low, high], given)
+            for _ in range(5):
+                value = evaluate([node], {x: chance.uniform(*two) for x, two in zip(leaves, box)})[0]
+                if abs(value) < UNKNOWN and least <= largest:  # else nothing is known
+                    room = 1e-9 * (1.0 + abs(value))
+                    assert least - room <= value <= largest + room, (node, box)
+                    seen += 1
+                    tight += largest - least < 1.0
+    assert seen > 2000 and tight > 500
+
+
+def test_what_is_known_exactly() -> None:
+    graph = Graph()
+    x, p = graph.symbol("coordinate", "x"), graph.symbol("parameter", "p")
+    box = {x: (graph.const(-1.0), graph.const(2.0))}
+
+    def ends(node: Node) -> tuple[float, float]:
+        ((low, high),) = enclosures(graph, [node], box)
+        found = evaluate([low, high], {p: 3.0})
+        return found[0], found[1]
+
+    assert ends(x * x) == (0.0, 4.0)
+    assert ends(p * x - 1.0) == (-4.0, 5.0)
+    assert ends(graph.cos(x)) == (math.cos(2.0), 1.0)
+    assert ends(graph.power(x, 3)) == (-1.0, 8.0)
+    assert ends(graph.unary("abs", x)) == (0.0, 2.0)
+    assert ends(p * p) == (9.0, 9.0)
+    assert ends(graph.div(graph.one, x * x + 1.0)) == (0.2, 1.0)
+    assert ends(graph.div(graph.one, x)) == (-UNKNOWN, UNKNOWN)
