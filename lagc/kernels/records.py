@@ -210,6 +210,8 @@ class State:
         modes_old: Vec[NMODE]  # of the last
         slack: Vec[NMODE]  # how far a side is beyond its change
         fresh: bool  # the last step ended with one
+        changes_here: Count  # changes at the time t_changed
+        t_changed: Real
     y: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output

@@ -62,6 +62,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.culprit = -1
     if NMODE > 0:
         s.changes = 0
+        s.changes_here = 0
+        s.t_changed = t
         for i in range(NX):
             s.jolts[i] = 0.0
         s.fresh = False

@@ -31,6 +31,7 @@ from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status, Vec
 
 FINEST = 0.00390625  # the shortest
+MOST_AT_ONCE = 20  # changes at one time, and two for each switch
 LITTLE = 1e-6  # of a step
 NEARLY_THERE = 100.0  # last places of the time
 TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
@@ -344,6 +345,18 @@ def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
             return
 
 
+def to_and_fro(s: State, w: Work) -> bool:
+    """Whether switches change each other at one time without end."""
+    if s.t != s.t_changed:
+        s.t_changed = s.t
+        s.changes_here = 0
+    s.changes_here += 1
+    for k in range(NMODE):
+        if w.crossed[k] > 0:
+            w.culprit = k
+    return s.changes_here > MOST_AT_ONCE + 2 * NMODE
+
+
 def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The switches in w.crossed change at (s.t, s.x)."""
     fn_sides_on(p, s.t, s.x, w.modes, w.beside)
@@ -382,6 +395,8 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     put_right(p, s, direction, w)
     keep_branch(s, w)
+    if to_and_fro(s, w):
+        return CHATTERING
     s.changes += 1
     s.fresh = True
     s.rate = NOWHERE
