@@ -51,7 +51,6 @@ CASES = [
      "model A coordinate Length x; end A; model B A a(x = «3»); end B;"),
     ("a speed that depends on a reaction", "LAG0219",
      "coordinate Length y; constraint c: x = y; speed Velocity u = «der(x) + reaction(c)*1 [m/(s.N)]»;"),
-    ("an input whose default moves", "LAG0208", "input Length u = «x»;"),
     ("a torque that is a length", "LAG0302", "frame F = rotate_z(world, 1); torque M = «{0, 0, 3*x}» on F;"),
     ("a force whose factor lacks its unit", "LAG0302", "force F = «-3*velocity(b)» at b;"),
     ("a function of another language", "LAG0201", "potential V = 1 [J]*«ln»(2);"),

@@ -280,7 +280,7 @@ def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) 
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
     told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    assert told[3:12] == list(texts()) and set(told[:3] + told[12:]) == {"no status"}
+    assert told[3:13] == list(texts()) and set(told[:3] + told[13:]) == {"no status"}
 
 
 @cache

@@ -129,10 +129,10 @@ def test_friction_that_sticks_is_named(mu: float) -> None:
 end Stick;"""
     found = lagc.loads(text).compile(backend="c").simulate(10.0, points=41)
     stops = 1.0 / (mu - 1.0)
-    assert found.status == "failed" and "jump there; a smooth law, as tanh(v/v0)" in found.message
-    assert found.cost.rhs < 1e8 and found.message.count("the rest to 10 s") == 1
+    assert found.status == "failed" and "a smooth law, as tanh(v/v0)" in found.message
+    assert found.cost.rhs < 1000
     at = float(found.message.rpartition("at t = ")[2].split(" s")[0])
-    assert at == pytest.approx(stops, rel=0.01)
+    assert at == pytest.approx(stops, rel=1e-5)
 
 
 def test_what_fails_coarsely_may_go_well_finely() -> None:
