@@ -142,6 +142,7 @@ class Work:
         before: Vec[NMODE]
         left_sides: Vec[NMODE]  # on the branch that it leaves
         own_modes: Vec[NMODE]
+        jumped: IVec[NMODE]  # 1: its side, as others changed
         left_rates: Vec[NX]  # of the state, on the branch that it leaves
         crossed: IVec[NMODE]  # 1: it changes at the end of the step
     if NEDGES > 0:

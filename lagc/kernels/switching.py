@@ -30,7 +30,9 @@ from lagc.kernels.statuses import CHATTERING, OK, failed
 from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status, Vec
 
-FINEST = 0.00390625  # the shortest
+FINEST = 0.00390625  # the shortest that is looked at by its ends
+THINNEST = 1e-9  # the shortest
+MOST_LOOKED = 1000  # parts that are as short, in a step that stays beside a change
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
 LITTLE = 1e-6  # of a step
 NEARLY_THERE = 100.0  # last places of the time
@@ -145,6 +147,7 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         return NONE
     if failed(dense_of_trial(p, s, method, a, w)):
         return -1.0
+    looked = 0
     left = 0.0
     width = COARSEST
     w.left_x[:] = s.x
@@ -161,6 +164,10 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             continue
         elif nearest(p, s.t + right * a.h, w.right_x, s, w) < 0.0:
             return located(p, s, method, a.h, left, right, w)
+        elif width > THINNEST and looked < MOST_LOOKED:  # it may be passed twice
+            width *= 0.5
+            looked += 1
+            continue
         left = right
         w.left_x[:] = w.right_x
     return NONE
@@ -228,22 +235,45 @@ def next_change(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real
     return soon
 
 
-def spread_changes(p: Params, s: State, w: Work) -> None:
-    """Sides that depend on modes that have changed, w.crossed, may be on another side of theirs.  w.beside
-    are those before."""
+def nudge_mode(k: int, direction: Real, w: Work, t: Real) -> None:
+    """A side that has come to an edge of its mode, but for rounding, is where it goes."""
+    ahead = w.turning[k] * direction
+    near = 16.0 * SPACING * (fabs(w.sides[k]) + fabs(w.left_sides[k]) + fabs(t * w.turning[k]))
+    if NEDGES > 0:
+        if counted[k] > 0:
+            if ahead > 0.0 and w.edges[2 * k + 1] - w.sides[k] <= near:
+                w.modes[k] += 1.0
+            elif ahead < 0.0 and w.sides[k] - w.edges[2 * k] <= near:
+                w.modes[k] -= 1.0
+            return
+    if fabs(w.sides[k]) <= near and ahead != 0.0:
+        w.modes[k] = sign_of(ahead)
+
+
+def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
+    """Sides that depend on modes that have changed may jump, and are on another side of theirs then: those
+    that were at their change too.  w.beside are those before; `rates` of the state there."""
+    w.left_sides[:] = w.beside
+    for k in range(NMODE):
+        w.jumped[k] = 0
     for turn in range(NMODE):
         done = True
         fn_sides_on(p, s.t, s.x, w.modes, w.sides)
         fn_own_on(p, s.t, s.x, w.modes, w.own_modes)
         for k in range(NMODE):
-            if w.crossed[k] == 0 and w.sides[k] != w.beside[k]:
+            if w.sides[k] != w.beside[k]:
+                w.jumped[k] = 1
                 if w.own_modes[k] != w.modes[k]:
                     w.modes[k] = w.own_modes[k]
                     done = False
         w.beside[:] = w.sides
         if done:
-            take(w)
-            return
+            break
+    take(w)
+    fn_side_rates_on(p, s.t, s.x, w.modes, rates, w.turning)
+    for k in range(NMODE):
+        if w.jumped[k] > 0:
+            nudge_mode(k, direction, w, s.t)
     take(w)
 
 
@@ -288,7 +318,7 @@ def choose_branch(p: Params, s: State, direction: Real, w: Work) -> Status:
             changed = True
     w.sides[:] = w.beside
     if changed:
-        spread_changes(p, s, w)
+        spread_changes(p, s, direction, s.k[0], w)
         status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
         s.rhs += 1
     keep_branch(s, w)
@@ -303,6 +333,26 @@ def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bo
     else:
         ahead *= w.modes[k]
     return ahead < -TURNED * fabs(before)
+
+
+def stays(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether switches that only touched their change, as another turned them back there, are put back."""
+    found = False
+    others = 0
+    for i in range(NMODE):
+        others += w.crossed[i]
+    for j in range(NFREE):
+        k = NTIMED + j
+        touches = w.crossed[k] > 0 and w.jumped[k] == 0 and others > 1
+        if touches and turns_back(k, w.turning[k], w.before[k], direction, w):
+            w.modes[k] = s.modes[k]
+            w.crossed[k] = 0
+            others -= 1
+            found = True
+    if found:
+        take(w)
+        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    return found
 
 
 def rests(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
@@ -363,7 +413,6 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NEDGES > 0:
         for i in range(NEDGES):
             w.left_edges[i] = w.edges[i]
-    w.left_sides[:] = w.beside
     s.rhs += 1
     status = rhs_at(p, s.t, s.x, w.left_rates, w.lam, w)
     if failed(status):
@@ -377,16 +426,22 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
                 w.modes[i] = sign_of(w.beside[i])
             else:
                 w.modes[i] = -w.modes[i]
-    spread_changes(p, s, w)
+    spread_changes(p, s, direction, w.left_rates, w)
     s.rhs += 1
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     if failed(status):
         return status
     fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
+    if stays(p, s, direction, w):
+        s.rhs += 1
+        status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+        if failed(status):
+            return status
+        fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
     for j in range(NFREE):
         k = NTIMED + j
         rate = w.turning[k]
-        if w.crossed[k] > 0 and turns_back(k, rate, w.before[k], direction, w):
+        if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, rate, w.before[k], direction, w):
             # From rest it goes only where it does not come back.
             if s.modes[k] == 0.0 or not rests(p, s, k, rate, w.before[k], w):
                 w.culprit = k

@@ -20,7 +20,7 @@ from lagc.optimize.switching import boxed
 from lagc.optimize.symbols import Places
 
 _STEEP = ("exp", "tanh", "atan")
-MOST = 100  # beyond, all are looked at as little as none
+MOST = 10_000  # beyond, none is looked at
 
 
 def features(equations: EquationsOfMotion) -> tuple[Node, ...]:

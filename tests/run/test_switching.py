@@ -107,6 +107,40 @@ def test_a_branch_may_end_at_its_change() -> None:
     assert run["x"][-1] == pytest.approx(-speed * after - 0.5 * after**2, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("force", "end"),
+    [
+        ("table(mod(time, 0.5 [s]), {0, 0.25, 0.5} [s], {0, 1, 0} [N])", 6.0),
+        ("table(mod(time, 0.7 [s]), {0, 0.2, 0.35, 0.7} [s], {0, 1, -0.5, 0} [N])", 1.8),
+        ("floor(10*mod(time, 0.7 [s])/(1 [s]))*1 [N]", 30.5),
+        ("1 [N]*min(mod(time, 1 [s]), mod(-time, 1 [s]))/(1 [s])", 3.5),
+        ("1 [N]*mod(floor(time/(0.1 [s])), 3)*floor(mod(time, 0.5 [s])/(0.1 [s]))", 20.9),
+    ],
+)
+def test_sides_that_jump_as_others_change(force: str, end: float) -> None:
+    """Where a period ends, what counts within it begins anew: sums over periods of 10 s."""
+    run = model(f"force f = {{{force}, 0, 0}} at b;", "x(start = 0 [m], rate = 1 [m/s])").simulate(10.0)
+    assert run.status == "ok" and run["der(x)"][-1] == pytest.approx(end, rel=1e-9)
+
+
+@pytest.mark.parametrize("width", [1e-3, 1e-5])
+def test_a_condition_that_holds_for_a_moment(width: float) -> None:
+    """Within (x - 5)^2 < w^2 the work is 2 J: v^2 = 1 + 2*2."""
+    action = f"force f = {{if (x/(1 [m]) - 5)^2 < {width!r}^2 then 1 [N]/{width!r} else 0 [N], 0, 0}} at b;"
+    run = model(action, "x(start = 0 [m], rate = 1 [m/s])").simulate(10.0, accuracy=1e-8)
+    assert run.status == "ok" and run["der(x)"][-1] == pytest.approx(math.sqrt(5.0), rel=1e-7)
+    assert len(run.events) == 2
+
+
+@pytest.mark.parametrize(
+    "force", ["table(abs(x), {0, 1, 2} [m], {0, 1, 5} [N])", "1 [N]*floor(3*abs(x)/(1 [m]))"]
+)
+def test_a_corner_that_touches_an_edge_is_none(force: str) -> None:
+    """abs(x) comes to 0, where the table begins, and goes back: a force that is even in x."""
+    run = model(f"force f = {{{force}, 0, 0}} at b;", "x(start = -0.7 [m], rate = 1 [m/s])").simulate(1.0)
+    assert run.status == "ok" and run["x"][-1] > 0.3
+
+
 def test_backwards_fixed_steps_and_other_methods() -> None:
     """A fixed step keeps the order of its method across changes, in time and in place."""
     wedge = model(
