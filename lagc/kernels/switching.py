@@ -32,7 +32,7 @@ from lagc.kernels.words import Params, Real, Status, Vec
 
 FINEST = 0.00390625  # the shortest that is looked at by its ends
 THINNEST = 1e-9  # the shortest
-MOST_LOOKED = 1000  # parts that are as short, in a step that stays beside a change
+MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
 LITTLE = 1e-6  # of a step
 NEARLY_THERE = 100.0  # last places of the time
