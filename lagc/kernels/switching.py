@@ -80,8 +80,9 @@ def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
     if NEDGES > 0:
         if counted[k] > 0:
             return low > w.edges[2 * k] and high < w.edges[2 * k + 1]
-    mode = w.modes[k]
-    return (mode < 0.0 or low > 0.0) and (mode > 0.0 or high < 0.0)
+    if w.modes[k] == 0.0:
+        return low >= 0.0 and high <= 0.0
+    return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
 
 
 def certain(p: Params, s: State, w: Work) -> bool:
@@ -164,10 +165,13 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
             continue
         elif nearest(p, s.t + right * a.h, w.right_x, s, w) < 0.0:
             return located(p, s, method, a.h, left, right, w)
-        elif width > THINNEST and looked < MOST_LOOKED:  # it may be passed twice
-            width *= 0.5
+        elif looked < MOST_LOOKED:  # it may be passed twice
             looked += 1
-            continue
+            if width > THINNEST:
+                width *= 0.5
+                continue
+        else:
+            width = FINEST
         left = right
         w.left_x[:] = w.right_x
     return NONE
