@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 ACCURACY = 1e-9  # of a motion that is followed to where it is linearised
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
-HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start"}
+HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
+        "sides": "side"}  # fmt: skip
 
 
 class Differentiable:
@@ -54,7 +55,7 @@ class Differentiable:
         `of`: "rates" (qdot, a), "qdot", "accelerations", "multipliers", "outputs", where a and lam follow
         from the equations; "inertia" (M a), "forces" (tau - h + G^T lam), "rows" (G a - gamma), with `a` and
         `lam` as they are given (else those of the motion); "conditions" of a start (phi, psi, the initial
-        section, stated rates); "start" (values of q, v, stated rates).
+        section, stated rates); "start" (values of q, v, stated rates); "sides" of switches.
         `wrt`: "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
         them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
         Without x at the start values as they are written.  Raises KeyError for another word, ValueError where

@@ -14,7 +14,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.text import text
-from lagc.expr.walk import depends
+from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
 from lagc.mechanics.states import States
@@ -94,24 +94,26 @@ def _drive(states: States, row: Row, raw: Node) -> Node:
 
 
 def _check(states: States, labels: Sequence[tuple[Constraint, int]], raw: Sequence[Node]) -> None:
-    inputs = [given.symbol for given in states.model.inputs]
+    inputs = {given.symbol: given.name for given in states.model.inputs}
     driven = depends(raw, inputs)
     faults: list[Fault] = []
     for (c, k), node in zip(labels, raw):
         if node in driven:
-            faults.append(_driven_by_input(c))
+            own = symbols([node])
+            faults.append(_driven_by_input(c, next(inputs[u] for u in inputs if u in own)))
         elif node.is_const and not node.is_zero:
             faults.append(_impossible(c, k, node))
     if faults:
         raise Refused(faults)
 
 
-def _driven_by_input(c: Constraint) -> Fault:
+def _driven_by_input(c: Constraint, u: str) -> Fault:
     return Fault(
         "LAG0407",
-        f"the constraint `{c.name}` depends on an input, whose time derivative is not known",
+        f"the constraint `{c.name}` depends on the input `{u}`, whose time derivative is not known",
         c.span,
-        remedy="write the drive as a function of `time`, or let the input act through a force",
+        remedy=f"say what `{u}` is over `time` before it is compiled, in a scene, by `--input '{u}=...'` or "
+        f'`compile(inputs={{"{u}": ...}})`, or let it act through a force',
     )
 
 

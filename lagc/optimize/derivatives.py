@@ -7,9 +7,11 @@
                 condition         nh + nc + .. of a consistent start, see `conditions`
                 start             nq + nv + .. start values, then the stated rates that are no speeds
                 output            ny
+    side              one a switch, what it changes at
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
-forces without constraints at lam = 0, of -gamma at a = 0.
+forces without constraints at lam = 0, of -gamma at a = 0.  Where there are switches it is one of modes, too:
+on each branch, what a run takes to be smooth there.
 """
 
 from __future__ import annotations
@@ -22,10 +24,9 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows
+from lagc.optimize.freezing import Switch
 from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places, cheapest, lower
-
-INPUTS = (*STATE, "a", "lam")
+from lagc.optimize.symbols import Places, cheapest, lower
 
 
 class Derivatives(NamedTuple):
@@ -35,7 +36,7 @@ class Derivatives(NamedTuple):
     by: dict[str, tuple[Function, tuple[tuple[int, int], ...]]]  # (row, column) of each entry
 
 
-def stack(equations: EquationsOfMotion) -> dict[str, list[Node]]:
+def stack(equations: EquationsOfMotion, switches: Sequence[Switch] = ()) -> dict[str, list[Node]]:
     """What is differentiated, block by block."""
     graph = equations.graph
     inertia: list[list[Node]] = [[] for _ in equations.v]
@@ -59,6 +60,7 @@ def stack(equations: EquationsOfMotion) -> dict[str, list[Node]]:
         "condition": condition_rows(equations),
         "start": [s.value for s in equations.starts],
         "output": [o.expression for o in equations.outputs],
+        "side": [switch.side for switch in switches],
     }
 
 
@@ -74,18 +76,18 @@ def groups(places: Places) -> dict[str, list[Node]]:
     }
 
 
-def derivatives(places: Places) -> Derivatives:
+def derivatives(places: Places, switches: Sequence[Switch]) -> Derivatives:
     """By the names of `groups`; one reverse sweep a row of the stack."""
     graph, by = places.graph, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
-    rows = [node for block in stack(places.equations).values() for node in block]
+    rows = [node for block in stack(places.equations, switches).values() for node in block]
     slopes = [gradient(graph, {node: graph.one}, every) for node in rows]
     found = {}
     for name, symbols in by.items():
         entries = {(i, k): row[x] for i, row in enumerate(slopes) for k, x in enumerate(symbols) if x in row}
         about = f"derivatives of the stack by {name}"
         found[name] = _function(places, f"by_{name}", "J", list(entries.values()), about), tuple(entries)
-    about = "the stack: qdot, M a, forces, rows, conditions, starts, outputs"
+    about = "the stack: qdot, M a, forces, rows, conditions, starts, outputs, sides"
     return Derivatives(_function(places, "stack", "s", rows, about), found)
 
 
@@ -94,6 +96,6 @@ def _function(places: Places, name: str, array: str, nodes: Sequence[Node], abou
         block = Block()
         for k, value in enumerate(lower(places, block, nodes)[1]):
             block.store(array, k, value)
-        return block.function(name, INPUTS, ((array, len(nodes)),), about)
+        return block.function(name, (*places.state, "a", "lam"), ((array, len(nodes)),), about)
 
     return cheapest(places, nodes, make, seldom=True)

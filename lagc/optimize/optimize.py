@@ -45,7 +45,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     made = _functions(at, along, switches, solver, rhs, work, preparation)
-    slopes = derivatives(at) if differentiate else None
+    slopes = derivatives(along, switches) if differentiate else None
     if slopes:
         more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
         made.update((f.name, preparation.separated(f)) for f in more)

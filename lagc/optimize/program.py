@@ -220,7 +220,7 @@ class Interface:
         sizes = {
             "qdot": self.nq, "inertia": self.nv, "force": self.nv, "row": self.nc,
             "condition": len(self.condition_ends), "start": self.nq + self.nv + len(self.rate_names),
-            "output": len(self.outputs),
+            "output": len(self.outputs), "side": len(self.switches),
         }  # fmt: skip
         found, first = dict[str, range](), 0
         for name, size in sizes.items():
@@ -286,7 +286,8 @@ class Program:
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
       stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
-                                     (row, column) of `derivatives`; see `lagc.optimize.derivatives`
+                                     (row, column) of `derivatives`; see `lagc.optimize.derivatives`;
+                                     with switches, all of them of (p,t,x,modes,a,lam)
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 

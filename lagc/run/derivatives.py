@@ -11,7 +11,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -32,7 +32,8 @@ DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on eac
 class Point:
     """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
     motion there or those that are given.  `clean`: an entry that changes by as much as it is where all that
-    it is made of changes in its last places is rounding, and 0."""
+    it is made of changes in its last places is rounding, and 0.  `modes`: of the branch, where it is not that
+    of the state."""
 
     def __init__(
         self,
@@ -42,21 +43,29 @@ class Point:
         a: Sequence[float] | None = None,
         lam: Sequence[float] | None = None,
         clean: bool = False,
+        modes: Sequence[float] | None = None,
     ):
-        self.system, self.t, self.x = system, t, list(x)
+        self.system, self.t, self.x, self.modes = system, t, list(x), modes
         if a is None or lam is None:
             rates, own = [0.0] * system.nx, [0.0] * system.nc
-            if system.rhs(t, x, rates, own) in FAILED:
+            if self._rhs(system, t, x, rates, own) in FAILED:
                 raise ArithmeticError(f"the motion is not determined at t = {t:g}")
             a, lam = rates[system.nq :] if a is None else a, own if lam is None else lam
         self.a, self.lam, self.clean = list(a), list(lam), clean
         self._groups: dict[str, Array] = {}
         self._motion: dict[str, Array] = {}
 
+    def _rhs(
+        self, system: NumpySystem, t: float, x: Sequence[float], xdot: list[float], lam: list[float]
+    ) -> int:
+        if self.modes is None:
+            return system.rhs(t, x, xdot, lam)
+        return system.rhs_on(self.modes, t, x, xdot, lam)
+
     @cached_property
     def stack(self) -> Array:
         """The values of all that is differentiated."""
-        return np.array(self.system.stack(self.t, self.x, self.a, self.lam))
+        return np.array(self.system.stack(self.t, self.x, self.a, self.lam, self.modes))
 
     def value(self, part: str) -> Array:
         rows = self.system.interface.stack[part]
@@ -64,13 +73,13 @@ class Point:
 
     def sparse(self, group: str) -> tuple[Array, Array, Array]:
         """Entries, rows and columns of the derivatives of the stack by a group."""
-        places = np.array(self.system.interface.derivatives[group], dtype=int).reshape(-1, 2)
+        rows, columns = self.system.model.places[group]
         entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
         if self.clean:
             for system, t, x, a, lam in self._beside:
                 changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
                 entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
-        return entries, places[:, 0], places[:, 1]
+        return entries, rows, columns
 
     def _entries(
         self,
@@ -82,10 +91,10 @@ class Point:
         lam: Sequence[float],
     ) -> Array:
         """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
-        entries = np.array(system.derivatives(group, t, x, a, lam)[0])
+        entries = np.array(system.derivatives(group, t, x, a, lam, self.modes)[0])
         if not np.isfinite(entries).all():
             one, two = (
-                np.array(system.derivatives(group, t, [v + side for v in x], a, lam)[0])
+                np.array(system.derivatives(group, t, [v + side for v in x], a, lam, self.modes)[0])
                 for side in (TINY, -TINY)
             )
             size = float(max(np.abs(entries[np.isfinite(entries)]), default=1.0))
@@ -102,7 +111,7 @@ class Point:
         found = np.zeros(n, dtype=bool)
         for other, t, x, _, _ in self._beside:
             rates = [0.0] * system.nx
-            if other.rhs(t, x, rates, lam) not in FAILED:
+            if self._rhs(other, t, x, rates, lam) not in FAILED:
                 found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
         return found
 
@@ -161,14 +170,10 @@ class Point:
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
             raise ArithmeticError("the derivatives have no finite value there")
-        left, sizes, right = np.linalg.svd(scaled)
-        if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
-            inverse = np.linalg.inv(scaled)
-        else:
-            kept = sizes > DEPENDENT * sizes[:1]
-            inverse = (right[kept].T / sizes[kept]) @ left[:, kept].T
+        inverse = _inverse(scaled)
         inverse = inverse + inverse @ (np.eye(len(scaled)) - scaled @ inverse)
-        return d[:, None] * inverse * d
+        found: Array = d[:, None] * inverse * d
+        return found
 
     def motion(self, group: str) -> Array:
         """d(a, lam)/d(group) along motions."""
@@ -188,6 +193,23 @@ class Point:
         if part == "output":
             found = found + self.partial("output", "acceleration") @ self.motion(group)
         return found
+
+
+def _inverse(table: Array) -> Any:
+    """Of least norm where rows depend on each other."""
+    try:
+        found = np.linalg.inv(table)
+        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # a bound of the condition
+            return found
+    except np.linalg.LinAlgError:
+        pass
+    left, sizes, right = np.linalg.svd(table)
+    if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
+        found = np.linalg.inv(table)
+    else:
+        kept = sizes > DEPENDENT * sizes[:1]
+        found = (right[kept].T / sizes[kept]) @ left[:, kept].T
+    return found
 
 
 def rounded(found: Array, terms: Array | float) -> Array:

@@ -90,6 +90,27 @@ def test_starts_depend_on_parameters(pendulum: lagc.CompiledModel) -> None:
     assert found[k].tolist() == pytest.approx([math.cos(0.3), -0.26 * math.sin(0.3)])
 
 
+def test_sides_of_switches() -> None:
+    """x - a t^2 passes 0; the square of x counts in steps of e."""
+    text = """model M
+      parameter Acceleration a = 3 [m/s2]; parameter Area e = 0.01 [m2];
+      coordinate Length x(start = 1 [m]);
+      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+      force f = {(if x > a*time^2 then 1 [N] else 2 [N]) + 1 [N]*floor(x^2/e), 0, 0} at b;
+    end M;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    t, x, a, e = 0.5, 0.9, 3.0, 0.01
+    found = model.jacobian("sides", ("time", "state", "a", "e"), t, [x, 0.0])
+    order = ["whole number" in name for name in model.interface.switches]
+    sign, steps = found[order.index(False)], found[order.index(True)]
+    sense = sign[1]  # which of both sides is that of which the expression counts is free
+    assert abs(sense) == 1.0
+    assert (sense * sign).tolist() == pytest.approx([-2 * a * t, 1.0, 0.0, -t * t, 0.0])
+    assert steps.tolist() == pytest.approx([0.0, 2 * x / e, 0.0, 0.0, -x * x / e**2])
+    plain = lagc.load("simple_pendulum").compile(backend="numpy")
+    assert plain.jacobian("sides", "state").shape == (0, 2)
+
+
 @pytest.mark.parametrize(
     "of, wrt, x, kind",
     [("motion", "state", None, KeyError), ("rates", "thet", None, KeyError),

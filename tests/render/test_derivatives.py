@@ -27,11 +27,24 @@ NAMES = [
     "classic/moving_rail",
     "classic/chain",
 ]
+SWITCHED = """
+model Switched "conditions of time, states and parameters, one within another"
+  parameter Mass m = 2 [kg];
+  parameter Length d = 0.3 [m];
+  parameter Time T = 0.7 [s];
+  parameter Force F = 3 [N];
+  coordinate Length x(start = 0.5 [m]), y(start = -0.2 [m]);
+  body b = Particle(mass = m, at = {x, y, 0});
+  force pulse = {if mod(time, T) < 0.2*T then F else -F*floor(x/d), 0, 0} at b;
+  force wall = {0, if abs(y) > d then -F*sign(y)*(1 + max(x, y)/d) else 0 [N], 0} at b;
+  output Force pushed = F*abs(x)/d;
+end Switched;
+"""
 
 
 def _equations(name: str) -> Any:
     path = MODELS / (f"{name}.lag" if "/" in name else f"course/{name}.lag")
-    source = Source(path.name, path.read_text())
+    source = Source(name, SWITCHED) if name == "switched" else Source(path.name, path.read_text())
     return compiler.derive(compiler.resolve(compiler.parse(source), compiler.Choice()))
 
 
@@ -49,7 +62,7 @@ def _module(program: Program, folder: Path) -> Any:
 
 
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
-@pytest.mark.parametrize("name", [*NAMES, "looped"])
+@pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
     program = _program(name)
     program.verify()
@@ -84,7 +97,7 @@ def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
         assert tuple(zip(rows[:count], columns[:count])) == pattern
 
 
-@pytest.mark.parametrize("name", NAMES[:3])
+@pytest.mark.parametrize("name", [*NAMES[:3], "switched"])
 def test_it_compiles_as_cpp_without_a_warning(name: str, tmp_path: Path) -> None:
     if not present("g++"):
         pytest.skip("no g++")
@@ -92,7 +105,7 @@ def test_it_compiles_as_cpp_without_a_warning(name: str, tmp_path: Path) -> None
     call(*COMPILERS["g++"], *STRICT, "-c", "-o", tmp_path / "m.o", files[".c"])
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", [*NAMES, "switched"])
 def test_who_does_not_ask_pays_nothing(name: str) -> None:
     with_them, without = _program(name), optimize(_equations(name))
     assert (

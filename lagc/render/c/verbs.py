@@ -60,9 +60,9 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     if interface.nc and "scales" in functions:
         found += _linear()
     if interface.derivatives:
-        found.append(_STACK)
+        found.append(_stack(len(interface.switches)))
     for group, pattern in interface.derivatives.items():
-        found += _derivatives(group, pattern)
+        found += _derivatives(group, pattern, len(interface.switches))
     return found
 
 
@@ -185,7 +185,15 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     return Verb(comment, head, solved + call + "    return status;\n")
 
 
-def _derivatives(group: str, pattern: Sequence[tuple[int, int]]) -> list[Verb]:
+def _on_own_branch(name: str, output: str, switches: int) -> str:
+    """The call of `stack`, or of derivatives: with switches on the branch of the state."""
+    if not switches:
+        return f"    lagc_fn_{name}(p, t, x, a, lambda, {output});\n"
+    return (f"    lagc_real modes[{switches}];\n    lagc_fn_modes(p, t, x, modes);\n"
+            f"    lagc_fn_{name}_on(p, t, x, modes, a, lambda, {output});\n")  # fmt: skip
+
+
+def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) -> list[Verb]:
     if not pattern:
         return []
     columns = _COLUMNS[group]
@@ -198,7 +206,7 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]]) -> list[Verb]:
             f"J[{len(pattern)}], the derivatives of this stack by {columns} that are not\n"
             " * identically zero.",
             f"void lagc_by_{group}({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *J)",
-            f"    lagc_fn_by_{group}(p, t, x, a, lambda, J);\n"),
+            _on_own_branch(f"by_{group}", "J", switches)),
         Verb(
             "Their rows and columns; returns how many there are.",
             f"int lagc_by_{group}_pattern(const int **rows, const int **columns)",
@@ -206,13 +214,15 @@ def _derivatives(group: str, pattern: Sequence[tuple[int, int]]) -> list[Verb]:
     ]  # fmt: skip
 
 
-_STACK = Verb(
-    "s[LAGC_D_END], what is differentiated, at any a[NV] and lambda[NC].  From the rows LAGC_D_... on:\n"
-    " * QDOT, the rates of q; INERTIA, M a; FORCE, tau - h + G^T lambda; ROW, G a - gamma; CONDITION, of a\n"
-    " * consistent start; START, the start values; OUTPUT.",
-    f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
-    "    lagc_fn_stack(p, t, x, a, lambda, s);\n",
-)
+def _stack(switches: int) -> Verb:
+    return Verb(
+        "s[LAGC_D_END], what is differentiated, at any a[NV] and lambda[NC].  From the rows LAGC_D_... on:\n"
+        " * QDOT, the rates of q; INERTIA, M a; FORCE, tau - h + G^T lambda; ROW, G a - gamma; CONDITION,\n"
+        " * of a consistent start; START, the start values; OUTPUT; SIDE, what switches change at.",
+        f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
+        _on_own_branch("stack", "s", switches))  # fmt: skip
+
+
 _COLUMNS = {
     "time": "the time",
     "state": "q and v",

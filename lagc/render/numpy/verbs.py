@@ -147,9 +147,10 @@ _DERIVATIVES = '''
 
 def stack(t, x, a, lam, p=None):
     """What is differentiated, part by part as STACK has it, at any a and lam: qdot, M a, tau - h + G^T lam,
-    G a - gamma, the conditions of a start, the start values, the outputs."""
+    G a - gamma, the conditions of a start, the start values, the outputs, what switches
+    change at."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
-    fn_stack(equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+    _at_state(fn_stack@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
     return found
 
 
@@ -159,9 +160,20 @@ def derivatives(group, t, x, a, lam, p=None):
     found = [0.0] * len(PATTERNS[group])
     if found:
         function = {@FUNCTIONS@}[group]
-        function(equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
+        _at_state(function, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
     return found
+
+
+def _at_state(function, p, t, x, a, lam, found):
+    @CALL@
 '''
+
+_AT_STATE = "function(p, t, x, a, lam, found)"
+_ON_BRANCH = """\
+\"\"\"On the branch of the state.\"\"\"
+    modes = [0.0] * NMODE
+    fn_modes(p, t, x, modes)
+    function(p, t, x, modes, a, lam, found)"""
 
 _MANY = '''\
 def rhs_many(t, x, p=None):
@@ -267,9 +279,15 @@ def _stacked(interface: Interface) -> str:
         )
         text.append(f"    {name!r}: [\n{places}\n    ],\n" if pattern else f"    {name!r}: [],\n")
     there = [name for name, pattern in interface.derivatives.items() if pattern]
-    return "".join(
-        [*text, "}\n", _DERIVATIVES.replace("@FUNCTIONS@", ", ".join(f"{n!r}: fn_by_{n}" for n in there))]
-    )
+    on = "_on" if interface.switches else ""
+    found = _DERIVATIVES
+    for mark, words in (
+        ("@FUNCTIONS@", ", ".join(f"{name!r}: fn_by_{name}{on}" for name in there)),
+        ("@ON@", on),
+        ("@CALL@", _ON_BRANCH if on else _AT_STATE),
+    ):
+        found = found.replace(mark, words)
+    return "".join([*text, "}\n", found])
 
 
 def _statuses() -> str:

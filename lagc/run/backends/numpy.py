@@ -37,6 +37,14 @@ class NumpyModel(Compiled):
         exec(compiled(self.sources) if self.code is None else self.code, space)
         return space
 
+    @once
+    def places(self) -> dict[str, Any]:
+        """Rows and columns of the derivatives by each group, as arrays."""
+        import numpy
+
+        found = self.interface.derivatives
+        return {group: numpy.array(places, dtype=int).reshape(-1, 2).T for group, places in found.items()}
+
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> NumpySystem:
         return NumpySystem(self, values, branch)
 
@@ -102,21 +110,50 @@ class NumpySystem(CompiledSystem):
         self.model.module["fn_displace"](self._p, t, x, d, dq)
         return dq
 
-    def stack(self, t: float, x: Vector, a: Vector, lam: Vector) -> list[float]:
-        """What is differentiated (`lagc.optimize.derivatives`), of a program with derivatives."""
+    def modes(self, t: float, x: Vector) -> list[float]:
+        """The branch of a state: the mode of each switch."""
+        found = [0.0] * len(self.interface.switches)
+        if found:
+            self.model.module["fn_modes"](self._p, t, x, found)
+        return found
+
+    def rhs_on(self, modes: Vector, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        """`rhs` on a branch."""
+        if not modes:
+            return self.rhs(t, x, xdot, lam)
+        work = self._own.desk.equations.work
+        before, held = work.modes[:], work.held
+        work.modes[:], work.held = modes, True
+        status = self.rhs(t, x, xdot, lam)
+        work.modes[:], work.held = before, held
+        return status
+
+    def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
+        """What is differentiated (`lagc.optimize.derivatives`), of a program with derivatives; without
+        `modes` on the branch of the state."""
         found = [0.0] * max([part.stop for part in self.interface.stack.values()])
-        self.model.module["fn_stack"](self._p, t, x, a, lam, found)
+        self._differentiated("stack", t, x, a, lam, modes, found)
         return found
 
     def derivatives(
-        self, group: str, t: float, x: Vector, a: Vector, lam: Vector
+        self, group: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None
     ) -> tuple[list[float], tuple[tuple[int, int], ...]]:
         """Of the stack by one group: the entries, and their places (row, column)."""
         pattern = self.interface.derivatives[group]
         found = [0.0] * len(pattern)
         if pattern:
-            self.model.module[f"fn_by_{group}"](self._p, t, x, a, lam, found)
+            self._differentiated(f"by_{group}", t, x, a, lam, modes, found)
         return found, pattern
+
+    def _differentiated(
+        self, name: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None, found: list[float]
+    ) -> None:
+        module = self.model.module
+        if not self.interface.switches:
+            module[f"fn_{name}"](self._p, t, x, a, lam, found)
+        else:
+            on = self.modes(t, x) if modes is None else modes
+            module[f"fn_{name}_on"](self._p, t, x, on, a, lam, found)
 
     def start(self) -> list[float]:
         x = [0.0] * self.nx
