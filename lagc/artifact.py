@@ -15,11 +15,14 @@ from typing import Any
 from lagc import cache
 from lagc.cache.sources import tool_fingerprint
 from lagc.library import LARGEST_DATA, Unreadable, content, fingerprint
-from lagc.optimize.program import Field, Interface
+from lagc.optimize.program import Clause, Field, Interface
 from lagc.records import dataclass, names
 from lagc.version import __version__
 
-FIELDS = ("parameters", "inputs", "outputs", "limits")  # of an interface, each of Fields
+# Of an interface, what is made of which records.
+FIELDS: dict[str, type] = {
+    "parameters": Field, "inputs": Field, "outputs": Field, "limits": Field, "whens": Clause,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ def _head(body: bytes) -> Head:
 
 def _artifact(body: bytes) -> Artifact:
     plain, sources, unused, code = marshal.loads(body)
-    plain.update({name: _fields(plain[name]) for name in FIELDS})
-    return Artifact(Interface(**plain), sources, _fields(unused), code)
+    plain.update({name: _made(kind, plain[name]) for name, kind in FIELDS.items()})
+    return Artifact(Interface(**plain), sources, _made(Field, unused), code)
 
 
 def version_key() -> str:
@@ -100,9 +103,9 @@ def _plain(interface: Interface) -> dict[str, Any]:
     return {**plain, **{name: [_row(field) for field in plain[name]] for name in FIELDS}}
 
 
-def _row(field: Field) -> tuple[object, ...]:
-    return tuple([getattr(field, name) for name in names(Field)])
+def _row(record: Any) -> tuple[object, ...]:
+    return tuple([getattr(record, name) for name in names(type(record))])
 
 
-def _fields(rows: Iterable[tuple[Any, ...]]) -> tuple[Field, ...]:
-    return tuple([Field(*row) for row in rows])
+def _made(kind: type, rows: Iterable[tuple[Any, ...]]) -> tuple[Any, ...]:
+    return tuple([kind(*row) for row in rows])

@@ -29,7 +29,7 @@ def _word(self: object, c: Children, span: Span) -> Any:
 class Builder(Expressions):
     """Makes the tree of `source`; `faults` are those that the grammar itself does not see."""
 
-    uses = unless = statement = relation = _only
+    uses = unless = relation = _only
     quantity_kind = construct_kind = _word
 
     # -- files and what holds other declarations ---------------------------------------
@@ -74,7 +74,12 @@ class Builder(Expressions):
         return tree.ForLoop(variable.text, self._span(variable), values, items, span)
 
     def when(self, c: Children, span: Span) -> tree.When:
-        return tree.When(c[0], span)
+        condition, *statements = c
+        return tree.When(condition, tuple(statements), span)
+
+    def statement(self, c: Children, span: Span) -> tree.Statement:
+        action, value = c
+        return tree.Statement(action, value, span)
 
     # -- one line each --------------------------------------------------------------------
 

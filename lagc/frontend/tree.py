@@ -308,10 +308,20 @@ class ForLoop:
 
 
 @dataclass(frozen=True, slots=True)
+class Statement:
+    """One line of a `when`: a call, or what would be an equation."""
+
+    action: Expression
+    value: Expression | None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class When:
-    """`when cond then ... end when;`: read, and answered with "not yet"."""
+    """`when cond then statements end when;`."""
 
     condition: Expression
+    statements: tuple[Statement, ...]
     span: Span
 
 

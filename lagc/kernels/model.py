@@ -13,6 +13,7 @@ from lagc.kernels.sizes import (
     NFEAT,
     NG,
     NJ,
+    NJUMP,
     NKIND,
     NLIMITS,
     NM,
@@ -24,6 +25,7 @@ from lagc.kernels.sizes import (
     NTIMED,
     NU,
     NV,
+    NWHEN,
     NWORK,
     NX,
 )
@@ -59,6 +61,9 @@ def fn_feature_bounds_on(p: Params, modes: Vec[NMODE], box: Vec[NBOX], e: Out[NB
 def fn_own_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], e: Out[NMODE]) -> None: ...
 def fn_edges_on(modes: Vec[NMODE], e: Out[NEDGES]) -> None: ...
 def fn_slopes_on(p: Params, modes: Vec[NMODE], e: Out[NTIMED]) -> None: ...
+def fn_holds_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], c: Out[NWHEN]) -> None: ...
+def fn_reinit(p: Params, t: Real, x: Vec[NX], r: Out[NJUMP]) -> None: ...
+def fn_energies(p: Params, t: Real, x: Vec[NX], e: Out[Any]) -> None: ...
 def fn_enclosure_on(p: Params, modes: Vec[NMODE], box: Vec[NBOX], e: Out[NENDS]) -> None: ...
 # Of a model with switches, the same functions on the branch of `modes`.
 def fn_rhs_on(p: Params, t: Real, x: Vec[NX], modes: Vec[NMODE], xdot: Out[NX], lam: Out[NC],

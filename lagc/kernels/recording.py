@@ -10,8 +10,8 @@ from lagc.kernels.method import last, method_at, method_coefficients, method_sta
 from lagc.kernels.projection import project
 from lagc.kernels.records import BAD_BUDGET, BAD_TIME, NOWHERE, READY, Options, State, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NC, NMODE, NQUAT, NX
-from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
+from lagc.kernels.sizes import NC, NMODE, NQUAT, NWHEN, NX
+from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, TERMINATED, failed
 from lagc.kernels.step import enter, leave, step_once, stop
 from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
 
@@ -37,6 +37,8 @@ def interpolate(s: State, w: Work) -> Status:
     caller has changed since."""
     t = s.t_seen if s.called else s.t
     x = s.x_seen if s.called else s.x
+    if NWHEN > 0:
+        x = s.x_left
     if NMODE > 0:
         w.modes[:] = s.modes_old
     if s.dense == NOWHERE:
@@ -157,11 +159,16 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
         return INVALID
     enter(s, w)
     count: Count = 0
+    if NWHEN > 0:
+        ended = OK
     while status == OK:
         while status == OK and done[0] < n and (times[done[0]] - s.t) * direction <= 0.0:
             status = dense_at(s, times[done[0]], o, states[done[0]], w)
             if status == OK:
                 done[0] += 1
+        if NWHEN > 0:
+            if status == OK:
+                status = ended
         if status != OK or done[0] == n:
             break
         if budget > 0 and count == budget:
@@ -171,5 +178,9 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             if NMODE > 0:
                 if status == OK and o.report != 0 and s.fresh:
                     status = INTERRUPTED
+            if NWHEN > 0:
+                if status == TERMINATED:  # what came before is recorded
+                    ended = status
+                    status = OK
         count += 1
     return leave(s, status, w)

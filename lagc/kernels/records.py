@@ -13,6 +13,7 @@ from lagc.kernels.sizes import (
     NFREE,
     NG,
     NH,
+    NJUMP,
     NK,
     NKIND,
     NLOOK,
@@ -23,8 +24,10 @@ from lagc.kernels.sizes import (
     NREACH,
     NTIMED,
     NV,
+    NWHEN,
     NWORK,
     NX,
+    THREE,
     TWO,
 )
 from lagc.kernels.words import Code, Count, IVec, Mat, Params, Real, Size, Vec, record
@@ -145,6 +148,13 @@ class Work:
         jumped: IVec[NMODE]  # 1: its side, as others changed
         left_rates: Vec[NX]  # of the state, on the branch that it leaves
         crossed: IVec[NMODE]  # 1: it changes at the end of the step
+    if NWHEN > 0:
+        holds: Vec[NWHEN]  # 1: a condition does
+        due: IVec[NWHEN]  # 1: it has become true
+    if NJUMP > 0:
+        fresh_values: Vec[NJUMP]
+        landed: Vec[NX]
+        energies: Vec[THREE]
     if NEDGES > 0:
         edges: Vec[NEDGES]  # of the modes
         left_edges: Vec[NEDGES]
@@ -185,6 +195,9 @@ class State:
         changes: Count  # times at which a switch has changed
         changed: IVec[NMODE]  # 1: a switch that did at the last of these
         jolts: Vec[NX]  # what the last place of these times is worth in the states, in all
+    if NWHEN > 0:
+        fired: IVec[NWHEN]  # 1: a clause `when` that acted then
+        jumps: Count  # times at which states took new values
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding
     recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
@@ -213,6 +226,10 @@ class State:
         fresh: bool  # the last step ended with one
         changes_here: Count  # changes at the time t_changed
         t_changed: Real
+    if NWHEN > 0:
+        held: Vec[NWHEN]  # 1: a condition that holds
+        acquainted: bool  # these are known
+        x_left: Vec[NX]  # where the last step ended, before anything was done there
     y: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output

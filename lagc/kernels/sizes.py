@@ -44,11 +44,14 @@ class NFEAT(metaclass=SizeType): ...  # terms that may be narrow
 class NBOUNDS(metaclass=SizeType): ...  # 2 NFEAT
 class NLOOK(metaclass=SizeType): ...  # NFREE + NFEAT
 class NEDGES(metaclass=SizeType): ...  # 2 NMODE, where one counts
+class NWHEN(metaclass=SizeType): ...  # clauses `when`
+class NJUMP(metaclass=SizeType): ...  # new values that they give to states
 class NROW(metaclass=SizeType): ...  # NU + 1: of a row of these, with its right-hand side
 
 
 # The same for every model.
 class TWO(metaclass=SizeType): ...
+class THREE(metaclass=SizeType): ...
 class FOUR(metaclass=SizeType): ...
 class SEVEN(metaclass=SizeType): ...
 class NK(metaclass=SizeType): ...  # rates kept in a step, of the longest method

@@ -18,6 +18,9 @@ INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on
 INVALID = Status(8)  # an option, a time or a parameter makes no sense; culprit: see LAGC_BAD_METHOD and on
 CHATTERING = Status(9)  # a switch changes to and fro at once, without end; culprit: the switch
 
+TERMINATED = Status(10)  # a `when` ended the run; culprit: the clause; call again to go on
+MISPLACED = Status(11)  # new values that a `when` gives do not meet the constraints; culprit: the clause
+
 
 def failed(status: Status) -> bool:
     """Whether an evaluation gave nothing: rows that depend on others are solved."""

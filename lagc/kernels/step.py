@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.control import adapt, plan, retreat, too_small
+from lagc.kernels.events import pass_change, set_out
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
@@ -13,9 +14,18 @@ from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import factor_dense, rhs_at
-from lagc.kernels.sizes import NC, NFEAT, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NX, STRAIGHT
-from lagc.kernels.statuses import CHATTERING, INTERRUPTED, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.switching import all_but_changes, change, choose_branch, first_change, next_change, take
+from lagc.kernels.sizes import NC, NFEAT, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NWHEN, NX, STRAIGHT
+from lagc.kernels.statuses import (
+    CHATTERING,
+    INTERRUPTED,
+    MAX_STEPS,
+    MISPLACED,
+    NOT_FINITE,
+    OK,
+    STEP_UNDERFLOW,
+    failed,
+)
+from lagc.kernels.switching import all_but_changes, first_change, next_change, take
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status, Vec, public
 
@@ -67,6 +77,10 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         for i in range(NX):
             s.jolts[i] = 0.0
         s.fresh = False
+    if NWHEN > 0:
+        s.acquainted = False
+        s.jumps = 0
+        s.x_left[:] = x
 
 
 def enter(s: State, w: Work) -> None:
@@ -97,7 +111,7 @@ def stop(s: State, status: Status, w: Work) -> Status:
     if failed(status) and status < STEP_UNDERFLOW:
         s.culprit = w.culprit
     if NMODE > 0:
-        if status == CHATTERING:
+        if status == CHATTERING or status == MISPLACED:
             s.culprit = w.culprit
     return status
 
@@ -139,7 +153,7 @@ def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NMODE > 0:
         if again:
             s.rate = STAGES
-            return choose_branch(p, s, direction, w)
+            return set_out(p, s, direction, w)
         w.modes[:] = s.modes
         take(w)
     status = OK
@@ -207,7 +221,7 @@ def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     a.t_new = s.t + a.h
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * whole_size:
         a.h = 0.0
-        return change(p, s, a.direction, w)
+        return pass_change(p, s, a.direction, w)
     return try_step(p, s, o, a, w)
 
 
@@ -239,6 +253,8 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None
     s.t = a.t_new
     s.x_old[:] = s.x
     s.x[:] = s.y
+    if NWHEN > 0:
+        s.x_left[:] = s.y
     enlarge(s.y, s.sizes)
     s.listening = a.heard
     s.rate = READY
@@ -281,16 +297,21 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         s.dense = NOWHERE  # other stages take their place
     a = Trial()
     a.direction = 1.0 if t1 >= s.t else -1.0
+    if NWHEN > 0:
+        changes = s.changes
     status = depart(p, s, a.direction, w)
     if failed(status):
         return stop(s, status, w)
+    if NWHEN > 0:
+        if s.changes > changes:
+            return OK
     size_up(p, s, t1, o, a, w)
     forget(s, w)
     goal = t1
     if NTIMED > 0:
         goal = next_change(p, s, t1, a.direction, w)
         if goal == s.t:
-            return stop(s, change(p, s, a.direction, w), w)
+            return stop(s, pass_change(p, s, a.direction, w), w)
     cause = OK
     if NFEAT > 0:
         shrunk = 0
@@ -306,7 +327,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if too_small(s, t1, a):
             if NFREE > 0:
                 if cause != OK and all_but_changes(p, s, a.direction, w):
-                    return stop(s, change(p, s, a.direction, w), w)
+                    return stop(s, pass_change(p, s, a.direction, w), w)
             return stop(s, cause if cause != OK else STEP_UNDERFLOW, w)
         status = try_step(p, s, o, a, w)
         if NFEAT > 0:
@@ -341,5 +362,5 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     accept(p, s, t1, o, a, w)
     if NMODE > 0:
         if a.meets or (a.lands and goal != t1):
-            return stop(s, change(p, s, a.direction, w), w)
+            return stop(s, pass_change(p, s, a.direction, w), w)
     return OK

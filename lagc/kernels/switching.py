@@ -33,6 +33,7 @@ from lagc.kernels.words import Params, Real, Status, Vec
 FINEST = 0.00390625  # the shortest that is looked at by its ends
 THINNEST = 1e-9  # the shortest
 MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
+MANY_TIMES = 1e5
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
 LITTLE = 1e-6  # of a step
 NEARLY_THERE = 100.0  # last places of the time
@@ -254,10 +255,8 @@ def nudge_mode(k: int, direction: Real, w: Work, t: Real) -> None:
         w.modes[k] = sign_of(ahead)
 
 
-def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
-    """Sides that depend on modes that have changed may jump, and are on another side of theirs then: those
-    that were at their change too.  w.beside are those before; `rates` of the state there."""
-    w.left_sides[:] = w.beside
+def adopt_modes(p: Params, s: State, w: Work) -> None:
+    """Sides that are others than w.beside take the modes that they tell, w.jumped."""
     for k in range(NMODE):
         w.jumped[k] = 0
     for turn in range(NMODE):
@@ -274,6 +273,13 @@ def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work
         if done:
             break
     take(w)
+
+
+def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work) -> None:
+    """Sides that depend on modes that have changed may jump, and are on another side of theirs then: those
+    that were at their change too.  w.beside are those before; `rates` of the state there."""
+    w.left_sides[:] = w.beside
+    adopt_modes(p, s, w)
     fn_side_rates_on(p, s.t, s.x, w.modes, rates, w.turning)
     for k in range(NMODE):
         if w.jumped[k] > 0:
@@ -383,13 +389,18 @@ def late(k: int, direction: Real, w: Work) -> Real:
     return (w.left_sides[k] - target) / w.before[k] if w.before[k] != 0.0 else 0.0
 
 
+def is_little(time: Real, s: State) -> bool:
+    """Of a step, or last places of the time."""
+    return fabs(time) <= LITTLE * fabs(s.h_old) + NEARLY_THERE * SPACING * fabs(s.t)
+
+
 def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
     """The state, for the time since the first of the switches in w.crossed changed, or until it does: what is
     left of a step that ends there, which rounding is for the most part, as times have last places."""
     for k in range(NMODE):
         if w.crossed[k] > 0:
             since = late(k, direction, w)
-            if fabs(since) <= LITTLE * fabs(s.h_old):
+            if is_little(since, s):
                 for i in range(NX):
                     apart = w.xdot[i] - w.left_rates[i]
                     s.x[i] += since * apart
@@ -397,6 +408,15 @@ def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
                         s.jolts[i] += SPACING * fabs(s.t * apart)
                 fn_sides_on(p, s.t, s.x, w.modes, w.sides)
             return
+
+
+def follow_up(s: State, w: Work) -> None:
+    """Changes that follow each other ever sooner, as bounces do, are not stepped over: the next step is no
+    longer than many times what lies between the last two."""
+    since = fabs(s.t - s.t_changed)
+    for j in range(NFREE):
+        if w.crossed[NTIMED + j] > 0 and since > 0.0 and s.h > MANY_TIMES * since:
+            s.h = MANY_TIMES * since
 
 
 def to_and_fro(s: State, w: Work) -> bool:
@@ -454,6 +474,7 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     put_right(p, s, direction, w)
     keep_branch(s, w)
+    follow_up(s, w)
     if to_and_fro(s, w):
         return CHATTERING
     s.changes += 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.sizes import NBOUNDED, NE, NJ, NLIMITS, NMODE, NQUAT, NREAD, NU, NX, TWO
+from lagc.kernels.sizes import NBOUNDED, NE, NJ, NJUMP, NLIMITS, NMODE, NQUAT, NREAD, NU, NWHEN, NX, TWO
 from lagc.kernels.words import IVec, Mat
 
 kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
@@ -16,4 +16,7 @@ sources: IVec[NREAD]  # the places of parameters that `bind` reads
 bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # least and largest
 counted: IVec[NMODE]  # 1: a switch that changes at the edges of its mode, else at zero
+ending: IVec[NWHEN]  # 1: this clause ends the run
+clause: IVec[NJUMP]  # to which a new value belongs
+target: IVec[NJUMP]  # the state that takes it
 derived_bounds: Mat[NLIMITS, TWO]  # the same of values made of parameters

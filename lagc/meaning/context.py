@@ -68,6 +68,7 @@ class Context:
         ] = []  # effects named by `unless`, with the instance's path
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
         self.conditions: list[tuple[tree.Condition, Environment]] = []
+        self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, str] = {}  # names of tables, with what they stand for
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []

@@ -87,7 +87,7 @@ class Builder:
         elif isinstance(d, tree.ForLoop | tree.Instance):
             self._postpone(d, home)
         elif isinstance(d, tree.When):
-            raise Wrong("LAG0220", "`when` is part of the language, but not yet of this version", d.span)
+            self.context.whens.append((d, home.environment, home.effect))
         elif isinstance(d, tree.Start | tree.Simulate):
             raise Wrong(
                 "LAG0221",
@@ -196,7 +196,8 @@ class Builder:
     def _loop(self, d: tree.ForLoop, home: Home) -> None:
         for declaration in d.body:
             if isinstance(
-                declaration, tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial
+                declaration,
+                tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial | tree.When,
             ):
                 continue
             remedy = (

@@ -29,6 +29,7 @@ a thing was declared in, or None.
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
@@ -287,6 +288,20 @@ class InitialCondition:
 
 
 @dataclass(frozen=True, slots=True)
+class When:
+    """At the moment that `condition` becomes true, the symbols of `changes`, coordinates, rates and speeds,
+    take values, all of the state before; the run ends where there is a `reason`; `marks` name the event."""
+
+    words: str  # the condition as it is written
+    condition: Node
+    changes: tuple[tuple[Node, Node], ...]
+    reason: str | None
+    marks: tuple[str, ...]
+    span: Span
+    effect: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Output:
     name: str
     expression: Node  # may hold acceleration, multiplier and quantity symbols
@@ -340,6 +355,7 @@ class Model:
     effects: tuple[Effect, ...]
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
+    whens: tuple[When, ...] = ()
     limits: tuple[Limit, ...] = ()  # of derived parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
@@ -392,4 +408,5 @@ class Model:
                 found += [*coordinate.start, *coordinate.rate]
         found += [speed.expression for speed in self.speeds]
         found += [residual for c in self.constraints for residual in c.residuals]
-        return found + [condition.residual for condition in self.initial_conditions]
+        found += [condition.residual for condition in self.initial_conditions]
+        return found + [x for when in self.whens for x in (when.condition, *chain(*when.changes))]

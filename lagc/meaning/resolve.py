@@ -10,9 +10,11 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.calls import look_at_uncalled
+from lagc.meaning.clock import MOVING
 from lagc.meaning.context import Context
 from lagc.meaning.declare import declare
 from lagc.meaning.dynamics import condition
+from lagc.meaning.events import when_clause
 from lagc.meaning.expressions import HOW
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.namespace import Importer, Namespace
@@ -78,6 +80,7 @@ def resolve(
     check_effects(context, setting)
     found = _evaluate(context, instance)
     conditions = _conditions(context)
+    whens = _whens(context)
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
@@ -90,7 +93,7 @@ def resolve(
             )
         )
     context.refuse_faults()
-    return _model(context, declaration, setting, found, conditions, simulate)
+    return _model(context, declaration, setting, found, conditions, whens, simulate)
 
 
 def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:
@@ -106,6 +109,20 @@ def _conditions(context: Context) -> list[nouns.InitialCondition]:
     found: list[nouns.InitialCondition] = []
     for written, environment in context.conditions:
         context.attempt(lambda w, e: found.extend(condition(context, w, e)), written, environment)
+    return found
+
+
+def _whens(context: Context) -> list[nouns.When]:
+    """In the order written, those of instances within at their place; what never changes is left out."""
+    found: list[nouns.When] = []
+
+    def one(written: tree.When, environment: Environment, effect: str | None) -> None:
+        clause = when_clause(context, written, environment, effect)
+        if context.clock.mask(clause.condition) & MOVING:
+            found.append(clause)
+
+    for given in context.whens:
+        context.attempt(one, *given)
     return found
 
 
@@ -161,6 +178,7 @@ def _model(
     setting: Setting,
     found: list[nouns.Noun],
     conditions: list[nouns.InitialCondition],
+    whens: list[nouns.When],
     simulate: dict[str, float],
 ) -> nouns.Model:
     coordinates = [n for n in found if isinstance(n, nouns.Coordinate | nouns.Orientation)]
@@ -192,6 +210,7 @@ def _model(
         actions=tuple(actions),
         constraints=_of(found, nouns.Constraint),
         initial_conditions=tuple(conditions),
+        whens=tuple(whens),
         outputs=_of(found, nouns.Output),
         effects=effects,
         scenes=setting.names,

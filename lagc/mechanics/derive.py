@@ -18,6 +18,7 @@ from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import inertial_loads, moving_parts
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
+from lagc.mechanics.whens import when_equations
 
 Key = TypeVar("Key", bound=Hashable)
 
@@ -72,6 +73,7 @@ def derive(model: Model) -> EquationsOfMotion:
                 [c.span for c in model.initial_conditions],
             )
         ),
+        whens=when_equations(states),
         outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),

@@ -16,7 +16,7 @@ from functools import cached_property
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
-from lagc.meaning.model import FIXED, Model, Statement
+from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.moving import Moving, mass_matrix
 from lagc.records import dataclass
 
@@ -102,6 +102,15 @@ class OutputEquation:
 
 
 @dataclass(frozen=True, slots=True)
+class WhenEquations:
+    """What a clause `when` does: `changes` are states and their new values, all in t, q, v."""
+
+    clause: When
+    condition: Node
+    changes: tuple[tuple[Node, Node], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class StartValue:
     """A state's start: its expression in parameters, and how firmly and where it was stated."""
 
@@ -155,6 +164,7 @@ class EquationsOfMotion:
     starts_v: tuple[StartValue, ...]
     stated_rates: tuple[StatedRate, ...]
     initial_conditions: tuple[tuple[Node, Span], ...]  # residual in q, v, parameters
+    whens: tuple[WhenEquations, ...]
     outputs: tuple[OutputEquation, ...]
     rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason

@@ -38,19 +38,24 @@ class Switch:
     edges: tuple[Node, Node] | None
     slope: Node | None
     words: str
+    aside: bool = False  # clauses `when` alone ask for it
 
 
 def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switch, ...]]:
     """The equations as they are along a step, and their switches, those with a slope first; each depends on
     the modes of switches before it, among those with a slope and all."""
     changing = [equations.time, *equations.q, *equations.v]
-    moved = depends(deciding(equations), changing)
+    conditions = [when.condition for when in equations.whens]
+    moved = depends([*deciding(equations), *conditions], changing)
     if not any(node.op in _SWITCHING for node in moved):
         return equations, ()
     made = _Freezing(equations.graph, frozenset(changing), equations.time)
     found = _with(equations, made)
-    order = sorted(made.switches, key=lambda switch: switch.slope is None)
-    return found, tuple(order)
+    count = len(made.switches)
+    whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
+    asked = [replace(switch, aside=k >= count) for k, switch in enumerate(made.switches)]
+    order = sorted(asked, key=lambda switch: switch.slope is None)
+    return replace(found, whens=tuple(whens)), tuple(order)
 
 
 class _Freezing:

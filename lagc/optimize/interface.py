@@ -14,7 +14,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
-from lagc.optimize.program import Field, Function, Interface
+from lagc.optimize.program import Clause, Field, Function, Interface
 from lagc.records import names, replace
 
 # Of no bearing on the numbers.
@@ -100,6 +100,8 @@ def interface(
         switches=tuple([switch.words for switch in switches]),
         counted_switches=tuple([int(switch.edges is not None) for switch in switches]),
         timed_switches=sum(1 for switch in switches if switch.slope is not None),
+        switches_aside=tuple([int(switch.aside) for switch in switches]),
+        whens=_clauses(equations),
         features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         timed=_timed(functions["system" if "system" in functions else "rhs"])
         or ("sides" in functions and _timed(functions["sides"])),
@@ -145,6 +147,16 @@ def _source_name(equations: EquationsOfMotion) -> str:
         for thing in things:
             return _file(thing.span.source.name)
     return ""
+
+
+def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
+    """What a run must know of them."""
+    place = {state: k for k, state in enumerate((*equations.q, *equations.v))}
+    return tuple([
+        Clause(when.clause.words, when.clause.marks, when.clause.reason,
+               tuple([place[state] for state, _ in when.changes]))
+        for when in equations.whens
+    ])  # fmt: skip
 
 
 def _parameter(p: Parameter) -> Field:

@@ -23,6 +23,7 @@ from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.rolling import rolled
 from lagc.optimize.switching import switching
 from lagc.optimize.symbols import Places, places, weight
+from lagc.optimize.whens import changing, whens
 from lagc.records import replace
 
 
@@ -36,10 +37,12 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     equations, left_out = prune(equations)
     equations = with_pivots(equations)
     equations = replace(equations, model=bounded(equations.model))
-    work = work and not equations.power.is_zero
+    moving, switches = frozen(equations)
+    equations, moving = changing(equations, moving, switches)
+    jumps = any(when.changes for when in equations.whens)
+    work = work and (jumps or not equations.power.is_zero)
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
-    moving, switches = frozen(equations)
     along = places(moving, parameters, [switch.mode for switch in switches])
     solver, rhs = _solver(along, work)
     system = solver.system if solver else plain(equations)
@@ -110,7 +113,7 @@ def _functions(
     made += [functions.energies(at), functions.power(along), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
     made += [functions.limits(at), *switching(at, along, switches)]
-    made += narrow(along, features(along.equations))
+    made += [*whens(at, along), *narrow(along, features(along.equations))]
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])

@@ -137,6 +137,22 @@ class Field:
     description: str
 
 
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """A `when`: its condition as it is written, the names of its event, why the run ends there (None: it goes
+    on), and the states that take new values."""
+
+    words: str
+    marks: tuple[str, ...]
+    reason: str | None
+    states: tuple[int, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of its event."""
+        return self.marks or (f"when {self.words}",)
+
+
 @dataclass(frozen=True)
 class Interface:
     """What a run, a file header and a cache need to know of a compiled model; plain data.
@@ -185,6 +201,8 @@ class Interface:
     dropped: tuple[str, ...]  # coordinates and speeds on which nothing depends
     switches: tuple[str, ...] = ()  # conditions that a motion may change: what changes, in words
     counted_switches: tuple[int, ...] = ()  # 1: at the edges of its mode, which counts, else at zero
+    switches_aside: tuple[int, ...] = ()  # 1: clauses `when` alone ask for it
+    whens: tuple[Clause, ...] = ()
     features: int = 0  # terms that may be narrow
     timed_switches: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates depend on time itself
@@ -227,6 +245,15 @@ class Interface:
             found[name] = range(first, first + size)
             first += size
         return found
+
+    def drives(self, switch: int) -> bool:
+        """Whether the equations depend on it: a place behind all switches is that of a clause `when`."""
+        return switch < len(self.switches) and not self.switches_aside[switch]
+
+    @property
+    def noted(self) -> tuple[int, ...]:
+        """The switches whose changes are events: those that clauses `when` alone ask for are none."""
+        return tuple([k for k, aside in enumerate(self.switches_aside) if not aside])
 
     @property
     def angles(self) -> tuple[int, ...]:
@@ -283,6 +310,8 @@ class Program:
       slopes      (p,modes)       -> e[]    of those that time alone changes
       enclosure   (p,modes,box)   -> e[]    least and largest value of each other one, where time and states
                                             keep to a box (least ones, then largest)
+      holds       (p,t,x,modes)   -> c[]    1 where the condition of a `when` holds
+      reinit      (p,t,x)         -> r[]    the values that states take then, one clause after the other
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
       stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the

@@ -4,6 +4,7 @@ do not touch one another."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
@@ -70,6 +71,7 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
         *_inertial(equations), *equations.bias_forces, *equations.given_forces,
         equations.kinetic, equations.potential, equations.energy, equations.power,
         *(residual for residual, _ in equations.initial_conditions),
+        *(node for when in equations.whens for node in (when.condition, *chain(*when.changes))),
         *(o.expression for o in equations.outputs),
     ]  # fmt: skip
     for row in equations.rows:

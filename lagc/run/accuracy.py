@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from lagc.kernels.methods import order
 from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
-from lagc.run.problem import INTERRUPTED, OK, Options, System, Trajectory
+from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays
 from lagc.run.truncation import FINEST, SAFETY, Truncation, plain
 
@@ -80,7 +80,7 @@ def verified_run(
     if remembered is not None:
         options = search.options(remembered.rtol)
         trajectory = search.run(remembered.rtol)
-        if trajectory.status == OK:
+        if arrived(trajectory):
             still = dict(remembered.still)
             groups = moving(sizes(trajectory, system.interface), still)
             if strays(trajectory, remembered.end, groups) <= remembered.estimated:
@@ -90,7 +90,7 @@ def verified_run(
     found = search.verify()
     found.tried = [*before, *found.tried]
     trusted = found.balance is not None and found.balance.holds and found.estimated <= accuracy
-    if found.trajectory.status == OK and trusted:
+    if arrived(found.trajectory) and trusted:
         last = found.trajectory.states[-1]
         remember(name, Remembered(found.options.rtol, found.estimated, last, [*found.still.items()]))
     return found
@@ -196,11 +196,11 @@ class _Search:
         rounding alone.
         """
         done = self.run(tol)
-        if done.status not in (OK, INTERRUPTED) and tol > RETRY:
+        if not arrived(done) and done.status != INTERRUPTED and tol > RETRY:
             del self.runs[tol]
             tol = RETRY
             done = self.run(tol)  # what fails coarsely may go well finely
-        if done.status == OK:
+        if arrived(done):
             return None
         del self.runs[tol]
         if done.status == INTERRUPTED and self.runs:

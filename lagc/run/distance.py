@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from math import inf, isfinite
 from operator import sub
 
 from lagc.optimize.program import Interface
-from lagc.run.problem import Trajectory
+from lagc.run.problem import TERMINATED, Trajectory
 
 Sizes = Sequence[tuple[Sequence[int], float]]
 
@@ -36,6 +37,19 @@ def kinds(interface: Interface) -> list[list[int]]:
     return list(groups.values())
 
 
+def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
+    """The places of common times at which one run has come to a jump of the motion that the other comes to a
+    moment later: nothing is compared there."""
+    if not (a.jumps and b.jumps):
+        return frozenset()
+    both, found = min(len(a.jumps), len(b.jumps)), []
+    for k, (t, u) in enumerate(zip(a.times, b.times)):
+        i, j = bisect_right(a.jumps, t), bisect_right(b.jumps, u)
+        if i != j and max(i, j) <= both:
+            found.append(k)
+    return frozenset(found)
+
+
 def difference(
     a: Trajectory,
     b: Trajectory,
@@ -48,12 +62,12 @@ def difference(
     away later makes nothing before it more exact.  `still`: how far rounding may move some kinds (by
     place), of which less than that tells nothing."""
     alike = [True] * min(len(a.states), len(b.states))
-    largest = 0.0
+    largest, left_out = 0.0, between(a, b)
     for place, group in enumerate(kinds(interface)):
         size = apart = 0.0
         noise = still.get(place, 0.0) if still else 0.0
         for k, (x, y) in enumerate(zip(a.states, b.states)):
-            for i in group:
+            for i in group if k not in left_out else ():
                 size = max(size, abs(x[i]), abs(y[i]))
                 if not abs(x[i] - y[i]) <= apart:
                     apart = abs(x[i] - y[i])
@@ -68,10 +82,23 @@ def difference(
 
 def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
     """The largest scaled difference of two runs over the same times, from their sizes."""
-    columns, worst = [*zip(zip(*a.states), zip(*b.states))], 0.0
-    for (group, one), (_, other) in zip(of_a, of_b):
-        size = max(one, other)
+    left_out, worst = between(a, b), _apart_at_the_end(a, b)
+    one, other = a.states, b.states
+    if left_out:
+        one, other = ([x for k, x in enumerate(s) if k not in left_out] for s in (one, other))
+    columns = [*zip(zip(*one), zip(*other))]
+    for (group, here), (_, there) in zip(of_a, of_b):
+        size = max(here, there)
         for i in group if size > 0.0 else ():
             gaps = [*map(abs, map(sub, *columns[i]))]
             worst = max(worst, max(gaps) / size if isfinite(sum(gaps)) else inf)
     return worst
+
+
+def _apart_at_the_end(a: Trajectory, b: Trajectory) -> float:
+    """Of the time, where clauses `when` end the runs."""
+    if a.status != TERMINATED and b.status != TERMINATED:
+        return 0.0
+    begin, end, other = a.times[0], a.times[-1], b.times[-1]
+    span = max(abs(end - begin), abs(other - begin))
+    return abs(end - other) / span if span > 0.0 else 0.0

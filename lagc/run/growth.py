@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
 from math import inf, sqrt
 
-from lagc.run.distance import Sizes, spread
-from lagc.run.problem import FAILED, INTERRUPTED, OK, System, Trajectory
+from lagc.run.distance import Sizes, between, spread
+from lagc.run.problem import FAILED, INTERRUPTED, System, Trajectory, arrived
 from lagc.run.rounding import Quick, close_look, jolted, nudged, quick_bound
 
 LITTLE = 10.0  # of growth: a distance that tells no more may be all displacement
@@ -104,8 +104,10 @@ class Rounding:
         if there.status != INTERRUPTED and not self._apart(there, run) <= LINEAR:
             return []
         moving = [(group, FAR * size) for group, size in self.groups if size > 0.0]
+        left_out = between(there, run)
         grown = [max([1.0, *(abs(x[i] - y[i]) / size for group, size in moving for i in group)])
-                 for x, y in zip(there.states, run.states)]  # fmt: skip
+                 if k not in left_out else 1.0
+                 for k, (x, y) in enumerate(zip(there.states, run.states))]  # fmt: skip
         return [*accumulate(grown, max), *[inf] * (len(run.states) - len(grown))]
 
     def _spread(self, looks: Looks, steps: int) -> float:
@@ -131,11 +133,14 @@ class Rounding:
             if not sides or sides[0].status != INTERRUPTED:
                 sides.append(self.integrate(tol, nudged(run.states[0], way), way))
         more = max(1.0, steps / max(run.steps, 1))
+        left_out = {k for side in sides for k in between(side, run)}
         moving = [(i, more / size) for group, size in groups if size > 0.0 for i in group]
         found = []
         for k, x in enumerate(run.states):
             there = [side.states[k] for side in sides if k < len(side.states)]
             far = 0.0 if there else inf
+            if k in left_out:
+                there = []
             for i, part in moving if there else ():
                 y, z = there[0][i], there[-1][i]
                 far = max(far, part * (abs((y - x[i]) + (z - x[i])) + BIASED * abs(y - z)))
@@ -153,8 +158,8 @@ class Rounding:
 
     def _apart(self, run: Trajectory, other: Trajectory) -> float:
         """Of the sizes; infinite where a run did not arrive."""
-        arrived = run.status == other.status == OK
-        return spread(run, other, self.groups, self.groups) if arrived else inf
+        alike = run.status == other.status and arrived(run)
+        return spread(run, other, self.groups, self.groups) if alike else inf
 
 
 def _consistent(system: System, t: float, x: list[float]) -> list[float]:

@@ -29,3 +29,9 @@ def row_name(system: System, k: int) -> str:
 def more(parts: Sequence[object], most: int) -> str:
     """What stands for those behind the first `most`."""
     return f" and {len(parts) - most} more" if len(parts) > most else ""
+
+
+def event_names(system: System, k: int) -> tuple[str, ...]:
+    """Of a switch, or, behind these, of a clause `when`."""
+    switches = system.interface.switches
+    return (switches[k],) if k < len(switches) else system.interface.whens[k - len(switches)].names

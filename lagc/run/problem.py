@@ -16,19 +16,39 @@ from lagc.kernels.statuses import (
     INTERRUPTED,
     INVALID,
     MAX_STEPS,
+    MISPLACED,
     NOT_FINITE,
     OK,
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
+    TERMINATED,
 )
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 
 __all__ = [
-    "CHATTERING", "FAILED", "FIRST_LOOK", "INCONSISTENT", "INTERRUPTED", "INVALID", "MAX_STEPS",
-    "NOT_FINITE", "OK", "REDUNDANT", "SINGULAR_MASS", "STEP_UNDERFLOW", "Options", "System", "Trajectory",
-    "Vector", "rates_at", "row_gradients",
+    "CHATTERING",
+    "FAILED",
+    "FIRST_LOOK",
+    "INCONSISTENT",
+    "INTERRUPTED",
+    "INVALID",
+    "MAX_STEPS",
+    "MISPLACED",
+    "NOT_FINITE",
+    "OK",
+    "REDUNDANT",
+    "SINGULAR_MASS",
+    "STEP_UNDERFLOW",
+    "TERMINATED",
+    "Options",
+    "System",
+    "Trajectory",
+    "Vector",
+    "arrived",
+    "rates_at",
+    "row_gradients",
 ]  # fmt: skip
 
 Vector = Sequence[float]
@@ -124,6 +144,11 @@ class System(Protocol):
     def measures(self) -> tuple[list[float], list[float]]:
         """s and largest (see `Program`)."""
         ...
+
+
+def arrived(run: Trajectory) -> bool:
+    """Whether it came to its end, which a clause `when` may have set."""
+    return run.status in (OK, TERMINATED)
 
 
 def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:

@@ -9,6 +9,7 @@ from typing import Any
 from lagc.run.accuracy import verified_run
 from lagc.run.begin import begin, demand, strange_outputs
 from lagc.run.counted import Counted
+from lagc.run.names import event_names
 from lagc.run.problem import FAILED, INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
@@ -48,7 +49,7 @@ def simulate(
             demand(system, trajectory)
         said = ("failed", message) if message else verdict(system, trajectory, times[-1])
         told = Verdict(*said, trajectory, None)
-    elif (rest := _rest(counted, start.x, times)) is not None:
+    elif not system.interface.whens and (rest := _rest(counted, start.x, times)) is not None:
         trajectory, options = resting(rest[0], times), Options()
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
@@ -77,7 +78,7 @@ def simulate(
         asked=request.accuracy, estimated=told.estimated,
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
-        events=tuple([Event(t, system.interface.switches[k]) for t, k in trajectory.events]),
+        events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
         interrupted=trajectory.status == INTERRUPTED,
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),

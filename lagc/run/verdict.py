@@ -9,17 +9,19 @@ from typing import TYPE_CHECKING
 from lagc.limits import reached
 from lagc.records import dataclass
 from lagc.run.accuracy import MEANINGLESS, Verified
-from lagc.run.names import row_name, speed_name, state_name
+from lagc.run.names import event_names, row_name, speed_name, state_name
 from lagc.run.problem import (
     CHATTERING,
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,
+    MISPLACED,
     NOT_FINITE,
     OK,
     REDUNDANT,
     SINGULAR_MASS,
     STEP_UNDERFLOW,
+    TERMINATED,
     System,
     Trajectory,
 )
@@ -35,8 +37,8 @@ UNKNOWN = "the cause is not known"
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """`status` "ok" or "failed"; the trajectory to return, which may be a part of what was computed,
-    and the estimate of its error."""
+    """`status` "ok", "terminated" or "failed"; the trajectory to return, which may be a part of what was
+    computed, and the estimate of its error."""
 
     status: str
     message: str
@@ -48,7 +50,7 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
     """Of a run that was to meet the accuracy `asked`."""
     run, estimated = found.trajectory, found.estimated
     status, message = verdict(system, run, stop)
-    if status != "ok":
+    if status == "failed":
         return Verdict(status, message, run, estimated)
     kept = _kept(system, run)
     if kept is not None:
@@ -65,7 +67,7 @@ def judge(system: System, found: Verified, asked: float, stop: float) -> Verdict
 
 
 def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, str]:
-    """("ok" or "failed", what happened, by name and time)."""
+    """("ok", "terminated" or "failed", what happened, by name and time)."""
     status, t = trajectory.status, f"t = {trajectory.t:.6g} s"
     k = trajectory.culprit
     if status in (OK, REDUNDANT):
@@ -73,6 +75,17 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == INTERRUPTED:
         limit = reached()
         return "failed", f"interrupted at {t}" + (f": it took longer than {limit}" if limit else "")
+    if status == TERMINATED:
+        return "terminated", f"at {t}: {system.interface.whens[k].reason}"
+    if status == MISPLACED:
+        clause = system.interface.whens[k]
+        return "failed", (f"at {t} the new values that `when {clause.words}` gives do not meet the "
+                          "constraints: state those of all coordinates and rates that these tie")  # fmt: skip
+    if status == CHATTERING and not system.interface.drives(k):
+        what = event_names(system, k)[0]
+        return "failed", (f"at {t} it comes to `{what}` again and again, within the last places of the time, "
+                          "as bounces that are ever shorter do: end the run before, by a `when` with "
+                          "`terminate`, and go on with what holds it there as a constraint")  # fmt: skip
     if status == CHATTERING:
         what = system.interface.switches[k]
         return "failed", (f"at {t} {what}, and what acts on either side drives it back, without end: a "

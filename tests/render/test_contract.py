@@ -160,7 +160,7 @@ int main(void)
     times[0] = -1.0;
     told("grid", @_record(&p, &s, &o, times, 3, states, &done, 0, &w));
     told("good", @_record(&p, &s, &o, NULL, 0, NULL, &done, 0, &w));
-    for (i = -3; i < 12; i++)
+    for (i = -3; i < 14; i++)
         printf("text %s\\n", @_status_text(i));
     return 0;
 }
@@ -280,7 +280,7 @@ def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) 
     assert found["state"] == [i for i in range(nx) for _ in range(4)] and found["dense"] == [*range(nx)]
     assert found["rhs"] == [*range(program(name).interface.nq)]
     told = [line[5:] for line in ran.stdout.splitlines() if line.startswith("text")]
-    assert told[3:13] == list(texts()) and set(told[:3] + told[13:]) == {"no status"}
+    assert told[3:15] == list(texts()) and set(told[:3] + told[15:]) == {"no status"}
 
 
 @cache

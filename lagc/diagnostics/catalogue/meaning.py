@@ -150,8 +150,7 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0220": Entry(
         "not yet",
-        "Part of the language that this version reads but does not build: joints, inequalities, friction, "
-        "events.",
+        "Part of the language that this version reads but does not build: joints, inequalities, friction.",
         _body("constraint c: x >= 0;"),
         _body("constraint c: x = 0;"),
     ),
@@ -187,6 +186,20 @@ ENTRIES: dict[str, Entry] = {
         "below, of at most 40 MB.",
         _body('force f = {table(time, "nowhere.csv"), 0, 0} at b;'),
         _body("force f = {table(time, {0, 1}, {0, 2} [N]), 0, 0} at b;"),
+    ),
+    "LAG0227": Entry(
+        "what a `when` cannot do",
+        "At the moment that its condition becomes true a `when` gives new values to states, "
+        '`reinit(x, value)`, ends the run, `terminate("why")`, and names the event, `mark("name")`.  The '
+        "condition changes as something passes a value: what is equal to it is so for no time.",
+        _body("when x == 1 [m] then terminate(1); end when;"),
+        _body('when x > 1 [m] then terminate("far away"); end when;'),
+    ),
+    "LAG0228": Entry(
+        "a new value of what is no state",
+        "`reinit` is about a coordinate, its rate, or a declared speed, each of which takes one new value.",
+        _body("when x > 1 [m] then reinit(2*x, 0); end when;"),
+        _body("when x > 1 [m] then reinit(der(x), -der(x)); end when;"),
     ),
     "LAG0301": Entry(
         "two dimensions where there should be one",

@@ -222,5 +222,5 @@ def _status_text() -> str:
     return (
         "const char *lagc_status_text(int status)\n{\n    static const char *const texts[] = {\n"
         f"        {meanings}\n    }};\n"
-        '    return status >= 0 && status <= LAGC_CHATTERING ? texts[status] : "no status";\n}\n'
+        f'    return status >= 0 && status < {len(texts())} ? texts[status] : "no status";\n}}\n'
     )

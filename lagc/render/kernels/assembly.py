@@ -10,7 +10,7 @@ from typing import Any
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
-CONSTANT_SIZES = {"TWO": 2, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
+CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
 # Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
@@ -121,6 +121,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
+        "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
         "NLOOK": free + interface.features,
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,
@@ -178,6 +179,9 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "column": columns or [0],
         "counted": interface.counted_switches,
+        "ending": [int(c.reason is not None) for c in interface.whens],
+        "clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
+        "target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip

@@ -22,7 +22,7 @@ OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
-PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE")
+PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
 
 
 def definitions(program: Program, complete: bool, given: frozenset[str]) -> list[str]:
@@ -57,6 +57,7 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
+    text += f"NOTED = {interface.noted!r}\n" if interface.switches else ""
     text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     return text + f"METHODS = {METHODS!r}\n" + numbers(used)
 

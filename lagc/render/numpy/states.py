@@ -153,6 +153,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     asked, done = run._asked(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
     work, fallbacks, events = problem.work, problem.work.fallbacks, []
+    jumps = []
 
     def record_(steps, max_steps):
         """As the kernel, but where an exception ends it all is as before."""
@@ -163,7 +164,11 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             seen = run.changes if NMODE else 0
             status = record(problem.p, run, asked, times, len(times), states, done, steps, work)
             if NMODE and asked.report and run.changes > seen:
-                events.extend((run.t, k) for k, changed in enumerate(run.changed) if changed)
+                events.extend((run.t, k) for k in NOTED if run.changed[k])
+                if NWHEN:
+                    events.extend((run.t, NMODE + k) for k in range(NWHEN) if run.fired[k])
+                    if run.jumps > len(jumps):
+                        jumps.append(run.t)
                 asked.report = len(events) < MOST_EVENTS
             return status
         except BaseException:
@@ -179,7 +184,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:], jolts=run.jolts[:] if NMODE else (),
-            events=events,
+            events=events, jumps=jumps,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress, clock)

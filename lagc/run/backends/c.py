@@ -56,7 +56,7 @@ class CModel(Compiled):
     def state(self) -> type[Any]:
         interface = self.interface
         kinds = max(interface.kinds, default=0) + 1
-        return _state_type(interface.nx, kinds, len(interface.switches))
+        return _state_type(interface.nx, kinds, len(interface.switches), len(interface.whens))
 
     @once
     def head(self) -> type[Any]:
@@ -184,6 +184,8 @@ class CSystem(CompiledSystem):
                          options.atol, options.step, options.first_step, options.max_step,
                          options.report)  # fmt: skip
         events: list[tuple[float, int]] = []
+        jumps: list[float] = []
+        switches, whens, noted = len(self.interface.switches), len(self.interface.whens), self.interface.noted
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
         p = self._p
@@ -201,7 +203,11 @@ class CSystem(CompiledSystem):
                 ctypes.byref(done), c_long(steps), work,
             )  # fmt: skip
             if self.interface.switches and asked.report and state.changes > seen:
-                events.extend((state.t, k) for k, changed in enumerate(state.changed) if changed)
+                events.extend((state.t, k) for k in noted if state.changed[k])
+                if whens:
+                    events.extend((state.t, switches + k) for k in range(whens) if state.fired[k])
+                    if state.jumps > len(jumps):
+                        jumps.append(state.t)
                 asked.report = len(events) < MOST_EVENTS
             return status
 
@@ -217,7 +223,7 @@ class CSystem(CompiledSystem):
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
                 sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
-                events=events,
+                events=events, jumps=jumps,
             )  # fmt: skip
 
         return recorded(state, options, record, told, progress, None if way else perf_counter)
@@ -254,7 +260,7 @@ def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
     return call
 
 
-def _state_type(nx: int, kinds: int, switches: int) -> type[Any]:
+def _state_type(nx: int, kinds: int, switches: int, whens: int) -> type[Any]:
     """The first members of lagc_state."""
 
     class State(ctypes.Structure):
@@ -267,6 +273,7 @@ def _state_type(nx: int, kinds: int, switches: int) -> type[Any]:
                 if switches
                 else ()
             ),
+            *((("fired", c_int * whens), ("jumps", c_long)) if whens else ()),
         )  # fmt: skip
 
     return State

@@ -7,7 +7,7 @@ from math import inf
 from typing import Any
 
 from lagc.kernels import METHODS
-from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS
+from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS, TERMINATED
 
 # -- what follows is part of generated modules --
 
@@ -71,7 +71,9 @@ class Trajectory:
     `position_drift`, `velocity_drift`: largest scaled residuals over the accepted steps.
     `fallbacks`: linear solves that needed the pivoted QR.
     `sizes`: the largest magnitude of the states of each kind, at the ends of all steps.
-    `events`: (time, switch) of changes of switches, the first MOST_EVENTS of them, where they were asked for.
+    `events`: (time, switch) of changes of switches, and (time, number of switches + clause) of clauses `when`
+    that acted, the first MOST_EVENTS of them, where they were asked for; `jumps` their times at which states
+    took new values.  Where a clause ended the run, its time and state are the last of `times`, `states`.
     `jolts`: what the last place of the times at which switches changed is worth in each state, in all.
     """
 
@@ -94,6 +96,7 @@ class Trajectory:
         sizes: Sequence[float] = (),
         jolts: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
+        jumps: Sequence[float] = (),
     ):
         self.times, self.states = times, states
         self.t, self.x = t, x
@@ -102,7 +105,9 @@ class Trajectory:
         self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
-        self.sizes, self.jolts, self.events = sizes, jolts, events
+        self.sizes, self.jolts, self.events, self.jumps = sizes, jolts, events, jumps
+        if status == TERMINATED and (not times or times[-1] != t):
+            self.times, self.states = [*times, t], [*states, list(x)]
 
     def changed(self, **values: Any) -> Trajectory:
         """This one with other values."""

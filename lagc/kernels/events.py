@@ -1,0 +1,216 @@
+"""Clauses `when`: what is done at the moment that a condition becomes true.
+
+Those that become true at one moment act in their order, each on the state that the one before has left.
+What they do may make others true, which act after them.
+"""
+
+from __future__ import annotations
+
+from math import fabs
+
+from lagc.kernels.kinds import enlarge, not_finite
+from lagc.kernels.model import fn_energies, fn_holds_on, fn_modes, fn_reinit, fn_side_rates_on, fn_sides_on
+from lagc.kernels.projection import project
+from lagc.kernels.records import NOWHERE, State, Work
+from lagc.kernels.rhs import rhs_at
+from lagc.kernels.sizes import NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
+from lagc.kernels.statuses import CHATTERING, MISPLACED, NOT_FINITE, OK, TERMINATED, failed
+from lagc.kernels.switching import (
+    MOST_AT_ONCE,
+    adopt_modes,
+    change,
+    choose_branch,
+    is_little,
+    keep_branch,
+    late,
+    nudge_mode,
+    take,
+    turns_back,
+)
+from lagc.kernels.tables import clause, ending, kind, target
+from lagc.kernels.words import Params, Real, Status
+
+MISSED = 1e-6  # of the sizes of states: what constraints move new values by is no rounding
+
+
+def come_true(p: Params, s: State, w: Work) -> bool:
+    """Whether conditions do, in w.due."""
+    found = False
+    fn_holds_on(p, s.t, s.x, w.modes, w.holds)
+    for k in range(NWHEN):
+        w.due[k] = 1 if w.holds[k] > s.held[k] else 0
+        s.held[k] = w.holds[k]
+        if w.due[k] > 0:
+            found = True
+    return found
+
+
+def jump(p: Params, s: State, k: int, w: Work) -> bool:
+    """The new values that clause k gives."""
+    found = False
+    fn_reinit(p, s.t, s.x, w.fresh_values)
+    for j in range(NJUMP):
+        if clause[j] == k:
+            s.x[target[j]] = w.fresh_values[j]
+            found = True
+    return found
+
+
+def meets_constraints(p: Params, s: State, w: Work) -> Status:
+    """Of new values, but for rounding, which is taken away."""
+    w.landed[:] = s.x
+    status = project(p, s.t, s.x, s.sizes, w)
+    if failed(status):
+        return MISPLACED
+    for i in range(NQ + NV):
+        if not fabs(s.x[i] - w.landed[i]) <= MISSED * s.sizes[kind[i]]:
+            return MISPLACED
+    return OK
+
+
+def land(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The branch on from a state that has jumped, and its rates, in w.xdot.  w.beside: its sides before."""
+    w.left_sides[:] = w.beside
+    adopt_modes(p, s, w)
+    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    s.rhs += 1
+    if failed(status):
+        return status
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
+    for k in range(NMODE):
+        if k >= NTIMED or w.jumped[k] > 0:
+            nudge_mode(k, direction, w, s.t)
+    take(w)
+    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    s.rhs += 1
+    return status
+
+
+def move_by(s: State, time: Real, w: Work) -> None:
+    if time != 0.0:
+        for i in range(NX):
+            s.x[i] += time * w.xdot[i]
+
+
+def jumps(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+    """The clauses in w.due give new values, as at the time that was `since` ago; what the energy gains by it
+    is work that is done."""
+    move_by(s, -since, w)
+    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
+    if NZ > 0:
+        fn_energies(p, s.t, s.x, w.energies)
+        before = w.energies[2]
+    found = False
+    for k in range(NWHEN):
+        if w.due[k] > 0:
+            if jump(p, s, k, w):
+                found = True
+                w.culprit = k
+    if found:
+        if not_finite(s.x, NX) >= 0:
+            w.culprit = not_finite(s.x, NX)
+            return NOT_FINITE
+        enlarge(s.x, s.sizes)
+        if NC > 0 or NQUAT > 0:
+            status = meets_constraints(p, s, w)
+            if failed(status):
+                return status
+        if NZ > 0:
+            fn_energies(p, s.t, s.x, w.energies)
+            s.x[NX - 1] += w.energies[2] - before
+        status = land(p, s, direction, w)
+        if failed(status):
+            return status
+        s.jumps += 1
+        s.rate = NOWHERE
+    move_by(s, since, w)
+    if found:
+        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+        keep_branch(s, w)
+    return OK
+
+
+def told_apart(direction: Real, w: Work) -> bool:
+    """Whether the sides of the switches in w.crossed go where these have changed to: what comes back within
+    the last places of the time, as bounces that are ever shorter, has not got there."""
+    for j in range(NFREE):
+        k = NTIMED + j
+        if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, w.before[k], w.before[k], direction, w):
+            return False
+    return True
+
+
+def blame(w: Work) -> Status:
+    """Clauses act without end."""
+    for k in range(NWHEN):
+        if w.due[k] > 0:
+            w.culprit = NMODE + k
+    return CHATTERING
+
+
+def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+    """The clauses whose conditions come true at (s.t, s.x), `since` after they did.  Rates are in w.xdot."""
+    ended = OK
+    for k in range(NWHEN):
+        s.fired[k] = 0
+    for turn in range(MOST_AT_ONCE + NWHEN):
+        if not come_true(p, s, w):
+            return ended
+        if turn == 0 and not told_apart(direction, w):
+            return blame(w)
+        for k in range(NWHEN):
+            if w.due[k] > 0:
+                s.fired[k] = 1
+                if ending[k] > 0 and ended == OK:
+                    s.culprit = k
+                    ended = TERMINATED
+        if NJUMP > 0:
+            status = jumps(p, s, direction, since if turn == 0 else 0.0, w)
+            if failed(status):
+                return status
+    return blame(w)
+
+
+def since_change(s: State, direction: Real, w: Work) -> Real:
+    """What the first switch in w.crossed is late by, where that is rounding."""
+    for k in range(NMODE):
+        if w.crossed[k] > 0:
+            since = late(k, direction, w)
+            return since if is_little(since, s) else 0.0
+    return 0.0
+
+
+def pass_change(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The switches in w.crossed change at (s.t, s.x), and what is to be done then is done."""
+    status = change(p, s, direction, w)
+    if NWHEN > 0:
+        if status == OK:
+            return act(p, s, direction, since_change(s, direction, w), w)
+    return status
+
+
+def set_out(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The branch on from a state of which nothing else is known, and what is to be done there: conditions
+    that hold at the start of a trajectory do not become true."""
+    if NWHEN > 0:
+        if not s.acquainted:
+            fn_modes(p, s.t, s.x, w.modes)
+            take(w)
+            fn_holds_on(p, s.t, s.x, w.modes, s.held)
+            s.acquainted = True
+    status = choose_branch(p, s, direction, w)
+    if NWHEN > 0:
+        if status == OK:
+            for k in range(NMODE):
+                w.crossed[k] = 0
+            w.xdot[:] = s.k[0]
+            status = act(p, s, direction, 0.0, w)
+            for k in range(NWHEN):
+                if s.fired[k] > 0 and not s.fresh:
+                    s.fresh = True
+                    s.changes += 1
+            if s.fresh:
+                for i in range(NMODE):
+                    s.changed[i] = 0
+    return status

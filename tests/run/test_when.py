@@ -1,0 +1,229 @@
+"""Clauses `when`: at the moment that a condition becomes true, and as exactly as the motion itself."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import lagc
+from tests.run.jumping import STOP, case, motion
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+TIMES = [STOP * k / 7 for k in range(8)]
+
+
+@pytest.mark.parametrize("first", range(0, 60, 15))
+def test_walls_kicks_limits(first: int) -> None:
+    """No true error is above the estimate, no estimate above what was asked, every event is found."""
+    known = 0
+    for seed in range(first, first + 15):
+        exact = motion(case(seed), TIMES)
+        if exact is None:
+            continue
+        known += 1
+        accuracy = 10.0 ** -(4 + seed % 7)
+        run = lagc.loads(case(seed).text).compile(backend="numpy").simulate(STOP, points=8, accuracy=accuracy)
+        assert run.status == "ok", run.message
+        states, events = exact
+        sizes = [max(abs(state[i]) for state in states) for i in (0, 1)]
+        errors = [
+            max(abs(state[i] - value) for state, value in zip(states, run[name])) / size
+            for i, (name, size) in enumerate(zip(("x", "der(x)"), sizes))
+        ]
+        assert run.estimated is not None and max(errors) <= run.estimated <= accuracy
+        assert [e.t for e in run.events] == pytest.approx([float(t) for t in events], abs=10.0 * accuracy)
+        energy = run.energy
+        assert abs(energy.imbalance) <= 100.0 * accuracy * max(energy.start, energy.end, abs(energy.work))
+    assert known > 10
+
+
+@pytest.mark.parametrize("seed", [1, 4, 9])
+def test_both_backends_are_equal_to_the_bit(seed: int) -> None:
+    runs = [
+        lagc.loads(case(seed).text).compile(backend=backend).simulate(STOP, points=8, accuracy=1e-8)
+        for backend in ("numpy", "c")
+    ]
+    assert runs[0].states == runs[1].states and runs[0].cost.rhs == runs[1].cost.rhs
+    assert runs[0].events == runs[1].events != ()
+
+
+def model(whens: str, start: str = "x(start = 0 [m], rate = 1 [m/s])", more: str = "") -> lagc.CompiledModel:
+    return lagc.loads(
+        f"model M\n  coordinate Length {start};\n  body b = Particle(mass = 2 [kg], at = {{x, 0, 0}});\n"
+        f"  {more}\n  {whens}\nend M;"
+    ).compile(backend="numpy")
+
+
+def test_what_comes_true_at_one_moment_acts_in_order() -> None:
+    """(1 + 1)*2, not 1*2 + 1; values of one clause are all of the state before it."""
+    run = model(
+        "when time > 1 [s] then reinit(der(x), der(x) + 1 [m/s]); end when;\n"
+        "when time >= 1 [s] then reinit(der(x), 2*der(x)); end when;\n"
+        "when time > 2 [s] then reinit(x, der(x)*1 [s]); reinit(der(x), x/(1 [s])); end when;"
+    ).simulate(3.0, every=1.0)
+    assert [*run["der(x)"]] == pytest.approx([1.0, 4.0, 5.0, 5.0])
+    assert [*run["x"]] == pytest.approx([0.0, 1.0, 4.0, 9.0])
+    assert run.energy.work == pytest.approx(0.5 * 2.0 * (25.0 - 1.0))
+
+
+def test_what_a_clause_makes_true_acts_too() -> None:
+    run = model(
+        'when x > 1 [m] then reinit(x, 5 [m]); mark("far"); end when;\n'
+        'when x > 4 [m] then reinit(der(x), 0); mark("still"); end when;'
+    ).simulate(3.0)
+    assert [(e.t, e.name) for e in run.events] == [(1.0, "far"), (1.0, "still")]
+    assert run["x"][-1] == 5.0
+
+
+def test_what_holds_from_the_start_on_does_not_come_true() -> None:
+    run = model('when x < 1 [m] then terminate("near"); end when;').simulate(1.5)
+    assert run.status == "ok" and not run.events
+    back = model('when x < 1 [m] then terminate("near"); end when;', more="force f = {-2 [N], 0, 0} at b;",
+                 start="x(start = 0 [m], rate = 2 [m/s])").simulate(9.0)  # fmt: skip
+    assert back.status == "terminated" and back.t[-1] == pytest.approx(2.0 + math.sqrt(2.0), rel=1e-6)
+
+
+@pytest.mark.parametrize(("relation", "fires"), [("<", True), ("<=", False)])
+def test_a_start_on_the_change(relation: str, fires: bool) -> None:
+    """x < 0 becomes true as it leaves 0; x <= 0 holds already."""
+    run = model(
+        f"when x {relation} 0 then reinit(der(x), -der(x)); end when;", start="x(rate = -1 [m/s])"
+    ).simulate(1.0)
+    assert run["x"][-1] == pytest.approx(1.0 if fires else -1.0)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_run_ends_where_a_clause_says_so(backend: str) -> None:
+    """The time is as exact as the motion, the last state is that of it."""
+    run = lagc.loads(
+        "model M\n  coordinate Length y(start = 1 [m]), x(rate = 2 [m/s]);\n"
+        "  Gravity field(g = 10 [m/s2], direction = {0, -1, 0});\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, y, 0});\n"
+        '  when y < 0 then terminate("it hit the ground"); end when;\nend M;'
+    ).compile(backend=backend).simulate(3.0, every=0.1, accuracy=1e-9)  # fmt: skip
+    assert run.status == "terminated" and "it hit the ground" in run.message
+    assert run.t[-1] == pytest.approx(math.sqrt(0.2), rel=1e-9) and len(run) == 6
+    assert run["x"][-1] == pytest.approx(2.0 * math.sqrt(0.2), rel=1e-9)
+    assert run["der(y)"][-1] == pytest.approx(-math.sqrt(20.0), rel=1e-9)
+    assert run.estimated is not None and run.estimated <= 1e-9
+
+
+PENDULUM = """model P
+  coordinate Length x(start = 1 [m]), y;
+  Gravity field(g = 10 [m/s2], direction = {0, -1, 0});
+  body b = Particle(mass = 1 [kg], at = {x, y, 0});
+  constraint rod: x^2 + y^2 = 1 [m2];
+  when x < 0 then %s end when;
+end P;"""
+
+
+def test_new_values_meet_the_constraints() -> None:
+    """Thrown back at the lowest point it comes to where it began, as often as it likes."""
+    back = lagc.loads(PENDULUM % "reinit({der(x), der(y)}, {-der(x), -der(y)});").compile(backend="numpy")
+    run = back.simulate(6.0, points=2001, accuracy=1e-8)
+    assert run.status == "ok" and len(run.events) == 5
+    assert run.energy.imbalance == pytest.approx(0.0, abs=1e-6)
+    assert min(run["x"]) > -1e-6 and max(run["x"]) <= 1.0 + 1e-9
+    gaps = [b.t - a.t for a, b in zip(run.events, run.events[1:])]
+    assert gaps == pytest.approx([2.0 * run.events[0].t] * 4, rel=1e-7)
+
+
+def test_new_values_that_do_not_are_refused() -> None:
+    run = lagc.loads(PENDULUM % "reinit(der(y), 1 [m/s]);").compile(backend="numpy").simulate(6.0)
+    assert run.status == "failed" and "do not meet the constraints" in run.message
+    assert run.t[-1] > 0.5
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
+def test_bounces_that_are_ever_shorter_are_followed_to_the_end_of_numbers(restitution: float) -> None:
+    """They come to t_1 (1 + e)/(1 - e), and no ball falls through."""
+    run = model(
+        f"when x < 0 then reinit(der(x), -{restitution!r}*der(x)); end when;",
+        start="x(start = 1 [m])", more="Gravity field(g = 10 [m/s2], direction = {-1, 0, 0});",
+    ).simulate(40.0)  # fmt: skip
+    first = math.sqrt(0.2)
+    ends = first * (1.0 + restitution) / (1.0 - restitution)
+    assert run.status == "failed" and "bounces" in run.message
+    assert run.events[-1].t == pytest.approx(ends, rel=1e-11)
+    assert min(run["x"]) > -1e-12
+
+
+def test_a_declared_speed_takes_a_new_value() -> None:
+    text = (
+        "model M\n  coordinate Length x;\n  speed Velocity u(start = 1 [m/s]) = 2*der(x);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n  when x > 1 [m] then %s end when;\nend M;"
+    )
+    run = lagc.loads(text % "reinit(u, -u);").compile(backend="numpy").simulate(4.0)
+    assert run["x"][-1] == pytest.approx(0.0, abs=1e-6) and run["u"][-1] == pytest.approx(-1.0)
+    with pytest.raises(lagc.Refused, match="LAG0228"):
+        lagc.loads(text % "reinit(der(x), 0);").compile()
+
+
+def test_a_body_that_turns_takes_a_new_angular_velocity() -> None:
+    run = lagc.loads(
+        "model M\n  coordinate Orientation o(rate = {0, 0, 1} [rad/s]);\n"
+        "  body b = Solid(mass = 1 [kg], inertia = {1, 2, 3} [kg.m2], at = {0, 0, 0}, frame = o);\n"
+        "  when time > 1 [s] then reinit(o.rate, {0, 0, -2} [rad/s]); end when;\nend M;"
+    ).compile(backend="numpy").simulate(2.0)  # fmt: skip
+    assert run["o.rate.z"][-1] == pytest.approx(-2.0)
+    assert run["o.z"][-1] == pytest.approx(math.sin(-0.5), rel=1e-6)  # half of 1 - 2
+
+
+def test_clauses_of_effects_loops_and_instances() -> None:
+    text = (
+        "model Ball\n  parameter Length floor_ = 0;\n  coordinate Length x(start = 1 [m]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        "  when x < floor_ then reinit(der(x), -der(x)); end when;\nend Ball;\n"
+        "model M\n  Gravity field(g = 10 [m/s2], direction = {-1, 0, 0});\n  Ball one;\n"
+        "  Ball other(floor_ = 0.5 [m]);\n"
+        '  effect stop when time > 0.6 [s] then terminate("time"); end when; end stop;\n'
+        '  for k in 1:3 loop when time > k*0.2 [s] then mark("tick"); end when; end for;\n'
+        "  scene free;\n  scene short uses stop;\nend M;"
+    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(1.0)
+    assert run.status == "ok"
+    ticks = [e.t for e in run.events if e.name == "tick"]
+    assert ticks == pytest.approx([0.2, 0.4, 0.6])
+    bounces = sorted(e.t for e in run.events if e.name != "tick")
+    assert bounces == pytest.approx([math.sqrt(0.1), math.sqrt(0.2), 3.0 * math.sqrt(0.1)], rel=1e-6)
+    short = lagc.loads(text).compile("short", backend="numpy").simulate(1.0)
+    assert short.status == "terminated" and short.t[-1] == pytest.approx(0.6)
+
+
+def test_what_is_not_there_costs_nothing(tmp_path: Path) -> None:
+    """A clause of an effect that is not used leaves no trace in the generated code."""
+    head = "model M\n  coordinate Length x(rate = 1 [m/s]);\n  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+    effect = '  effect e when x > 1 [m] then terminate("x"); end when; end e;\n'
+    codes = []
+    for name, text in (("plain", ""), ("with", effect)):
+        folder = tmp_path / name
+        lagc.loads(f"{head}{text}end M;").compile().build(folder)
+        codes.append({p.name: p.read_text() for p in folder.iterdir()})
+    assert codes[0] == codes[1]
+    assert "reinit" not in str(codes) and "fired" not in str(codes)
+
+
+MAIN = """
+#include <stdio.h>
+#include "m.h"
+int main(void)
+{
+    m_params p = m_default_params();
+    m_options o = m_default_options();
+    static m_state s;
+    static m_work w;
+    double x[M_NX] = {1.0, 0.0};
+    int status;
+    m_begin(&s, 0.0, x);
+    o.report = 1;
+    for (;;) {
+        status = m_advance(&p, &s, 9.0, &o, &w);
+        printf("%d %.15g %d %d\\n", status, s.t, s.fired[0], s.fired[1]);
+        if (status != M_INTERRUPTED) break;
+    }
+    return 0;
+}
+"""
