@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from math import fabs
 
+from lagc.kernels.branches import adopt_modes, choose_branch, keep_branch, nudge_mode, take
 from lagc.kernels.kinds import enlarge, not_finite
 from lagc.kernels.model import fn_energies, fn_holds_on, fn_modes, fn_reinit, fn_side_rates_on, fn_sides_on
 from lagc.kernels.projection import project
@@ -15,18 +16,7 @@ from lagc.kernels.records import NOWHERE, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
 from lagc.kernels.statuses import CHATTERING, MISPLACED, NOT_FINITE, OK, TERMINATED, failed
-from lagc.kernels.switching import (
-    MOST_AT_ONCE,
-    adopt_modes,
-    change,
-    choose_branch,
-    is_little,
-    keep_branch,
-    late,
-    nudge_mode,
-    take,
-    turns_back,
-)
+from lagc.kernels.switching import MOST_AT_ONCE, change, is_little, late, turns_back
 from lagc.kernels.tables import clause, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 

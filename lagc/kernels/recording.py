@@ -126,6 +126,9 @@ def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     enter(s, w)
     while status == OK and s.t != t1:
         status = step_once(p, s, t1, o, w)
+        if NMODE > 0:
+            if status == OK and o.report != 0 and s.fresh:
+                status = INTERRUPTED
     return leave(s, status, w)
 
 

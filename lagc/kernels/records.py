@@ -66,7 +66,9 @@ class Options:
     first_step: Real  # 0: chosen
     max_step: Real  # 0: no limit
     if NMODE > 0:
-        report: int  # 1: record returns INTERRUPTED at each time at which a switch changes, s->changed
+        report: (
+            int  # 1: advance and record return INTERRUPTED at each time at which switches change: s->changed
+        )
 
 
 @record

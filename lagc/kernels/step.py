@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from math import fabs
 
+from lagc.kernels.branches import take
 from lagc.kernels.control import adapt, plan, retreat, too_small
 from lagc.kernels.events import pass_change, set_out
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
+from lagc.kernels.locating import all_but_changes, first_change, next_change
 from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
@@ -25,7 +27,6 @@ from lagc.kernels.statuses import (
     STEP_UNDERFLOW,
     failed,
 )
-from lagc.kernels.switching import all_but_changes, first_change, next_change, take
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status, Vec, public
 

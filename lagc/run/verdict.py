@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
+SEVERAL = 10
 UNKNOWN = "the cause is not known"
 
 
@@ -81,7 +82,8 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         clause = system.interface.whens[k]
         return "failed", (f"at {t} the new values that `when {clause.words}` gives do not meet the "
                           "constraints: state those of all coordinates and rates that these tie")  # fmt: skip
-    if status == CHATTERING and not system.interface.drives(k):
+    if (status == CHATTERING and not system.interface.drives(k)) or _ever_sooner(trajectory):
+        k = k if status == CHATTERING else trajectory.events[-1][1]
         what = event_names(system, k)[0]
         return "failed", (f"at {t} it comes to `{what}` again and again, within the last places of the time, "
                           "as bounces that are ever shorter do: end the run before, by a `when` with "
@@ -128,6 +130,13 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", (f"at {t}, after {tried} steps, the rest to {stop:g} s would take too many: they "
                           f"are {size:.1g} s long; {why}")  # fmt: skip
     return "failed", f"the integration ended at {t} with status {status}"
+
+
+def _ever_sooner(run: Trajectory) -> bool:
+    """Whether a run of too many steps ended among jumps that no more than a step of it lies between."""
+    last = run.jumps[-SEVERAL:]
+    near = len(last) == SEVERAL and abs(run.t - last[0]) <= SEVERAL * SEVERAL * abs(run.step)
+    return near and run.status in (MAX_STEPS, STEP_UNDERFLOW)
 
 
 def sound(system: System, trajectory: Trajectory) -> bool:

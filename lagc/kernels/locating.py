@@ -1,0 +1,203 @@
+"""Where conditions change: switches, within a step.
+
+Where time alone changes a switch, a step ends there.  Elsewhere what it changes at is enclosed over the step
+(R. E. Moore, *Interval Analysis*, 1966), on ever smaller parts of its dense output, where it might; a step
+that passes a change is made once more, to end there.  L. F. Shampine, I. Gladwell, R. W. Brankin: Reliable
+solution of special event location problems for ODEs, ACM Trans. Math. Software 17 (1991) 11-25.
+"""
+
+from __future__ import annotations
+
+from math import fabs, inf
+
+from lagc.kernels.branches import margin
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
+from lagc.kernels.limits import SPACING
+from lagc.kernels.method import last, method_at
+from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
+from lagc.kernels.records import State, Trial, Work
+from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
+from lagc.kernels.statuses import failed
+from lagc.kernels.tables import counted
+from lagc.kernels.words import Params, Real, Vec
+
+FINEST = 0.00390625  # the shortest that is looked at by its ends
+THINNEST = 1e-9  # the shortest
+MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
+NEARLY_THERE = 100.0  # last places of the time
+
+
+def nearest(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
+    """The least margin of those switches that the state changes."""
+    least = inf
+    fn_sides_on(p, t, x, w.modes, w.sides)
+    for j in range(NFREE):
+        k = NTIMED + j
+        own = margin(k, w.sides[k], s.slack[k], w)
+        if own < least:
+            least = own
+    return least
+
+
+def within_mode(k: int, low: Real, high: Real, w: Work) -> bool:
+    """Whether a side that is between these changes nothing."""
+    if NEDGES > 0:
+        if counted[k] > 0:
+            return low > w.edges[2 * k] and high < w.edges[2 * k + 1]
+    if w.modes[k] == 0.0:
+        return low >= 0.0 and high <= 0.0
+    return low > 0.0 if w.modes[k] > 0.0 else high < 0.0
+
+
+def certain(p: Params, s: State, w: Work) -> bool:
+    """Whether no switch changes in w.box."""
+    fn_enclosure_on(p, w.modes, w.box, w.ends)
+    for j in range(NFREE):
+        k = NTIMED + j
+        low = w.ends[2 * j] + s.slack[k]
+        high = w.ends[2 * j + 1] - s.slack[k]
+        known = w.ends[2 * j] <= w.ends[2 * j + 1]
+        if not (known and within_mode(k, low, high, w)):
+            return False
+    return True
+
+
+def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, w: Work) -> Real:
+    """Where the least margin changes its sign between two parts of the step, to the last place of the time:
+    just beyond, with w.crossed.  Regula falsi, every third time halves."""
+    low = left
+    high = right
+    method_at(method, low, s, w.middle)
+    below = nearest(p, s.t + low * h, w.middle, s, w)
+    method_at(method, high, s, w.middle)
+    above = nearest(p, s.t + high * h, w.middle, s, w)
+    least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
+    turn = 0
+    while high - low > least:
+        part = 0.5
+        if turn % 3 < 2 and below > 0.0:
+            part = below / (below - above)
+        shortest = 0.5 * least / (high - low)
+        if part < shortest:
+            part = shortest
+        if part > 1.0 - shortest:
+            part = 1.0 - shortest
+        guess = low + part * (high - low)
+        method_at(method, guess, s, w.middle)
+        found = nearest(p, s.t + guess * h, w.middle, s, w)
+        if found < 0.0:
+            high = guess
+            above = found
+            below *= 0.5
+        else:
+            low = guess
+            below = found
+            above *= 0.5
+        turn += 1
+    method_at(method, high, s, w.middle)
+    nearest(p, s.t + high * h, w.middle, s, w)
+    for i in range(NTIMED):
+        w.crossed[i] = 0
+    for j in range(NFREE):
+        k = NTIMED + j
+        w.crossed[k] = 1 if margin(k, w.sides[k], s.slack[k], w) < 0.0 else 0
+    return high
+
+
+def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """The part of the step from s.x to s.y after which a switch changes first; NONE; below zero where that
+    cannot be told."""
+    enclose_step(s, a, s.k[last(method)], w)
+    if certain(p, s, w):
+        return NONE
+    if failed(dense_of_trial(p, s, method, a, w)):
+        return -1.0
+    looked = 0
+    left = 0.0
+    width = COARSEST
+    w.left_x[:] = s.x
+    while left < 1.0:
+        right = left + width if left + width < 1.0 else 1.0
+        method_at(method, right, s, w.right_x)
+        method_at(method, 0.5 * (left + right), s, w.middle)
+        enclose_part(s.t, a.h, left, right, w)
+        if certain(p, s, w):
+            if width < COARSEST:
+                width *= 2.0
+        elif width > FINEST:
+            width *= 0.5
+            continue
+        elif nearest(p, s.t + right * a.h, w.right_x, s, w) < 0.0:
+            return located(p, s, method, a.h, left, right, w)
+        elif looked < MOST_LOOKED:  # it may be passed twice
+            looked += 1
+            if width > THINNEST:
+                width *= 0.5
+                continue
+        else:
+            width = FINEST
+        left = right
+        w.left_x[:] = w.right_x
+    return NONE
+
+
+def all_but_changes(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether a switch changes within some last places of the time, w.crossed: where the branch ends there,
+    as sqrt(x) does at 0, no step gets any nearer."""
+    found = False
+    time = NEARLY_THERE * SPACING * fabs(s.t)
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    fn_side_rates_on(p, s.t, s.x, w.modes, s.k[0], w.turning)
+    for k in range(NMODE):
+        w.crossed[k] = 0
+    for j in range(NFREE):
+        i = NTIMED + j
+        own = margin(i, w.sides[i], s.slack[i], w)
+        if own < time * fabs(w.turning[i]):
+            if own > margin(i, w.sides[i] + time * direction * w.turning[i], s.slack[i], w):
+                w.crossed[i] = 1
+                found = True
+    return found
+
+
+def due(k: int, t: Real, direction: Real, w: Work) -> Real:
+    """When time changes this switch, on from t; infinite where it does not."""
+    slope = w.slopes[k]
+    ahead = slope * direction
+    if NEDGES > 0:
+        if counted[k] > 0:
+            target = w.edges[2 * k + 1] if ahead > 0.0 else w.edges[2 * k]
+            return t + (target - w.sides[k]) / slope
+    if not w.modes[k] * ahead < 0.0:
+        return inf * direction
+    return t - w.sides[k] / slope
+
+
+def next_change(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real:
+    """The time at which time itself changes a switch next, with w.crossed; t1 where that comes before."""
+    fn_slopes_on(p, w.modes, w.slopes)
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    soon = inf * direction
+    first = 0
+    for k in range(NMODE):
+        w.crossed[k] = 0
+    for k in range(NTIMED):
+        w.when[k] = due(k, s.t, direction, w)
+        if (w.when[k] - soon) * direction < 0.0:
+            soon = w.when[k]
+            first = k
+    if not fabs(soon) < inf:
+        return t1
+    fn_sides_on(p, soon, s.x, w.modes, w.sides)
+    soon = due(first, soon, direction, w)
+    near = 8.0 * SPACING * (fabs(soon) + fabs(s.t))
+    if (soon - s.t) * direction < 0.0:
+        soon = s.t
+    if fabs(soon - t1) <= near:
+        soon = t1
+    if (soon - t1) * direction > 0.0:
+        return t1
+    for k in range(NTIMED):
+        if fabs(w.when[k] - soon) <= near:
+            w.crossed[k] = 1
+    return soon
