@@ -69,6 +69,7 @@ class ModelFile:
         without: Sequence[str] = (),
         parameters: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Input] | None = None,
+        until: str | None = None,
         backend: str = "auto",
     ) -> CompiledModel:
         """One scene of one model (the first where none is named), with the effects `use` added and
@@ -77,6 +78,7 @@ class ModelFile:
         `parameters` here are the values for every run, unless a run gives others; structural
         integers are built in.  An input is a number, the text of an expression, `drive.csv:u`, or
         points over time, `(t, values)` or `(t, values, "cubic")` in SI; all but numbers are built in.
+        `until` is a condition, as "x > 3 [m]", that ends a run where it becomes true.
         `backend` is "c", "numpy" or "auto" (C where a compiler is found and it pays).  Raises Refused with
         all faults.
         """
@@ -84,7 +86,7 @@ class ModelFile:
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities(parameters or {})
         numbers, courses = parted(inputs or {})
-        choice = Choice(model, scene, tuple(use), tuple(without), {**given, **numbers}, courses)
+        choice = Choice(model, scene, tuple(use), tuple(without), {**given, **numbers}, courses, until)
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
@@ -238,19 +240,20 @@ class CompiledModel(Differentiable):
         points: int | None = None,
         parameters: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Input] | None = None,
+        until: str | None = None,
         starts: Mapping[str, Value] | None = None,
         progress: Progress | None = None,
     ) -> Run:
         """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
         `method` and tolerances or a fixed `step`; see `lagc.run.request.Request`.
 
-        `inputs` as for `compile`: a number costs nothing, anything else is compiled, unless it was for the
-        last run too.  What is not said is the scene's, then the default's.  A run that fails keeps what was
-        computed and says why in `status` and `message`.  Raises Refused for wrong requests.
+        `inputs` and `until` as for `compile`: a number costs nothing, anything else is compiled, unless it
+        was for the last run too.  What is not said is the scene's, then the default's.  A failed run keeps
+        what was computed and says why in `status` and `message`.  Raises Refused for wrong requests.
         """
-        if inputs:
-            numbers, courses = parted(inputs)
-            driven = self._with_courses(numbers, courses)
+        if inputs or until is not None:
+            numbers, courses = parted(inputs or {})
+            driven = self._with_courses(numbers, courses, until)
             return driven.simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**(parameters or {}), **numbers}, starts=starts,
@@ -264,17 +267,21 @@ class CompiledModel(Differentiable):
         )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
 
-    def _with_courses(self, numbers: Mapping[str, float | Quantity], courses: Inputs) -> CompiledModel:
-        """This model with other inputs built in, and with numbers in the place of those that are."""
+    def _with_courses(
+        self, numbers: Mapping[str, float | Quantity], courses: Inputs, until: str | None
+    ) -> CompiledModel:
+        """This model with other inputs and another end built in, and with numbers in the place of those that
+        are."""
         choice, built_in = self.compilation.choice, self.artifact.built_in
         fixed = {name: value for name, value in numbers.items() if name in built_in}
-        if not courses and not fixed:
+        if not courses and not fixed and until is None:
             return self
-        wanted = (dict(courses), fixed)
+        wanted = (dict(courses), fixed, until)
         if self._driven is None or self._driven[0] != wanted:
             kept = {name: given for name, given in choice.inputs.items() if name not in numbers}
             given = {name: value for name, value in self._given.items() if name not in courses}
-            chosen = replace(choice, parameters={**given, **fixed}, inputs={**kept, **courses})
+            chosen = replace(choice, parameters={**given, **fixed}, inputs={**kept, **courses},
+                             until=choice.until if until is None else until)  # fmt: skip
             made = Compilation(self.compilation.source, chosen, self.compilation.roots)
             self._driven = wanted, CompiledModel(made, self.asked_backend)
         return self._driven[1]

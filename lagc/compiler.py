@@ -44,7 +44,7 @@ PER_OPERATION = 1e-3  # of the right-hand side
 class Choice:
     """What of a file is meant: the model, its scene and effects, and given values of parameters:
     the structural ones among them are built in, the others stay symbols; `inputs` that are more than numbers
-    are built in."""
+    are built in, and so is the condition `until` whose coming true ends a run."""
 
     model: str | None = None
     scene: str | None = None
@@ -52,6 +52,7 @@ class Choice:
     without_effects: tuple[str, ...] = ()
     parameters: Given = field(default_factory=dict)
     inputs: Inputs = field(default_factory=dict)
+    until: str | None = None
 
 
 class _Uncollected(ContextDecorator):
@@ -106,6 +107,7 @@ def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
             model=choice.model,
             parameters=dict(values),
             inputs=choice.inputs,
+            until=choice.until,
             roots=roots,
         )
 
@@ -314,8 +316,9 @@ class Compilation:
     def _head_name(self) -> str:
         choice = self.choice
         inputs = [(name, _said(given)) for name, given in sorted(choice.inputs.items())]
-        chosen = repr((choice.model, choice.scene, choice.with_effects, choice.without_effects, inputs))
-        texts = [self.source.text, *(text for _, text in inputs)]
+        effects = choice.with_effects, choice.without_effects
+        chosen = repr((choice.model, choice.scene, *effects, inputs, choice.until))
+        texts = [self.source.text, *(text for _, text in inputs), choice.until or ""]
         reads = any(word in text for word in ("import", "table") for text in texts)
         folder = folder_of(self.source.name) if reads else ""
         named = (self.source.name, folder, self.source.text, repr(self.roots), chosen)

@@ -43,6 +43,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="the start value of a coordinate or speed, e.g. --start 'theta=30[deg]'",
     )
     parser.add_argument("--stop", metavar="T", help="how long, in s or with a unit: 20, '5[min]'")
+    parser.add_argument(
+        "--until", metavar="CONDITION", help="end where this becomes true, e.g. 'x > 3 [m]', if it does"
+    )
     parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
     parser.add_argument("--rtol", metavar="R", help="by hand: relative tolerance of a step")
@@ -79,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
 
     check_files(options)
     request = request_of(options)
-    choice = choice_of(options)
+    choice = replace(choice_of(options), until=options.until)
     source = library.read(options.file)
     model = CompiledModel(Compilation(source, choice), options.backend)
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
+from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
@@ -51,6 +52,20 @@ def when_clause(
     changes = tuple(found.changes.items())
     reason = found.reasons[0] if found.reasons else None
     return nouns.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
+
+
+def ending(context: Context, until: str) -> tree.When:
+    """The clause that ends a run where the condition `until` of a command or a caller becomes true.  Raises
+    Refused where it is no expression."""
+    from lagc.frontend.parse import parse_expression
+
+    source = Source("<until>", until)
+    context.importer.free.append(source)
+    condition = parse_expression(source)
+    span = condition.span
+    reason = tree.Argument(None, None, tree.String(f"until {' '.join(until.split())}", span), span)
+    call = tree.Call(tree.Name("terminate", span), (reason,), span)
+    return tree.When(condition, (tree.Statement(call, None, span),), span)
 
 
 def _condition(context: Context, written: tree.Expression, environment: Environment) -> Node:

@@ -14,7 +14,7 @@ from lagc.meaning.clock import MOVING
 from lagc.meaning.context import Context
 from lagc.meaning.declare import declare
 from lagc.meaning.dynamics import condition
-from lagc.meaning.events import when_clause
+from lagc.meaning.events import ending, when_clause
 from lagc.meaning.expressions import HOW
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.namespace import Importer, Namespace
@@ -48,13 +48,14 @@ def resolve(
     parameters: Numbers | None = None,
     starts: Numbers | None = None,
     inputs: Inputs | None = None,
+    until: str | None = None,
     roots: Sequence[str] | None = None,
 ) -> nouns.Model:
     """One scene of a model of the file, every name resolved.
 
     `parameters` and `starts` are values by full name, in SI or with a unit, `inputs` texts of expressions or
-    points over time; `roots` the folders that may be imported from besides that of the file.  Raises Refused
-    with all faults.
+    points over time, `until` the condition that ends a run; `roots` the folders that may be imported from
+    besides that of the file.  Raises Refused with all faults.
     """
     sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
     importer = Importer(file.source, tuple(roots or ()))
@@ -70,6 +71,8 @@ def resolve(
         read_values(context, setting, environment)
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)
+        if until is not None:
+            context.whens.append((ending(context, until), environment, None))
         Builder(context, instance, {}).build(declaration, where)
         context.conditions[:0] = instance.conditions
         simulate = read_rest(context, setting, environment)

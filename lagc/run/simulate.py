@@ -49,7 +49,7 @@ def simulate(
             demand(system, trajectory)
         said = ("failed", message) if message else verdict(system, trajectory, times[-1])
         told = Verdict(*said, trajectory, None)
-    elif not system.interface.whens and (rest := _rest(counted, start.x, times)) is not None:
+    elif not _awaits(system) and (rest := _rest(counted, start.x, times)) is not None:
         trajectory, options = resting(rest[0], times), Options()
         tried = [trajectory]
         told = Verdict(*verdict(system, trajectory, times[-1]), trajectory, ROUNDING)
@@ -86,6 +86,11 @@ def simulate(
             compile_s=compile_s, run_s=perf_counter() - began, integrations=len(tried),
         ),
     )  # fmt: skip
+
+
+def _awaits(system: System) -> bool:
+    """Whether something may be done at a time that is told."""
+    return bool(system.interface.whens) and system.interface.timed
 
 
 def _rest(system: System, x: list[float], times: Sequence[float]) -> tuple[list[float], str] | None:

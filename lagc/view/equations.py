@@ -18,6 +18,7 @@ TITLES = {
     "motion": "equations of motion",
     "position": "constraints on positions",
     "velocity": "constraints on velocities",
+    "event": "at events",
 }
 
 
@@ -43,7 +44,10 @@ def write_text(found: Sheet) -> str:
         if len(found.formulas) > 1:
             lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
         for formula in formulas:
-            lines.append(f"{writer.sum(formula.left)} = {writer.sum(formula.right)}")
+            relation, when = "=", ""
+            if formula.condition is not None:
+                relation, when = ":=", f"  when {writer.sum(formula.condition)}"
+            lines.append(f"{writer.sum(formula.left)} {relation} {writer.sum(formula.right)}{when}")
         if kind in found.left_out:
             lines.append(f"// ... {found.left_out[kind]}")
     legend = where(writer.seen)

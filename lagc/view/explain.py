@@ -10,7 +10,7 @@ from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
 from lagc.expr.symbol import derived
 from lagc.mechanics.analysis import RowKind, analyse
-from lagc.mechanics.equations import EquationsOfMotion, StartValue
+from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
 from lagc.optimize.program import Interface, Program
 from lagc.view.expression import Expressions
 from lagc.view.names import where
@@ -23,6 +23,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
     """The facts of one scene of a model; numbers in SI."""
     model, analysis = equations.model, analyse(equations)
     written = Expressions(equations)
+    jumps = any(when.changes for when in equations.whens)
     interface = program.interface
     kinetic = analysis.kinetic_parts
     idle = analysis.speeds - interface.nv
@@ -56,7 +57,12 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         ],
         "cyclic": [name for name in analysis.cyclic if name not in interface.dropped],
         "conserved": [
-            {"name": c.name, "expression": written.text(c.expression), "reason": c.reason, "proved": c.proved}
+            {
+                "name": c.name,
+                "expression": written.text(c.expression),
+                "reason": c.reason + (", between events" if jumps else ""),
+                "proved": c.proved,
+            }
             for c in analysis.conserved
             if not c.expression.is_zero
         ],
@@ -73,7 +79,9 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "switches": [
             {"condition": words, "known": k < interface.timed_switches}
             for k, words in enumerate(interface.switches)
+            if interface.drives(k)
         ],
+        "whens": [_when(when, written) for when in equations.whens],
         "operations": {
             "right_hand_side": interface.operations,
             "preparation": interface.preparation,
@@ -175,6 +183,7 @@ def text(facts: Facts, verbose: bool = False) -> str:
         _section("conserved", [_conserved_line(c) for c in facts["conserved"]] or ["nothing found"], verbose),
         _energies_text(facts),
         _section("not examined", facts["not_examined"], verbose),
+        _section("when", map(_when_line, facts["whens"]), verbose),
         _section("switches", map(_switch_line, facts["switches"]), verbose),
         _section("pruned", facts["pruned"] or ["nothing"], verbose),
         _operations_text(facts, verbose),
@@ -291,6 +300,25 @@ def _energies_text(facts: Facts) -> list[str]:
 
 def _switch_line(fact: Facts) -> str:
     return f"{fact['condition']}: {'at times that are known' if fact['known'] else 'found along the motion'}"
+
+
+def _when(when: WhenEquations, written: Expressions) -> Facts:
+    clause = when.clause
+    return {
+        "condition": clause.words,
+        "line": clause.span.line,
+        "effect": clause.effect,
+        "reinit": [{"state": x.record.name, "value": written.text(value)} for x, value in when.changes],
+        "terminate": clause.reason,
+        "marks": list(clause.marks),
+    }
+
+
+def _when_line(fact: Facts) -> str:
+    done = [f"{x['state']} becomes {x['value']}" for x in fact["reinit"]]
+    done += [f"the run ends: {fact['terminate']}"] if fact["terminate"] is not None else []
+    done += [f"marked {mark}" for mark in fact["marks"]]
+    return f"{fact['condition']} (line {fact['line']}): {', '.join(done) or 'an event'}"
 
 
 def _operations_text(facts: Facts, verbose: bool) -> list[str]:

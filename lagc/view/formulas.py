@@ -22,12 +22,14 @@ from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
 
 @dataclass(frozen=True, slots=True)
 class Formula:
-    """`left` = `right`; kind shared, kinematic, motion, position, velocity; `label` says of what."""
+    """`left` = `right`; kind shared, kinematic, motion, position, velocity, event; `label` says of what.
+    At an event, when the `condition` becomes true, `left` takes the value `right`."""
 
     kind: str
     label: str
     left: Sum
     right: Sum
+    condition: Sum | None = None
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Sheet:
     left_out: dict[str, str]
 
 
-KINDS = ("shared", "kinematic", "motion", "position", "velocity")
+KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
 ZERO = Sum(())
 
 
@@ -91,6 +93,7 @@ def _sheet(equations: EquationsOfMotion, algebra: Algebra, full: bool) -> Sheet:
         *_kinematic(equations, collector, shown, [rates[k] for k in parts["kinematic"].numbers]),
         *_motion(equations, collector, parts["motion"].numbers),
         *_rows(equations, collector, rows),
+        *_events(equations, collector),
     ]
     if isinstance(algebra, NamingAlgebra):
         definitions = _definitions(algebra, collector, shown)
@@ -205,6 +208,21 @@ def _rows(equations: EquationsOfMotion, collector: Collector, rows: Sequence[Row
     return formulas
 
 
+def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
+    """What states become at the moment that the conditions of clauses `when` become true."""
+    algebra, formulas = collector.algebra, []
+    for when in equations.whens:
+        for state, value in when.changes:
+            condition, left, right = algebra.polynomials([when.condition, state, value])
+            formulas.append(
+                Formula(
+                    "event", when.clause.words, collector.collect(left),
+                    collector.collect(tidy(equations, algebra, right)), collector.collect(condition),
+                )
+            )  # fmt: skip
+    return formulas
+
+
 def _shared(equations: EquationsOfMotion) -> set[Node]:
     """Sums and products that are used more than once in the equations."""
     roots = [
@@ -214,6 +232,7 @@ def _shared(equations: EquationsOfMotion) -> set[Node]:
         *equations.given_forces,
         *[row.residual for row in equations.rows],
         *[entry for row in equations.rows for entry in row.jacobian.values()],
+        *[node for when in equations.whens for pair in when.changes for node in pair],
     ]
     uses: dict[Node, int] = {}
     for node in (*reachable(roots), *roots):

@@ -31,7 +31,10 @@ def write_latex(found: Sheet) -> str:
     lines = []
     for kind, formulas in by_kind(found):
         for formula in formulas:
-            lines.append(f"  {writer.sum(formula.left)} &= {writer.sum(formula.right)}")
+            relation, when = "=", ""
+            if formula.condition is not None:
+                relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.sum(formula.condition)}"
+            lines.append(f"  {writer.sum(formula.left)} &{relation} {writer.sum(formula.right)}{when}")
         if kind in found.left_out:
             lines.append(rf"  & \ldots \text{{ {_worded(found.left_out[kind])}}}")
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"

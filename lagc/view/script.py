@@ -32,7 +32,7 @@ def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
             lines.append(f"{formula.label} = {writer.sum(formula.right)}")
     lines.append("equations = [")
     for formula in found.formulas:
-        if formula.kind != "shared":
+        if formula.kind not in ("shared", "event"):
             sides = f"{writer.sum(formula.left)}, {writer.sum(formula.right)}"
             lines.append(f"    sympy.Eq({sides}),  # {_plain(formula.label)}")
     lines += ["]", "", 'if __name__ == "__main__":']
