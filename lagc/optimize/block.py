@@ -7,7 +7,9 @@ costs nothing until it must be stored; sums with negative terms become differenc
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from math import isfinite
+from operator import add, mul, sub, truediv
+from typing import Any, TypeAlias
 
 from lagc.expr.doubles import double
 from lagc.expr.table import Table
@@ -30,6 +32,7 @@ ARRAYS = (
 )  # inputs, in the order of a signature
 
 _ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
+_OF_NUMBERS: dict[str, Callable[[Any, Any], float]] = {"add": add, "sub": sub, "mul": mul, "div": truediv}
 
 _Payload: TypeAlias = "float | tuple[str, int] | Table | None"
 Row: TypeAlias = "tuple[str, tuple[int, ...], _Payload]"  # an Operation, before it is one
@@ -53,9 +56,26 @@ class Block:
         row = (op, operands, payload)
         number = self._numbers.get(row)
         if number is None:
+            known = self._known(op, operands)
+            if known is not None:
+                return self.const(known)
             number = self._numbers[row] = len(self._rows)
             self._rows.append(row)
         return number
+
+    def _known(self, op: str, operands: tuple[int, ...]) -> float | None:
+        """What two numbers make, where that is a number: else some compilers would compute it and some
+        programs, which differs where arithmetic is rounded up."""
+        if op not in _OF_NUMBERS:
+            return None
+        a, b = (self._rows[k] for k in operands)
+        if a[0] != "const" or b[0] != "const":
+            return None
+        try:
+            found: float = _OF_NUMBERS[op](a[2], b[2])
+        except ArithmeticError:
+            return None
+        return found if isfinite(found) else None
 
     def load(self, array: str, index: int) -> int:
         return self._value("load", (), (array, index))

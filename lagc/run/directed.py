@@ -41,7 +41,7 @@ def turns(way: int) -> Iterator[int]:
     """Ways of rounding, up and down without pattern; for -1 the opposite ones."""
     k = 0
     while True:
-        yield way if k * k * 0x9E3779B1 & 0x100000 else -way
+        yield -way if k * k * 0x9E3779B1 & 0x100000 else way
         k += 1
 
 

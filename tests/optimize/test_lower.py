@@ -146,3 +146,25 @@ def test_differences_of_lengths_are_not_multiplied_out() -> None:
     a, b = g.symbol("coordinate", "a"), g.symbol("coordinate", "b")
     node = (a - b) ** 2 + (a - b) * g.sin(a)
     assert expanded(g, [node]) == [node]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_numbers_make_is_a_number(seed: int) -> None:
+    """To the bit as the machine has it; what has no finite value is left to the program."""
+    chance = random.Random(seed)
+    block = Block()
+    values = [chance.choice((-1, 1)) * 10.0 ** chance.uniform(-200, 200) for _ in range(4)]
+    made = [block.const(value) for value in values]
+    for _ in range(40):
+        j, k, op = chance.randrange(len(made)), chance.randrange(len(made)), chance.randrange(4)
+        a, b = values[j], values[k]
+        value = (a + b, a - b, a * b, a / b if b else math.nan)[op]
+        number = (block.add, block.sub, block.mul, block.div)[op](made[j], made[k])
+        if math.isfinite(value):
+            made.append(number)
+            values.append(value)
+    for k, number in enumerate(made):
+        block.store("y", k, number)
+    function = block.function("test", (), (("y", len(made)),), "")
+    assert {o.op for o in function.operations} <= {"const", "neg"}
+    assert interpret(function, {})["y"] == values

@@ -19,9 +19,9 @@ from lagc.run.accuracy import verified_run
 from lagc.run.counted import Counted
 from lagc.run.directed import apart, control, directed
 from lagc.run.distance import difference, sizes
-from lagc.run.problem import Trajectory, Vector
+from lagc.run.problem import Options, Trajectory, Vector
 from lagc.run.request import Request
-from lagc.run.rounding import close_look, quick_bound, quick_look
+from lagc.run.rounding import close_look, quick_bound, quick_look, rounded_rates
 from lagc.run.simulate import simulate
 from tests.run.integrated import Oscillator
 
@@ -308,3 +308,31 @@ end Coincide;"""
     true = abs(run["q"][-1] * e / 1.15 - 1.0)
     assert run.estimated is not None and true <= run.estimated
     assert run.status == "ok" or e < 1e-4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_c_and_python_round_alike(seed: int) -> None:
+    """Where numbers of a model meet, as masses do between rows: rates, and runs rounded by turns."""
+    chance = Random(seed)
+    masses = "\n  ".join(
+        f"body b{k} = Particle(mass = {chance.uniform(1, 5)} [kg], at = {{{x}, 0, 0}}); "
+        f"potential V{k} = {chance.uniform(1, 9)} [N/m]*{x}^2;"
+        for k, x in enumerate("xyz")
+    )
+    text = f"""model Row
+  coordinate Length x(start = {chance.uniform(0.1, 1)}), y, z;
+  parameter Length l = {chance.uniform(1, 5)} [m];
+  {masses}
+  potential V = {chance.uniform(1, 5)} [N]*x^3/l^2/7;
+  constraint beside: y = x + {chance.uniform(0.1, 1)} [m];
+  constraint behind: z = {chance.uniform(1, 3)}*y;
+end Row;
+"""
+    found = []
+    for backend in ("c", "numpy"):
+        system = lagc.loads(text).compile(backend=backend).system
+        x0 = [float(x) for x in simulate(system, Request(stop=1.0)).states[0]]
+        rates = [rounded_rates([system], [0.0], [x0], way) for way in (1, -1)]
+        runs = [system.integrate(Options(rtol=1e-6), 0.0, x0, [0.0, 1.0, 9.0], None, way) for way in (1, -1)]
+        found.append((rates, [run.states for run in runs]))
+    assert found[0] == found[1]
