@@ -88,6 +88,7 @@ class Work:
     weights: Vec[NX]
     longest: Real  # that of the trajectory, in a second attempt at a step
     play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
+    recalled: Vec[NX]  # rounding of rates, as it was heard before this step
     end: Vec[NX]  # of what is tried beside the step
     health: Vec[TWO]
     power: Vec[TWO]

@@ -135,6 +135,13 @@ def parameters_changed(p: Params, s: State) -> bool:
     return False
 
 
+def keep_parameters(p: Params, s: State) -> None:
+    """What the caller has given is known from here on."""
+    if s.called:
+        s.p[:] = p
+        s.called = False
+
+
 def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The rate at the start of a step, and the branch of it."""
     again = False
@@ -222,6 +229,7 @@ def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     a.t_new = s.t + a.h
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * whole_size:
         a.h = 0.0
+        keep_parameters(p, s)
         return pass_change(p, s, a.direction, w)
     return try_step(p, s, o, a, w)
 
@@ -244,9 +252,7 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None
     else:
         s.stride = 0.0
         adapt(s, a, o)
-    if s.called:
-        s.p[:] = p
-        s.called = False
+    keep_parameters(p, s)
     s.method = o.method
     s.steps += 1
     s.t_old = s.t
@@ -305,6 +311,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         return stop(s, status, w)
     if NWHEN > 0:
         if s.changes > changes:
+            keep_parameters(p, s)
             return OK
     size_up(p, s, t1, o, a, w)
     forget(s, w)
@@ -312,6 +319,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     if NTIMED > 0:
         goal = next_change(p, s, t1, a.direction, w)
         if goal == s.t:
+            keep_parameters(p, s)
             return stop(s, pass_change(p, s, a.direction, w), w)
     cause = OK
     if NFEAT > 0:
@@ -328,6 +336,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         if too_small(s, t1, a):
             if NFREE > 0:
                 if cause != OK and all_but_changes(p, s, a.direction, w):
+                    keep_parameters(p, s)
                     return stop(s, pass_change(p, s, a.direction, w), w)
             return stop(s, cause if cause != OK else STEP_UNDERFLOW, w)
         status = try_step(p, s, o, a, w)
@@ -358,6 +367,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                     retreat(a, o)
             else:
                 retreat(a, o)
+        s.noise[:] = w.recalled  # what is heard along a step tells nothing of a shorter one
         a.rejected += 1
         s.rejected += 1
     accept(p, s, t1, o, a, w)

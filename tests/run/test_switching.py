@@ -160,3 +160,28 @@ def test_the_rates_of_a_state_do_not_depend_on_a_run() -> None:
         xdot = [0.0] * system.nx
         system.rhs(0.0, [x, 0.0], xdot, [])
         assert xdot[1] == force
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-8])
+def test_a_narrow_bell_with_ends(accuracy: float) -> None:
+    """max(0, 1 - u^2), 0.02 mm wide and of 4/3 J: v^2 = 1 + 8/3.  The step that the last one lets expect is a
+    million times too long for it."""
+    force = "1e5 [N]*max(0, 1 - ((x/(1 [m]) - 5)/1e-5)^2)"
+    run = model(f"force f = {{{force}, 0, 0}} at b;", "x(start = 0 [m], rate = 1 [m/s])").simulate(
+        10.0, accuracy=accuracy
+    )
+    assert run.status == "ok" and len(run.events) == 2
+    assert run["der(x)"][-1] == pytest.approx(math.sqrt(11.0 / 3.0), rel=accuracy)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_switches_that_change_at_one_time_but_for_rounding(backend: str) -> None:
+    """floor(t) at n, sign(sin(pi t)) a last place later: 1 - 1 + 2 - 3 + ... - 9, the last motion whole."""
+    text = (
+        "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        "  force f = {1 [N]*floor(time/(1 [s]))*sign(sin(pi*time/(1 [s]))), 0, 0} at b;\nend M;"
+    )
+    run = lagc.loads(text).compile(backend=backend).simulate(10.0, accuracy=1e-9)
+    assert run.status == "ok"
+    assert run["der(x)"][-1] == pytest.approx(-4.0, rel=1e-9) and run["x"][-1] == pytest.approx(7.5, rel=1e-9)
