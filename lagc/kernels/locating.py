@@ -27,13 +27,30 @@ MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a chang
 NEARLY_THERE = 100.0  # last places of the time
 
 
-def nearest(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
-    """The least margin of those switches that the state changes."""
-    least = inf
+def margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
+    """w.margins, of those switches that the state changes."""
     fn_sides_on(p, t, x, w.modes, w.sides)
     for j in range(NFREE):
         k = NTIMED + j
-        own = margin(k, w.sides[k], s.slack[k], w)
+        w.margins[j] = margin(k, w.sides[k], s.slack[k], w)
+
+
+def passed(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> bool:
+    """Whether one of them is beyond its change."""
+    margins(p, t, x, s, w)
+    for j in range(NFREE):
+        if w.margins[j] < 0.0:
+            return True
+    return False
+
+
+def nearest(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> Real:
+    """The least of these margins, each in what it changes by between two parts of the step, w.spans: their
+    units differ."""
+    least = inf
+    margins(p, t, x, s, w)
+    for j in range(NFREE):
+        own = w.margins[j] / w.spans[j] if w.spans[j] > 0.0 else w.margins[j]
         if own < least:
             least = own
     return least
@@ -68,9 +85,15 @@ def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, 
     low = left
     high = right
     method_at(method, low, s, w.middle)
-    below = nearest(p, s.t + low * h, w.middle, s, w)
+    margins(p, s.t + low * h, w.middle, s, w)
+    w.spans[:] = w.margins
     method_at(method, high, s, w.middle)
+    margins(p, s.t + high * h, w.middle, s, w)
+    for j in range(NFREE):
+        w.spans[j] = fabs(w.spans[j] - w.margins[j])
     above = nearest(p, s.t + high * h, w.middle, s, w)
+    method_at(method, low, s, w.middle)
+    below = nearest(p, s.t + low * h, w.middle, s, w)
     least = 2.0 * SPACING * (1.0 + fabs(s.t / h))
     turn = 0
     while high - low > least:
@@ -95,12 +118,11 @@ def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, 
             above *= 0.5
         turn += 1
     method_at(method, high, s, w.middle)
-    nearest(p, s.t + high * h, w.middle, s, w)
+    margins(p, s.t + high * h, w.middle, s, w)
     for i in range(NTIMED):
         w.crossed[i] = 0
     for j in range(NFREE):
-        k = NTIMED + j
-        w.crossed[k] = 1 if margin(k, w.sides[k], s.slack[k], w) < 0.0 else 0
+        w.crossed[NTIMED + j] = 1 if w.margins[j] < 0.0 else 0
     return high
 
 
@@ -127,7 +149,7 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         elif width > FINEST:
             width *= 0.5
             continue
-        elif nearest(p, s.t + right * a.h, w.right_x, s, w) < 0.0:
+        elif passed(p, s.t + right * a.h, w.right_x, s, w):
             return located(p, s, method, a.h, left, right, w)
         elif looked < MOST_LOOKED:  # it may be passed twice
             looked += 1

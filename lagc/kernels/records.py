@@ -166,6 +166,8 @@ class Work:
         when: Vec[NTIMED]
     if NFREE > 0:
         ends: Vec[NENDS]
+        margins: Vec[NFREE]  # how far each side is from where its switch changes
+        spans: Vec[NFREE]
     if NFEAT > 0:
         bounds: Vec[NBOUNDS]
         values: Vec[NFEAT]

@@ -257,3 +257,24 @@ def test_c_stops_where_clauses_act(tmp_path: Path) -> None:
     assert [int(line[0]) for line in lines] == [*[interrupted] * (len(lines) - 1), ended]
     acts = [(float(t), int(a), int(b)) for _, t, a, b in lines if a != "0" or b != "0"]
     assert acts[0] == (pytest.approx(1.0), 1, 0) and acts[-1] == (pytest.approx(2.0), 0, 1)
+
+
+def test_the_flights_of_a_ball() -> None:
+    """t1 = sqrt(2h/g), then 2 e^n t1 each."""
+    run = lagc.load("classic/bouncing_ball").compile(backend="numpy").simulate(3.0, accuracy=1e-9)
+    first = math.sqrt(2.0 / 9.81)
+    known = [first * (1.0 + 2.0 * sum(0.8**j for j in range(1, n + 1))) for n in range(6)]
+    assert [e.t for e in run.events] == pytest.approx(known, rel=1e-9)
+    assert {e.name for e in run.events} == {"impact"}
+
+
+def test_a_clock_comes_to_its_own_amplitude() -> None:
+    """Its speed after a tick tends to k/(1 - exp(-2 pi d/sqrt(1 - d^2))), as fast as that power of it."""
+    system = lagc.load("classic/clock").compile(backend="numpy")
+    run = system.simulate(40.0, accuracy=1e-9, points=2)
+    lost, ticks = math.exp(-2.0 * math.pi * 0.05 / math.sqrt(1.0 - 0.05**2)), len(run.events)
+    period = 1.0 / math.sqrt(1.0 - 0.05**2)
+    assert [e.t for e in run.events] == pytest.approx([n * period for n in range(ticks)], rel=1e-8, abs=1e-12)
+    after = 0.2 / (1.0 - lost) + (0.4 - 0.2 / (1.0 - lost)) * lost ** (ticks - 1)
+    energy = system.simulate(run.events[-1].t + 1e-9, accuracy=1e-9, points=2)["E"][-1]
+    assert energy == pytest.approx(0.5 * after**2, rel=1e-6)
