@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from tests.fuzz.declarations import KEPT, Writer
 from tests.fuzz.expressions import GIVEN, MOTION, PLACE, Scope
-from tests.fuzz.words import NUMBER, TURN, description, name, times
+from tests.fuzz.words import NUMBER, TIME, TURN, description, name, times
 
 
 @dataclass(frozen=True)
@@ -126,6 +126,8 @@ class _Model:
             chance.shuffle(items)
         if not self.small and chance.random() < 0.1:
             items.append(self._initial())
+        if chance.random() < 0.1:
+            items.append(self._when())
         body = "".join(f"  {line}\n" for item in items for line in item.split("\n"))
         return f"{partial}model {self.name}{description(chance)}\n{body}end {self.name};\n"
 
@@ -227,6 +229,27 @@ class _Model:
             rate = times(d, TURN)
             return f"initial\nder({q}) = {writer.scalar(rate, MOTION, 1)};"
         return f"initial\n{writer.scalar(NUMBER, PLACE, 1)} = {writer.leaf(NUMBER, GIVEN)};"
+
+    def _when(self) -> str:
+        """What is written as a condition, and what is done then."""
+        writer, chance = self.writer, self.chance
+        given = [
+            ("time", TIME),
+            *writer.coordinates,
+            *((f"der({q})", times(d, TURN)) for q, d in writer.coordinates),
+        ]
+        parts = []
+        for _ in range(chance.choice([1, 1, 2])):
+            left, dimension = chance.choice(given)
+            parts.append(f"{left} {chance.choice(['<', '<=', '>', '>='])} {writer.leaf(dimension, GIVEN)}")
+        lines = []
+        for target, dimension in chance.sample(given[1:], min(len(given) - 1, chance.choice([0, 1, 1, 2]))):
+            lines.append(f"reinit({target}, {writer.scalar(dimension, MOTION, 1)});")
+        if chance.random() < 0.3:
+            lines.append('terminate("enough");')
+        if chance.random() < 0.3:
+            lines.append(f'mark("{chance.choice(["tick", "a b", "*/ %s"])}");')
+        return f"when {chance.choice([' and ', ' or ']).join(parts)} then\n{' '.join(lines)}\nend when;"
 
     def options(self) -> tuple[str, ...]:
         """Words that every command takes."""
