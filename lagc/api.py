@@ -242,14 +242,16 @@ class CompiledModel(Differentiable):
         inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
         starts: Mapping[str, Value] | None = None,
+        sensitivity: Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Run:
         """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
         `method` and tolerances or a fixed `step`; see `lagc.run.request.Request`.
 
         `inputs` and `until` as for `compile`: a number costs nothing, anything else is compiled, unless it
-        was for the last run too.  What is not said is the scene's, then the default's.  A failed run keeps
-        what was computed and says why in `status` and `message`.  Raises Refused for wrong requests.
+        was for the last run too.  `sensitivity` names parameters, inputs and starts, `start(theta)`, by which
+        the motion is differentiated.  What is not said is the scene's, then the default's.  A failed run
+        keeps what was computed and says why in `status` and `message`.  Raises Refused for wrong requests.
         """
         if inputs or until is not None:
             numbers, courses = parted(inputs or {})
@@ -257,12 +259,13 @@ class CompiledModel(Differentiable):
             return driven.simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
                 every=every, points=points, parameters={**(parameters or {}), **numbers}, starts=starts,
-                progress=progress,
+                sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, quantities(starts or {})),
+            sensitivity=(sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity),
             **{name: _seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
@@ -287,8 +290,23 @@ class CompiledModel(Differentiable):
         return self._driven[1]
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
-        """Simulate with the array p given; with `auto`, begin in NumPy and change to C where that
-        takes longer than compiling would."""
+        """Simulate with the array p given."""
+        if not request.sensitivity:
+            return self._moved(request, parameters, progress)
+        from lagc.run.sensitivity import sensitivities
+        from lagc.run.varied import directions
+
+        artifact = self.artifact
+        wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
+        found = self._moved(request, parameters, progress)
+        system = self._loaded.differentiated.model.bind(parameters)
+        complete = request.completed(self.interface.simulate)
+        sensitivities(system, found, complete, wanted, running(progress))
+        return found
+
+    def _moved(self, request: Request, parameters: Sequence[float], progress: Progress | None) -> Run:
+        """The motion; with `auto`, begin in NumPy and change to C where that takes longer than compiling
+        would."""
         request.completed(self.interface.simulate)
         if self.asked_backend != "auto":
             return self._run(self.asked_backend, request, parameters, progress)

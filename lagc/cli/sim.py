@@ -58,6 +58,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--every", metavar="DT", help="record a point every DT (dense output, never the step)"
     )
     parser.add_argument("--points", metavar="N", help="record N points; default 501")
+    parser.add_argument(
+        "--sensitivity",
+        metavar="NAMES",
+        action="append",
+        default=[],
+        help="what the motion changes by with these: parameters and starts, e.g. 'l,m,start(theta)'",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", help="write what was recorded: .csv .npz .parquet")
     parser.add_argument("--units", action="store_true", help="units in the header of a .csv: theta [rad]")
     parser.add_argument(
@@ -149,7 +156,20 @@ def request_of(options: argparse.Namespace) -> Request:
         every=quantity(options.every, "s", "--every"),
         points=_whole(options.points, "--points"),
         max_step=quantity(options.max_step, "s", "--max-step"),
+        sensitivity=tuple([name for word in options.sensitivity for name in _split(word)]),
     )
+
+
+def _split(names: str) -> list[str]:
+    """At commas that are in no index: `l, a[1,2]`."""
+    found, depth = [""], 0
+    for letter in names:
+        depth += (letter == "[") - (letter == "]")
+        if letter == "," and depth == 0:
+            found.append("")
+        else:
+            found[-1] += letter
+    return found
 
 
 def _whole(word: str | None, option: str) -> int | None:

@@ -28,6 +28,8 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
     lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]
     lines.append(f"  {'accuracy':9} {_accuracy(run)}")
+    if run.sensitivities is not None:
+        lines.append(f"  {'sensitive':9} {run.sensitivities}")
     if interface.nc or interface.quaternions:
         lines.append(
             f"  {'drift':9} position {run.position_drift:.1e}, velocity {run.velocity_drift:.1e} (scaled)"

@@ -237,3 +237,22 @@ def to_si(value: float, given: str, wanted: str) -> float:
     if written.dimension != expected.dimension:
         raise UnknownUnit(f"`{given}` cannot be converted to `{wanted or '1'}`")
     return written.to_si(value)
+
+
+def quotient(above: str, below: str) -> str:
+    """The text of a unit over another, `rad/s` over `m`: `rad/(s.m)`, with the symbols that are there."""
+    powers: dict[str, int] = {}
+    for text, sense in ((above, 1), (below, -1)):
+        for symbol, exponent in _tokens(text) if text else ():
+            if exponent == 0:
+                sense = -sense if symbol == "/" else sense
+            elif symbol != "1":
+                powers[symbol] = powers.get(symbol, 0) + sense * exponent
+    top, bottom = (
+        [f"{symbol}{abs(p) if abs(p) > 1 else ''}" for symbol, p in powers.items() if p * sense > 0]
+        for sense in (1, -1)
+    )
+    if not bottom:
+        return ".".join(top)
+    under = bottom[0] if len(bottom) == 1 else f"({'.'.join(bottom)})"
+    return f"{'.'.join(top) or '1'}/{under}"

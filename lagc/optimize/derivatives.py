@@ -8,6 +8,7 @@
                 start             nq + nv + .. start values, then the stated rates that are no speeds
                 output            ny
     side              one a switch, what it changes at
+    reinit            new values that clauses `when` give, one after the other
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
 forces without constraints at lam = 0, of -gamma at a = 0.  Where there are switches it is one of modes, too:
@@ -61,6 +62,7 @@ def stack(equations: EquationsOfMotion, switches: Sequence[Switch] = ()) -> dict
         "start": [s.value for s in equations.starts],
         "output": [o.expression for o in equations.outputs],
         "side": [switch.side for switch in switches],
+        "reinit": [value for when in equations.whens for _, value in when.changes],
     }
 
 
@@ -87,7 +89,7 @@ def derivatives(places: Places, switches: Sequence[Switch]) -> Derivatives:
         entries = {(i, k): row[x] for i, row in enumerate(slopes) for k, x in enumerate(symbols) if x in row}
         about = f"derivatives of the stack by {name}"
         found[name] = _function(places, f"by_{name}", "J", list(entries.values()), about), tuple(entries)
-    about = "the stack: qdot, M a, forces, rows, conditions, starts, outputs, sides"
+    about = "the stack: qdot, M a, forces, rows, conditions, starts, outputs, sides, new values"
     return Derivatives(_function(places, "stack", "s", rows, about), found)
 
 

@@ -239,6 +239,7 @@ class Interface:
             "qdot": self.nq, "inertia": self.nv, "force": self.nv, "row": self.nc,
             "condition": len(self.condition_ends), "start": self.nq + self.nv + len(self.rate_names),
             "output": len(self.outputs), "side": len(self.switches),
+            "reinit": sum(len(clause.states) for clause in self.whens),
         }  # fmt: skip
         found, first = dict[str, range](), 0
         for name, size in sizes.items():

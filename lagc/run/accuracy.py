@@ -96,6 +96,13 @@ def verified_run(
     return found
 
 
+def longest_step(system: System, method: str, tol: float, time: float, max_step: float | None) -> float:
+    """Of a run over a time, at a tolerance."""
+    longest = (LONGEST_TIMED if system.interface.timed else LONGEST) * abs(time)
+    found: float = min(longest, max_step or longest) * (tol / COARSE) ** (1.0 / order(method))
+    return found
+
+
 class _Search:
     def __init__(self, system: System, x0: Sequence[float], times: Sequence[float], accuracy: float,
                  progress: Progress | None, max_step: float | None):  # fmt: skip
@@ -121,9 +128,7 @@ class _Search:
         same steps have the same errors, and their difference would tell nothing."""
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
-        share = LONGEST_TIMED if self.system.interface.timed else LONGEST
-        longest = share * abs(self.times[-1] - self.times[0])
-        longest = min(longest, self.max_step or longest) * (tol / COARSE) ** (1.0 / order(self.method))
+        longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(),
                        report=True)  # fmt: skip
 

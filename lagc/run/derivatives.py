@@ -181,6 +181,35 @@ class Point:
             self._motion[group] = -self.inverse @ self.residual(group)
         return self._motion[group]
 
+    def sizes(self, group: str) -> Array:
+        """What the terms of d(a, lam)/d(group) add up to."""
+        found: Array = np.abs(self.inverse) @ self._parts(group)
+        return found
+
+    def _parts(self, group: str) -> Array:
+        inertia, force, row = (np.abs(self.partial(part, group)) for part in ("inertia", "force", "row"))
+        return np.vstack([inertia + force, row])
+
+    def reach(self, group: str) -> Array:
+        """What rounding of d(rate)/d(group) is a share of: all its terms, and what they act on but for
+        rounding of the solve, in the metric of the mass matrix."""
+        d = np.concatenate(self.scales)
+        solve = np.abs(self.inverse) / np.outer(d, d)
+        solve = d[:, None] * np.where(solve > 0.0, solve.max(initial=0.0), 0.0) * d
+        return np.vstack(
+            [np.abs(self.partial("qdot", group)), (solve @ self._parts(group))[: self.system.nv]]
+        )
+
+    def rate_sizes(self, group: str) -> Array:
+        """The same of d(rate)/d(group)."""
+        return np.vstack([np.abs(self.partial("qdot", group)), self.sizes(group)[: self.system.nv]])
+
+    def by_parameters(self) -> Array:
+        """d(rate)/d(parameter), with 0 for what is rounding of its terms: of a motion that does not depend on
+        a mass."""
+        own = rounded(self.motion("parameter"), self.sizes("parameter"))[: self.system.nv]
+        return np.vstack([self.partial("qdot", "parameter"), own])
+
     def total(self, part: str, group: str) -> Array:
         """Of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, where a and lam follow
         from the equations."""

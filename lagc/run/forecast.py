@@ -23,7 +23,7 @@ Progress = Callable[[float], None]
 
 def check_memory(request: Request, interface: Interface, most: float = MOST_MEMORY) -> None:
     """Raises Refused (LAG0804) where what the complete `request` records needs more than `most` bytes."""
-    points, columns = request.size(), interface.nx
+    points, columns = request.size(), interface.nx * (1 + len(request.sensitivity))
     needed = points * (POINT + NUMBER * columns) * (1.0 if request.by_hand else RUNS)
     if needed > most:
         message = f"{points} points of {columns} numbers need about {size_text(needed)} of memory"

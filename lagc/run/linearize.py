@@ -190,7 +190,7 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
 def _linearized(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     point = Point(system, t, x, clean=True)
     first = len(system.interface.parameters)
-    sizes, size_inputs = _sizes(point, "state"), _sizes(point, "parameter")[:, first:]
+    sizes, size_inputs = point.rate_sizes("state"), point.rate_sizes("parameter")[:, first:]
     rates, by_inputs = point.total("rate", "state"), point.total("rate", "parameter")[:, first:]
     changing = _changing(point, rates, sizes)
     chosen = independent(point, changing.tolist())
@@ -199,8 +199,8 @@ def _linearized(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     a = rounded(rates @ chosen.motions, sizes @ moved)[chosen.indices]
     b = rounded(rates @ chosen.inputs + by_inputs, sizes @ put + size_inputs)[chosen.indices]
     late = np.abs(point.partial("output", "acceleration"))
-    of_state = np.abs(point.partial("output", "state")) + late @ _motion_sizes(point, "state")
-    of_inputs = np.abs(point.partial("output", "parameter")) + late @ _motion_sizes(point, "parameter")
+    of_state = np.abs(point.partial("output", "state")) + late @ point.sizes("state")
+    of_inputs = np.abs(point.partial("output", "parameter")) + late @ point.sizes("parameter")
     c = rounded(outputs @ chosen.motions, of_state @ moved)
     d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
     if not all(np.isfinite(table).all() for table in (a, b, c, d)):
@@ -217,7 +217,7 @@ def _changing(point: Point, rates: Array, sizes: Array) -> Array:
     once = np.array([*point.value("qdot"), *point.a])
     once[(np.abs(once) <= STILL * (sizes @ far)) | point.rounding_rates()] = 0.0
     twice = rates @ once + point.total("rate", "time")[:, 0]
-    terms = sizes @ np.abs(once) + _sizes(point, "time")[:, 0]
+    terms = sizes @ np.abs(once) + point.rate_sizes("time")[:, 0]
     changes: Array = (once != 0.0) | (np.abs(twice) > STILL * terms)
     return changes
 
@@ -267,14 +267,3 @@ def size_of_states(system: NumpySystem) -> Array:
         if abs(value) < float("inf"):
             known[unit] = max(known.get(unit, 0.0), abs(value))
     return np.array([1.0 if unit in ("rad", "") else known.get(unit) or 1.0 for unit in units])
-
-
-def _sizes(point: Point, group: str) -> Array:
-    """What the terms of d(rate)/d(group) add up to."""
-    return np.vstack([np.abs(point.partial("qdot", group)), _motion_sizes(point, group)[: point.system.nv]])
-
-
-def _motion_sizes(point: Point, group: str) -> Array:
-    parts = [np.abs(point.partial(part, group)) for part in ("inertia", "force", "row")]
-    found: Array = np.abs(point.inverse) @ np.vstack([parts[0] + parts[1], parts[2]])
-    return found

@@ -28,7 +28,8 @@ class Request:
     `accuracy` is the global relative error; with `method`, `rtol`, `atol` or `step` the run is
     steered by hand instead.  `every` or `points` give the recorded grid, never the step.  No step is
     longer than `max_step`; those of an `accuracy` are the shorter the finer the tolerance.
-    `starts` replaces start values of coordinates and speeds, by name, in SI.
+    `starts` replaces start values of coordinates and speeds, by name, in SI.  `sensitivity` names the
+    parameters and starts by which the motion is differentiated.
     """
 
     stop: float | None = None
@@ -41,6 +42,7 @@ class Request:
     points: int | None = None
     max_step: float | None = None
     starts: Mapping[str, float] = field(default_factory=dict)
+    sensitivity: tuple[str, ...] = ()
 
     @property
     def by_hand(self) -> bool:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import NDArray
 
+    from lagc.run.sensitivity import Sensitivities
+
     Array: TypeAlias = NDArray[float64]
 
 
@@ -57,9 +59,9 @@ class Solution:
     """States at the recorded times, and everything that can be computed from them.
 
     `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a
-    coordinate, or an output.  All in SI.  `status` is "ok", "terminated" or "failed"; what was
-    computed before a failure is kept.  `system` holds the parameters of the run; nothing that is done
-    with the model since changes what is computed from it.  `accuracy` is the global relative error,
+    coordinate, an output, or a sensitivity `d(theta)/d(l)`.  All in SI.  `status` is "ok", "terminated" or
+    "failed"; what was computed before a failure is kept.  `system` holds the parameters of the run; nothing
+    that is done with the model since changes what is computed from it.  `accuracy` is the global relative
     asked (None: by hand) and estimated (None: not verified); see `lagc.run.accuracy` for its norm.
     """
 
@@ -82,6 +84,7 @@ class Solution:
     events: tuple[Event, ...] = ()
     interrupted: bool = False
     backend_reason: str = ""  # why `auto` took this backend
+    sensitivities: Sensitivities | None = None  # where they were asked for
     _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
@@ -109,19 +112,23 @@ class Solution:
         for name, unit in zip(interface.q_names, interface.q_units):
             found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
         found.update({o.name: o.unit for o in interface.outputs})
+        if self.sensitivities is not None:
+            found.update(self.sensitivities.units(found))
         return found
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every name that `run[...]` takes: states, rates, outputs."""
+        """Every name that `run[...]` takes: states, rates, outputs, sensitivities."""
         return tuple(self.units)
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """The names that are saved and shown: states, rates of coordinates, outputs, without
+        """The names that are saved and shown: states, rates of coordinates, outputs, sensitivities, without
         the rates of quaternions (the body rates are there)."""
         interface = self.system.interface
         parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
+        if self.sensitivities is not None:
+            parts.update(self.sensitivities.named(parts))
         return tuple([n for n in self.units if n not in parts])
 
     @property
@@ -163,13 +170,21 @@ class Solution:
             raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else ""))
         if name in {o.name for o in self.system.interface.outputs}:
             self._fill_outputs()
+        elif self.sensitivities is not None and name in self.sensitivities:
+            self._columns[name] = self.sensitivities.column(name)
         else:
             self._fill_rates()
         return self._columns[name]
 
+    def sensitivity(self, name: str, by: str) -> Array:
+        """d(name)/d(by) over the recorded times, by a parameter or a start that the run was asked for."""
+        return self[f"d({name})/d({by})"]
+
     def final(self) -> dict[str, float]:
         """Every column at the last recorded time."""
         last = replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
+        if self.sensitivities is not None:
+            last.sensitivities = self.sensitivities.last()
         return {name: last.column(name)[0] for name in self.columns} if self.times else {}
 
     @property
@@ -195,7 +210,11 @@ class Solution:
             "accuracy": self.accuracy, "drift": self.drift,
             "status": self.status, "message": self.message,
             "events": [{"t": e.t, "name": e.name} for e in self.events],
+            **self._varied(),
         }  # fmt: skip
+
+    def _varied(self) -> dict[str, object]:
+        return {} if self.sensitivities is None else {"sensitivity": self.sensitivities.told()}
 
     def to_dict(self) -> dict[str, object]:
         """What `lagc sim --json` prints."""
@@ -206,7 +225,7 @@ class Solution:
             "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
             "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final(),
             "events": [{"t": e.t, "name": e.name} for e in self.events],
-            "accuracy": self.accuracy, "drift": self.drift,
+            "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
             "energy": {"start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,

@@ -129,9 +129,10 @@ def title(solution: Solution) -> str:
 
 
 def shown_names(solution: Solution) -> list[str]:
-    """Coordinates and outputs."""
-    interface = solution.system.interface
-    return [*interface.q_names, *[o.name for o in interface.outputs]]
+    """Coordinates and outputs, then what they change by."""
+    interface, varied = solution.system.interface, solution.sensitivities
+    names = [*interface.q_names, *[o.name for o in interface.outputs]]
+    return names if varied is None else [*names, *varied.named(names)]
 
 
 def by_unit(solution: Solution, names: Sequence[str]) -> dict[str, list[str]]:
@@ -145,7 +146,8 @@ def by_unit(solution: Solution, names: Sequence[str]) -> dict[str, list[str]]:
     groups: dict[str, list[str]] = {}
     units = solution.units
     for name in names:
-        unit = units.get(name, "").replace("rad", "deg")
+        unit = units.get(name, "")
+        unit = unit if "rad" in unit.partition("/")[2] else unit.replace("rad", "deg")
         key = f"orientation {parts[name]}" if name in parts else unit
         groups.setdefault(key, []).append(name)
     return groups

@@ -148,7 +148,7 @@ _DERIVATIVES = '''
 def stack(t, x, a, lam, p=None):
     """What is differentiated, part by part as STACK has it, at any a and lam: qdot, M a, tau - h + G^T lam,
     G a - gamma, the conditions of a start, the start values, the outputs, what switches
-    change at."""
+    change at, new values of states."""
     found = [0.0] * max(rows.stop for rows in STACK.values())
     _at_state(fn_stack@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
     return found

@@ -1,0 +1,225 @@
+"""Sensitivities of a run: what its quantities change by with parameters and starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.expr.symbol import derived
+from lagc.meaning.units import UnknownUnit, quotient
+from lagc.records import dataclass, field, replace
+from lagc.run.accuracy import longest_step
+from lagc.run.derivatives import Array, Point
+from lagc.run.problem import Options
+from lagc.run.request import Request
+from lagc.run.simulate import by_hand
+from lagc.run.startslopes import start_slopes
+from lagc.run.truncation import FINEST
+from lagc.run.variation import Followed, Variation
+from lagc.run.varied import Direction
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
+    from lagc.run.solution import Solution
+
+TOLERANCE = 1e-7  # of a run at rest, which has none
+ATTEMPTS = 4
+MORE, MOST = 100, 10_000  # steps that an integration takes, of those of the motion, and besides
+CLEAR = 10.0  # times what rounding may be: a sensitivity that counts
+
+Progress = Callable[[float], None]
+
+
+@dataclass
+class Sensitivities:
+    """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
+    none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
+    of states to the same theta; None where it is not known.  `message` says why they end early, or are not as
+    good as asked; the cost is that of all integrations."""
+
+    system: NumpySystem
+    directions: tuple[Direction, ...]
+    times: list[float]
+    states: list[list[float]]
+    values: Array
+    estimated: float | None
+    message: str
+    interrupted: bool
+    steps: int
+    rejected: int
+    evaluations: int
+    integrations: int
+    run_s: float
+    _columns: dict[str, Array] = field(default_factory=dict, repr=False)
+
+    def __str__(self) -> str:
+        by = ", ".join([d.name for d in self.directions])
+        known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
+        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.evaluations} "
+                f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+
+    def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
+        """The columns of these quantities, and what they are of: `d(theta)/d(l)`."""
+        return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
+
+    def units(self, units: Mapping[str, str]) -> dict[str, str]:
+        """Of the columns of quantities with these units."""
+        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
+
+    def __contains__(self, column: str) -> bool:
+        return column in self._names
+
+    def column(self, column: str) -> list[float]:
+        """Of a state, the rate of a coordinate or an output, over the recorded times."""
+        name, direction = self._names[column]
+        if not self._columns:
+            self._fill()
+        found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
+        return found
+
+    @property
+    def _names(self) -> dict[str, tuple[str, Direction]]:
+        interface = self.system.interface
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        return self.named([*interface.q_names, *interface.v_names, *rates, *outputs])
+
+    def last(self) -> Sensitivities:
+        """At the last recorded time alone."""
+        end = slice(-1, None)
+        return replace(
+            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={}
+        )
+
+    def told(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "of": [d.name for d in self.directions],
+            "estimated": self.estimated,
+            "message": self.message,
+            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.evaluations,
+                     "run_s": self.run_s},
+        }  # fmt: skip
+
+    def _fill(self) -> None:
+        interface = self.system.interface
+        states = (*interface.q_names, *interface.v_names)
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
+        places = [d.parameter for d in self.directions if d.parameter is not None]
+        more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
+        n = len(states)
+        for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
+            if np.isnan(own).all():
+                continue
+            with np.errstate(all="ignore"):
+                try:
+                    point = Point(self.system, t, x[:n])
+                except ArithmeticError:
+                    continue
+                for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):
+                    more[k, rows] = point.total(part, "state") @ own
+                    if places:
+                        more[k, rows, columns] += point.total(part, "parameter")[:, places].T
+        found = {name: self.values[:, k] for k, name in enumerate(states)}
+        found.update({name: more[:, k] for k, name in enumerate((*rates, *outputs)) if name not in found})
+        self._columns = found
+
+
+def _quotient(above: str, below: str) -> str:
+    try:
+        return quotient(above, below)
+    except UnknownUnit:  # a root has none that could be read
+        return f"({above or '1'})/({below})"
+
+
+def sensitivities(
+    system: NumpySystem,
+    run: Solution,
+    request: Request,
+    directions: tuple[Direction, ...],
+    progress: Progress | None = None,
+) -> None:
+    """Gives `run`, which `request` (complete) asked for, its sensitivities, by the system with derivatives.
+    Where they are not as asked it has failed, and says why."""
+    began = perf_counter()
+    shape = (len(run.times), system.nq + system.nv, len(directions))
+    found = Sensitivities(
+        system, directions, run.times, run.states, np.full(shape, np.nan), None, "", False, 0, 0, 0, 0, 0.0
+    )
+    with np.errstate(all="ignore"):  # what is not finite is found
+        try:
+            if run.interrupted or not run.times:
+                raise ArithmeticError("the motion was interrupted")
+            start = start_slopes(system, run.states[0], request.starts, directions)
+            _verified(found, run, request, start, progress)
+        except ArithmeticError as error:
+            found.message = str(error)
+    found.run_s = perf_counter() - began
+    run.sensitivities = found
+    if found.message:
+        run.message += f"; sensitivities: {found.message}"
+        run.status = "failed" if run.status == "ok" else run.status
+        run.interrupted = run.interrupted or found.interrupted
+
+
+def _verified(
+    found: Sensitivities, run: Solution, request: Request, start: Array, progress: Progress | None
+) -> None:
+    """Fills `found`: by hand one integration, else those that tell the error."""
+    n = len(start)
+    rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
+
+    def follow(options: Options) -> Followed:
+        along = Variation(found.system, found.directions, start, options, rests, MORE * run.cost.steps + MOST)
+        done = along.along(run.states[0][:n], run.times, progress)
+        found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
+        found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1
+        found.interrupted = found.interrupted or done.interrupted
+        return done
+
+    def at(tol: float) -> Followed:
+        longest = longest_step(found.system, run.method, tol, run.times[-1], request.max_step)
+        return follow(Options(method=run.method, rtol=tol, max_step=longest))
+
+    if request.by_hand:
+        done = follow(by_hand(request))
+        found.values, found.message = done.values, done.message
+        return
+    assert request.accuracy is not None
+    tol = TOLERANCE if rests else run.rtol
+    done = at(tol)
+    for _ in range(ATTEMPTS):
+        if done.message or tol <= FINEST:
+            break
+        before, tol = done, max(0.1 * tol, FINEST)
+        finer = at(tol)
+        if finer.message and done.reached >= finer.reached:
+            done.message = finer.message if finer.interrupted else f"at a finer tolerance, {finer.message}"
+            break
+        done = finer
+        found.estimated = _apart(before, done, found.system.interface.kinds)
+        if found.estimated <= request.accuracy:
+            break
+    found.values, found.message = done.values, done.message
+    if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
+        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
+        found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
+
+
+def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
+    """The largest difference, relative to the largest of its kind and direction where that is no rounding."""
+    end = min(one.reached, two.reached)
+    far, sizes = np.abs(one.values[:end] - two.values[:end]), np.abs(two.values[:end])
+    worst = 0.0
+    for k, kind in enumerate(sorted(set(kinds))):
+        mask = np.array(kinds) == kind
+        apart, size = (values[:, mask].max(axis=(0, 1), initial=0.0) for values in (far, sizes))
+        known = size > CLEAR * (one.rounding[k] + two.rounding[k])
+        relative = np.divide(apart, size, out=np.zeros_like(apart), where=known)
+        worst = max(worst, float(relative.max(initial=0.0)))
+    return worst
