@@ -35,27 +35,32 @@ def come_true(p: Params, s: State, w: Work) -> bool:
     return found
 
 
-def jump(p: Params, s: State, k: int, w: Work) -> bool:
-    """The new values that clause k gives."""
-    found = False
+def last_giver(w: Work) -> int:
+    """The last of the clauses in w.due that gives new values; -1."""
+    found = -1
+    for j in range(NJUMP):
+        if w.due[clause[j]] > 0:
+            found = clause[j]
+    return found
+
+
+def give(p: Params, s: State, k: int, w: Work) -> None:
+    """The new values of clause k."""
     fn_reinit(p, s.t, s.x, w.fresh_values)
     for j in range(NJUMP):
         if clause[j] == k:
             s.x[target[j]] = w.fresh_values[j]
-            found = True
-    return found
 
 
-def meets_constraints(p: Params, s: State, w: Work) -> Status:
-    """Of new values, but for rounding, which is taken away."""
+def meets_constraints(p: Params, s: State, w: Work) -> bool:
+    """Whether new values do, but for rounding, which is taken away."""
     w.landed[:] = s.x
-    status = project(p, s.t, s.x, s.sizes, w)
-    if failed(status):
-        return MISPLACED
+    if failed(project(p, s.t, s.x, s.sizes, w)):
+        return False
     for i in range(NQ + NV):
         if not fabs(s.x[i] - w.landed[i]) <= MISSED * s.sizes[kind[i]]:
-            return MISPLACED
-    return OK
+            return False
+    return True
 
 
 def land(p: Params, s: State, direction: Real, w: Work) -> Status:
@@ -83,41 +88,39 @@ def move_by(s: State, time: Real, w: Work) -> None:
             s.x[i] += time * w.xdot[i]
 
 
-def jumps(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+def jump(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """The clauses in w.due give new values, as at the time that was `since` ago; what the energy gains by it
     is work that is done."""
+    giver = last_giver(w)
+    if giver < 0:
+        return OK
     move_by(s, -since, w)
     fn_sides_on(p, s.t, s.x, w.modes, w.beside)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
         before = w.energies[2]
-    found = False
     for k in range(NWHEN):
         if w.due[k] > 0:
-            if jump(p, s, k, w):
-                found = True
-                w.culprit = k
-    if found:
-        if not_finite(s.x, NX) >= 0:
-            w.culprit = not_finite(s.x, NX)
-            return NOT_FINITE
-        enlarge(s.x, s.sizes)
-        if NC > 0 or NQUAT > 0:
-            status = meets_constraints(p, s, w)
-            if failed(status):
-                return status
-        if NZ > 0:
-            fn_energies(p, s.t, s.x, w.energies)
-            s.x[NX - 1] += w.energies[2] - before
-        status = land(p, s, direction, w)
-        if failed(status):
-            return status
-        s.jumps += 1
-        s.rate = NOWHERE
+            give(p, s, k, w)
+    if not_finite(s.x, NX) >= 0:
+        w.culprit = not_finite(s.x, NX)
+        return NOT_FINITE
+    enlarge(s.x, s.sizes)
+    if NC > 0 or NQUAT > 0:
+        if not meets_constraints(p, s, w):
+            w.culprit = giver
+            return MISPLACED
+    if NZ > 0:
+        fn_energies(p, s.t, s.x, w.energies)
+        s.x[NX - 1] += w.energies[2] - before
+    status = land(p, s, direction, w)
+    if failed(status):
+        return status
     move_by(s, since, w)
-    if found:
-        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
-        keep_branch(s, w)
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    keep_branch(s, w)
+    s.jumps += 1
+    s.rate = NOWHERE
     return OK
 
 
@@ -156,7 +159,7 @@ def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
                     s.culprit = k
                     ended = TERMINATED
         if NJUMP > 0:
-            status = jumps(p, s, direction, since if turn == 0 else 0.0, w)
+            status = jump(p, s, direction, since if turn == 0 else 0.0, w)
             if failed(status):
                 return status
     return blame(w)
