@@ -102,7 +102,8 @@ def pair(i: int, w: StartWork) -> None:
         for n in range(seen):
             j = w.columns[n]
             r = w.picked[j]
-            if r >= 0 and offer(r, w.moves[j] - w.trial_J[w.solved[r]], w):
+            k = w.solved[r] if r >= 0 else -1
+            if k >= 0 and offer(r, w.moves[j] - w.trial_J[k], w):
                 more = True
     at = -1
     seen = w.count

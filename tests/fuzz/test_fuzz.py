@@ -28,7 +28,7 @@ from tests.fuzz.models import Case, model
 from tests.fuzz.mutations import library, mutated
 from tests.fuzz.statements import spliced
 
-COUNT = int(os.environ.get("LAGC_FUZZ", "16"))  # texts of each kind
+COUNT = int(os.environ.get("LAGC_FUZZ", "8"))  # texts of each kind
 SLOW = {"models": 2, "guided": 2}  # of which there are that many times fewer
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.lag"))
 UNUSED = {"annotation"}  # are read, and not yet of the language

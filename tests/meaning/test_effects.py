@@ -51,8 +51,15 @@ def _texts() -> Iterator[tuple[str, str, Variant]]:
     sources = [(path.stem, path.read_text("utf-8")) for path in sorted(MODELS.rglob("*.lag"))]
     for name, text in [*sources, ("box", SEVERAL)]:
         file = parse(Source(name, text))
-        if any(isinstance(inner, tree.Effect) for d in _models(file) for inner in d.body):
-            yield from ((name, text, variant) for variant in variants(file) if not variant.with_effects)
+        effects = {inner.name for d in _models(file) for inner in d.body if isinstance(inner, tree.Effect)}
+        for variant in variants(file):
+            if not variant.with_effects and effects - _used(file, variant.scene):
+                yield name, text, variant
+
+
+def _used(file: tree.Tree, scene: str | None) -> set[str]:
+    scenes = [inner for d in _models(file) for inner in d.body if isinstance(inner, tree.Scene)]
+    return {name.name for d in scenes if d.name == scene for name in d.uses}
 
 
 def _models(file: tree.Tree) -> list[tree.ModelDeclaration]:

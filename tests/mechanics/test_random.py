@@ -19,7 +19,7 @@ from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, mot
 from tests.mechanics.oracle import Oracle
 from tests.mechanics.random_systems import System, model, random_system
 
-COUNT = int(os.environ.get("LAGC_RANDOM_SYSTEMS", "300"))
+COUNT = int(os.environ.get("LAGC_RANDOM_SYSTEMS", "120"))
 CLOSE = 1e-12  # of the largest entry: some thousand roundings in doubles of 1e-16
 
 

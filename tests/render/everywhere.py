@@ -124,12 +124,12 @@ class Tool:
 def tools() -> dict[str, Tool | None]:
     """The checkers by name; None for what is not on this machine."""
     gcc, llvm = compilers().get("gcc"), compilers().get("clang")
-    checked = ["-O1", "-g", "-fno-sanitize-recover=all"]
+    checked = ["-g", "-fno-sanitize-recover=all"]
     analyse = ["--analyze", "-std=c99", "-o", "/dev/null", "-Wno-unused-command-line-argument"]
     found: dict[str, Tool | str | Iterable[str] | None] = {
         "valgrind": gcc and shutil.which("valgrind") and Tool((*gcc, "-O1", "-g"), under=VALGRIND),
-        "address and undefined": gcc and Tool((*gcc, *checked, "-fsanitize=address,undefined")),
-        "memory": llvm and _memory(llvm) and Tool((*llvm, *checked, "-fsanitize=memory")),
+        "address and undefined": gcc and Tool((*gcc, "-O0", *checked, "-fsanitize=address,undefined")),
+        "memory": llvm and _memory(llvm) and Tool((*llvm, "-O1", *checked, "-fsanitize=memory")),
         "clang --analyze": llvm and Tool(analyse=(*llvm, *analyse)),
         "gcc -fanalyzer": gcc and Tool(analyse=(*gcc, "-std=c99", "-O1", "-fanalyzer", "-c")),
         "cppcheck": shutil.which("cppcheck") and Tool(analyse=CPPCHECK),

@@ -42,7 +42,7 @@ def library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
     call(
         "gcc",
         "-std=c99",
-        "-O2",
+        "-O0",
         "-ffp-contract=off",
         "-shared",
         "-fPIC",

@@ -20,8 +20,8 @@ STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror
 COMPILERS = {
     "gcc": ["gcc", "-std=c99"],
     "g++": ["g++", "-x", "c++", "-std=c++11"],
-    "zig": [sys.executable, "-m", "ziglang", "cc", "-std=c99"],
-    "zig c++": [sys.executable, "-m", "ziglang", "c++", "-x", "c++", "-std=c++11"],
+    "zig": [sys.executable, "-m", "ziglang", "cc", "-std=c99", "-fno-sanitize=all"],
+    "zig c++": [sys.executable, "-m", "ziglang", "c++", "-x", "c++", "-std=c++11", "-fno-sanitize=all"],
 }
 
 

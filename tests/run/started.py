@@ -115,7 +115,7 @@ def _library(program: Program) -> ctypes.CDLL:
     command = [
         "gcc",
         "-std=c99",
-        "-O1",
+        "-O0",
         "-ffp-contract=off",
         "-fPIC",
         "-shared",

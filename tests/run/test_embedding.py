@@ -69,7 +69,7 @@ def test_a_loop_of_steps(program: Program, tmp_path: Path) -> None:
     for file, text in sources.items():
         (tmp_path / file).write_text(text)
     units = [file for file in sources if file.endswith(".c")]
-    command = ["gcc", "-std=c99", "-g", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
+    command = ["gcc", "-std=c99", "-g", "-O0", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror"]
     checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
     for extra in (checks, []):
         done = subprocess.run(

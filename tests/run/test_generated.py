@@ -82,7 +82,7 @@ def test_going_back_agrees_too(name: str) -> None:
     assert one.status == OK and repr(one.states) == repr(other.states)
 
 
-COMPILERS = {"gcc": ["gcc", "-std=c99"], "g++": ["g++", "-x", "c++"], "zig": ["zig"]}
+COMPILERS = {"gcc": ["gcc", "-std=c99", "-O1"], "g++": ["g++", "-x", "c++", "-O0"], "zig": ["zig"]}
 
 
 @pytest.mark.parametrize("compile_", COMPILERS.values(), ids=COMPILERS)
@@ -91,14 +91,14 @@ def test_the_text_compiles_without_a_warning(name: str, compile_: Any, tmp_path:
     if compile_ == ["zig"]:
         if find_spec("ziglang") is None or name not in ("pendulum twice", "body"):
             pytest.skip("zig is slow" if find_spec("ziglang") else "ziglang is not installed")
-        compile_ = [sys.executable, "-m", "ziglang", "cc", "-std=c99"]
+        compile_ = [sys.executable, "-m", "ziglang", "cc", "-std=c99", "-O0", "-fno-sanitize=all"]
     elif shutil.which(compile_[0]) is None:
         pytest.skip(f"no {compile_[0]}")
     sources = render_c(PROGRAMS[name])
     for file, text in sources.items():
         (tmp_path / file).write_text(text)
     unit = next(str(tmp_path / file) for file in sources if file.endswith(".c"))
-    strict = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-O1"]
+    strict = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
     done = subprocess.run(
         [*compile_, *strict, "-c", unit, "-o", str(tmp_path / "unit.o")], capture_output=True, text=True
     )

@@ -45,10 +45,10 @@ def case(dice: random.Random) -> tuple[str, dict[str, float], Rows]:
 def test_a_massless_coordinate_is_refused_where_nothing_determines_it() -> None:
     dice = random.Random(11)
     refused = 0
-    for k in range(60):
+    for k in range(30):
         text, given, matrix = case(dice)
         determined = int(np.linalg.matrix_rank(matrix)) == len(matrix[0])
-        model = lagc.loads(text).compile(backend="c" if k % 10 == 0 else "numpy")
+        model = lagc.loads(text).compile(backend="c" if k % 15 == 0 else "numpy")
         if determined:
             assert model.simulate(0.5, points=3, parameters=given).status == "ok", text
             continue
@@ -57,7 +57,7 @@ def test_a_massless_coordinate_is_refused_where_nothing_determines_it() -> None:
         (fault,) = caught.value.faults
         assert fault.code == "LAG0612" and "der(x" in fault.message, text
         refused += 1
-    assert 20 < refused < 50
+    assert 10 < refused < 25
 
 
 def test_check_refuses_a_parameter_that_takes_all_inertia_away() -> None:

@@ -19,12 +19,7 @@ from tests.run.scaled import Factors, program, state_factors, system
 PLAIN: Factors = (Fraction(1), Fraction(1), Fraction(1))
 LONGEST = 1.0  # s
 POINTS = 6
-IN_C = (
-    "classic/andrews_squeezer",
-    "classic/heavy_top_quaternion",
-    "classic/pleiades",
-    "course/string_pendulum",
-)
+IN_C = ("classic/heavy_top_quaternion", "course/string_pendulum")
 
 
 @cache

@@ -323,7 +323,7 @@ def test_the_recipe_of_the_header_gives_the_motion_of_a_run(name: str, tmp_path:
         (tmp_path / file).write_text(body)
     units = [file for file in (*sources, "main.c") if file.endswith(".c")]
     checks = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
-    command = ["gcc", "-std=c99", "-O1", "-ffp-contract=off", *units, "-lm", "-o", "main"]
+    command = ["gcc", "-std=c99", "-O0", "-ffp-contract=off", *units, "-lm", "-o", "main"]
     done = subprocess.run([*command, *checks], cwd=tmp_path, capture_output=True)
     if done.returncode != 0:
         subprocess.run(command, cwd=tmp_path, check=True)

@@ -1,7 +1,10 @@
-"""Every stage keeps its promises, for every scene of every model of the library."""
+"""Every stage keeps its promises, for every scene of every model of the library; compilers take its C with all
+warnings as errors."""
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -12,9 +15,12 @@ from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import Variant, variants
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
+from lagc.render.c.render import render
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 FILES = sorted(MODELS.rglob("*.lag"))
+STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-fsyntax-only"]
+LANGUAGES = {"gcc": ["-std=c99"], "g++": ["-x", "c++"]}
 
 
 def every_variant() -> list[tuple[Path, Variant]]:
@@ -29,16 +35,23 @@ def name(value: object) -> str:
 
 
 @pytest.mark.parametrize("path, variant", every_variant(), ids=name)
-def test_stages(path: Path, variant: Variant) -> None:
+def test_stages(path: Path, variant: Variant, tmp_path: Path) -> None:
     model = resolve(parse(Source(path.name, path.read_text())), variant.scene, variant.with_effects,
                     variant.without_effects, variant.model)  # fmt: skip
     model.verify()
     equations = derive(model)
     equations.verify()
-    for work in (False, True):
+    for work in (True, False):
         program = optimize(equations, work)
         program.verify()
         assert program.interface.nv == len(program.interface.v_names) > 0
+    for file, text in render(program).items():
+        (tmp_path / file).write_text(text)
+    (source,) = tmp_path.glob("*.c")
+    for command in filter(shutil.which, LANGUAGES):
+        words = [command, *LANGUAGES[command], *STRICT, str(source)]
+        done = subprocess.run(words, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
 
 
 def test_the_library_is_there() -> None:
