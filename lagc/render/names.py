@@ -52,7 +52,7 @@ _HEADERS = """
 _TEMPORARY = re.compile(r"(t|c|p|x|a|lam|d|w|r|sc|sin|cos)\d+")
 # What constants of some header begin with, as F_OK or FE_INVALID, that those of a model may be called too.
 _FAMILIES = """
-    backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap lc lmem map mb mm pc prsec pwr
+    backup cc clr cpuset crypt drive drv enum event f fd fe gm gmem ifcap kern lc lmem map mb mm pc prsec pwr
     r reg regs s sc sem si siid status stock tcp w wait wm wn x
 """
 FAMILIES = frozenset(_FAMILIES.split())

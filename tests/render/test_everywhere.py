@@ -50,7 +50,9 @@ def test_checkers_have_nothing_to_say(name: str, tmp_path: Path) -> None:
     tool = tools()[name]
     if tool is None:
         pytest.skip(f"{name} is not here")
-    models = ["course/string_pendulum"] if tool.analyse else ["classic/double_pendulum", "course/string_pendulum"]
+    models = (
+        ["course/string_pendulum"] if tool.analyse else ["classic/double_pendulum", "course/string_pendulum"]
+    )
     for model in models:
         tool.ask(prepare(of_model(model), tmp_path), tmp_path)
 
