@@ -1,5 +1,5 @@
-"""Every stage keeps its promises, for every scene of every model of the library; compilers take its C without a
-warning."""
+"""Every stage keeps its promises, for every scene of every model of the library; compilers take its C with
+all warnings as errors."""
 
 from __future__ import annotations
 
