@@ -58,8 +58,9 @@ class Differentiable:
         section, stated rates); "start" (values of q, v, stated rates); "sides" of switches.
         `wrt`: "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
         them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
-        Without x at the start values as they are written.  Raises KeyError for another word, ValueError where
-        x has another length, ArithmeticError where there is no finite value.
+        Without x at the start values as they are written.  Where forces bend there it is that of the side on
+        which what they depend on is larger, with a RuntimeWarning.  Raises KeyError for another word,
+        ValueError where x has another length, ArithmeticError where there is no finite value, or a jump.
         """
         import numpy
 
@@ -75,8 +76,41 @@ class Differentiable:
         with numpy.errstate(all="ignore"):  # what is not finite is refused
             point = Point(system, float(t), state, a, lam)
             found = numpy.hstack([self._columns(point, of, word) for word in words])
+            if system.interface.switches:
+                found = self._on_one_side(point, of, words, found)
         if not numpy.isfinite(found).all():
             raise ArithmeticError(f"the derivatives of {of} have no finite value there")
+        return found
+
+    def _on_one_side(self, point: Point, of: str, words: Sequence[str], found: Array) -> Array:
+        """The derivatives at a state at which conditions change; says so where they are others beyond."""
+        import warnings
+
+        import numpy
+
+        from lagc.run.bends import branches, differing, jumps
+        from lagc.run.derivatives import Point
+        from lagc.run.linearize import size_of_states
+
+        system, sizes = point.system, size_of_states(point.system)
+        own, others = branches(point, sizes)
+        if own is None:
+            return found
+
+        def on(modes: Sequence[float]) -> tuple[Array, Array]:
+            there = Point(system, point.t, point.x, point.a, point.lam, modes=modes)
+            values = there.value(HELD[of]) if of in HELD else numpy.zeros(0)
+            return numpy.hstack([self._columns(there, of, word) for word in words]), values
+
+        found, values = on(own)
+        for switch, modes in others:
+            there, beyond = on(modes)
+            if jumps(point, own, modes, sizes) if of in ALONG else differing(values, beyond):
+                raise ArithmeticError(f"forces jump there, where {switch}: {of} have no derivatives")
+            for i, j in differing(found, there)[:1]:
+                message = f"forces bend there, where {switch}: entry [{i}, {j}] is {found[i, j]:.6g}, and "
+                message += f"{there[i, j]:.6g} on the other side"
+                warnings.warn(message, RuntimeWarning, stacklevel=3)
         return found
 
     def linearize(

@@ -97,9 +97,7 @@ def _text(found: list[Linear], options: argparse.Namespace) -> str:
 
 
 def _notes(found: list[Linear]) -> list[str]:
-    if found[0].system.interface.switches:
-        return ["forces may bend or jump: at a bend derivatives are those of one side, and 0 for a jump"]
-    return []
+    return list(dict.fromkeys(note for linear in found for note in linear.notes))
 
 
 def _check_output(path: str | None) -> None:

@@ -76,7 +76,7 @@ class Point:
         rows, columns = self.system.model.places[group]
         entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
         if self.clean:
-            for system, t, x, a, lam in self._beside:
+            for system, t, x, a, lam in self.beside:
                 changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
                 entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
         return entries, rows, columns
@@ -109,14 +109,14 @@ class Point:
         system, n = self.system, self.system.nq + self.system.nv
         here, lam = np.array([*self.value("qdot"), *self.a]), [0.0] * system.nc
         found = np.zeros(n, dtype=bool)
-        for other, t, x, _, _ in self._beside:
+        for other, t, x, _, _ in self.beside:
             rates = [0.0] * system.nx
             if self._rhs(other, t, x, rates, lam) not in FAILED:
                 found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
         return found
 
     @cached_property
-    def _beside(self) -> list[tuple[NumpySystem, float, list[float], list[float], list[float]]]:
+    def beside(self) -> list[tuple[NumpySystem, float, list[float], list[float], list[float]]]:
         """All with other last places."""
         chance = random.Random(0)
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.records import dataclass
+from lagc.records import dataclass, replace
 from lagc.run.derivatives import ROUNDING, Array, Point, rounded
 from lagc.run.independent import independent
 from lagc.run.spectrum import Spectrum, spectrum
@@ -48,6 +48,7 @@ class Linear:
     changing: list[bool]  # of the entries of y, whether they change in the motion itself
     of_time: bool  # whether derivatives seem to depend on time itself
     linear: bool  # whether they seem to depend on nothing but parameters
+    notes: tuple[str, ...] = ()  # where it is one of those of several sides
     free: int = 0  # of an equilibrium: directions in which it seems to be one of many
 
     @property
@@ -176,19 +177,56 @@ def damping(value: complex) -> float | None:
 
 
 def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
-    """About the state x = (q, v), which meets the constraints.  Raises ArithmeticError where the motion is
-    not determined there, or derivatives are not finite."""
+    """About the state x = (q, v), which meets the constraints; where forces bend there, on the side on which
+    what they depend on is larger, with a note.  Raises ArithmeticError where the motion is not determined
+    there, forces jump, or derivatives are not finite."""
     with np.errstate(all="ignore"):  # what is not finite is refused
         try:
-            found = _linearized(system, t, x)
+            found = _on_all_sides(system, t, x) if system.interface.switches else _linearized(system, t, x)
             found.modes  # noqa: B018  with its eigenvalues
         except np.linalg.LinAlgError:
             raise ArithmeticError("numbers there are too large or too small for a linear model") from None
     return found
 
 
-def _linearized(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
-    point = Point(system, t, x, clean=True)
+def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
+    from lagc.run.bends import branches, jumps
+
+    point, sizes = Point(system, t, x), size_of_states(system)
+    own, others = branches(point, sizes)
+    if own is None:
+        return _linearized(system, t, x)
+    for words, modes in others:
+        if jumps(point, own, modes, np.maximum(np.abs(point.x), sizes)):
+            raise ArithmeticError(f"forces jump there, where {words}: no linear model tells what they do")
+    found = _linearized(system, t, x, own)
+    notes = [_bent(words, found, _linearized(system, t, x, modes)) for words, modes in others]
+    return replace(found, notes=tuple([note for note in notes if note]))
+
+
+def _bent(words: str, one: Linear, two: Linear) -> str:
+    """What is another on the other side; nothing where nothing is."""
+    from lagc.run.bends import differing
+
+    if one.indices != two.indices:
+        return f"forces bend there, where {words}: on the other side the model has other states"
+    rates, outputs = [f"der({name})" for name in one.states], list(one.outputs)
+    found = []
+    for above, below, here, there in (
+        (rates, one.states, one.A, two.A), (rates, one.inputs, one.B, two.B),
+        (outputs, one.states, one.C, two.C), (outputs, one.inputs, one.D, two.D),
+    ):  # fmt: skip
+        found += [f"d({above[i]})/d({below[j]}) is {here[i, j]:.6g}, and {there[i, j]:.6g} on the other side"
+                  for i, j in differing(here, there)]  # fmt: skip
+    more = f"; {len(found) - 1} more entries differ" if len(found) > 1 else ""
+    return f"forces bend there, where {words}: {found[0]}{more}" if found else ""
+
+
+def _linearized(
+    system: NumpySystem, t: float, x: Sequence[float], modes: Sequence[float] | None = None
+) -> Linear:
+    """On a branch, where it is not that of the state."""
+    point = Point(system, t, x, clean=True, modes=modes)
     first = len(system.interface.parameters)
     sizes, size_inputs = point.rate_sizes("state"), point.rate_sizes("parameter")[:, first:]
     rates, by_inputs = point.total("rate", "state"), point.total("rate", "parameter")[:, first:]

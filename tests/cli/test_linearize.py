@@ -110,3 +110,18 @@ def test_drag_by_the_square_of_the_speed_has_a_slope_at_rest(capsys: Capture) ->
     assert main(["linearize", "simple_pendulum", "--scene", "room", "--equilibrium", "--json"]) == 0
     down = json.loads(capsys.readouterr().out)["linear"][0]
     assert down["A"] == [[0.0, 1.0], [pytest.approx(-9.81 / 0.5), 0.0]]
+
+
+def test_a_bend_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = """model M
+      coordinate Length x(start = 0 [m]);
+      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+      force f = {-4 [N/m]*max(x, 0 [m]), 0, 0} at b;
+    end M;"""
+    file = tmp_path / "m.lag"
+    file.write_text(text)
+    assert main(["linearize", str(file)]) == 0
+    assert "note: forces bend there" in capsys.readouterr().out
+    file.write_text(text.replace("-4 [N/m]*max(x, 0 [m])", "-4 [N]*sign(x)"))
+    assert main(["linearize", str(file)]) == 3
+    assert "forces jump there, where x passes 0" in capsys.readouterr().err
