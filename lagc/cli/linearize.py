@@ -55,7 +55,8 @@ def run(options: argparse.Namespace) -> int:
     check_picture(options)
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
-    model = CompiledModel(Compilation(library.read(options.file), choice_of(options)), "numpy")
+    compilation = Compilation(library.read(options.file), choice_of(options))
+    model = CompiledModel(compilation, "auto" if time else "numpy")  # C where the motion there is long
     try:
         found = (
             model.equilibria(starts=starts) if options.equilibrium else [model.linearize(time, starts=starts)]

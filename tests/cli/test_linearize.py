@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from math import pi, sqrt
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 
 from lagc.cli.main import main
+from lagc.run.backends.compile import compiler
 
 Capture = pytest.CaptureFixture[str]
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -47,6 +49,16 @@ def test_about_a_motion(capsys: Capture) -> None:
     energy = 0.5 * x["der(theta)"] ** 2 * 0.25 - 9.81 * 0.5 * np.cos(x["theta"])
     assert energy == pytest.approx(-9.81 * 0.25, rel=1e-7)
     assert linear["A"][1][0] == pytest.approx(-9.81 / 0.5 * np.cos(x["theta"]))
+
+
+@pytest.mark.skipif(compiler() is None, reason="no C compiler")
+def test_a_long_motion_is_followed_in_c(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """5,000 periods; the cache keeps what was compiled for them."""
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path / "cache"))
+    text = "model M coordinate Length x(start = 1); body b = Particle(mass = 1 [kg], at = {x, 0, 0});"
+    (tmp_path / "m.lag").write_text(f"{text} potential V = 5e7 [N/m]*x^2; end M;")
+    assert main(["linearize", str(tmp_path / "m.lag"), "--at", "3"]) == 0
+    assert any(name.startswith("library") for name in os.listdir(tmp_path / "cache"))
 
 
 def test_matrices_are_written(tmp_path: Path, capsys: Capture) -> None:
