@@ -298,8 +298,8 @@ class CompiledModel(Differentiable):
 
         artifact = self.artifact
         wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
-        found = self._moved(request, parameters, progress)
         system = self._loaded.differentiated.model.bind(parameters)
+        found = self._moved(request, parameters, progress)
         complete = request.completed(self.interface.simulate)
         sensitivities(system, found, complete, wanted, running(progress))
         return found

@@ -68,7 +68,7 @@ class Point:
         return np.array(self.system.stack(self.t, self.x, self.a, self.lam, self.modes))
 
     def value(self, part: str) -> Array:
-        rows = self.system.interface.stack[part]
+        rows = self.system.model.rows[part]
         return self.stack[rows.start : rows.stop]
 
     def sparse(self, group: str) -> tuple[Array, Array, Array]:
@@ -134,7 +134,7 @@ class Point:
                 "time": 1, "state": interface.nq + interface.nv, "acceleration": interface.nv + interface.nc,
                 "parameter": len(interface.parameters) + len(interface.inputs),
             }  # fmt: skip
-            height = max(rows.stop for rows in interface.stack.values())
+            height = max(rows.stop for rows in self.system.model.rows.values())
             table, (entries, rows, columns) = np.zeros((height, widths[group])), self.sparse(group)
             table[rows, columns] = entries
             self._groups[group] = table
@@ -142,7 +142,7 @@ class Point:
 
     def partial(self, part: str, group: str) -> Array:
         """Of one part of the stack, where a and lam are held."""
-        rows = self.system.interface.stack[part]
+        rows = self.system.model.rows[part]
         return self.by(group)[rows.start : rows.stop]
 
     def residual(self, group: str) -> Array:

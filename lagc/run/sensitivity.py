@@ -191,7 +191,7 @@ def _verified(
         found.values, found.message = done.values, done.message
         return
     assert request.accuracy is not None
-    tol = TOLERANCE if rests else run.rtol
+    tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
     done = at(tol)
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
@@ -202,8 +202,8 @@ def _verified(
             done.message = finer.message if finer.interrupted else f"at a finer tolerance, {finer.message}"
             break
         done = finer
-        found.estimated = _apart(before, done, found.system.interface.kinds)
-        if found.estimated <= request.accuracy:
+        apart, found.estimated = found.estimated, _apart(before, done, found.system.interface.kinds)
+        if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
     found.values, found.message = done.values, done.message
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):

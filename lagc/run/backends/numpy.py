@@ -38,6 +38,11 @@ class NumpyModel(Compiled):
         return space
 
     @once
+    def rows(self) -> dict[str, range]:
+        """Those of each part of what is differentiated."""
+        return self.interface.stack
+
+    @once
     def places(self) -> dict[str, Any]:
         """Rows and columns of the derivatives by each group, as arrays."""
         import numpy
