@@ -37,10 +37,10 @@ def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
     return slack + (mode * side if mode != 0.0 else -fabs(side))
 
 
-def nudge_mode(k: int, direction: Real, w: Work, t: Real) -> None:
-    """A side that has come to an edge of its mode, but for rounding, is where it goes."""
+def nudge_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
+    """A side that has come to an edge of its mode, but for rounding and `more`, is where it goes."""
     ahead = w.turning[k] * direction
-    near = 16.0 * SPACING * (fabs(w.sides[k]) + fabs(w.left_sides[k]) + fabs(t * w.turning[k]))
+    near = more + 16.0 * SPACING * (fabs(w.sides[k]) + fabs(w.left_sides[k]) + fabs(t * w.turning[k]))
     if NEDGES > 0:
         if counted[k] > 0:
             if ahead > 0.0 and w.edges[2 * k + 1] - w.sides[k] <= near:
@@ -80,7 +80,7 @@ def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work
     fn_side_rates_on(p, s.t, s.x, w.modes, rates, w.turning)
     for k in range(NMODE):
         if w.jumped[k] > 0:
-            nudge_mode(k, direction, w, s.t)
+            nudge_mode(k, direction, 0.0, w, s.t)
     take(w)
 
 

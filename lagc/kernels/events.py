@@ -6,20 +6,31 @@ What they do may make others true, which act after them.
 
 from __future__ import annotations
 
-from math import fabs
+from math import fabs, inf
 
 from lagc.kernels.branches import adopt_modes, choose_branch, keep_branch, nudge_mode, take
+from lagc.kernels.enclosing import enclose_state, enclose_time
 from lagc.kernels.kinds import enlarge, not_finite
-from lagc.kernels.model import fn_energies, fn_holds_on, fn_modes, fn_reinit, fn_side_rates_on, fn_sides_on
+from lagc.kernels.limits import SPACING
+from lagc.kernels.model import (
+    fn_enclosure_on,
+    fn_energies,
+    fn_holds_on,
+    fn_modes,
+    fn_reinit,
+    fn_side_rates_on,
+    fn_sides_on,
+)
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
-from lagc.kernels.statuses import CHATTERING, MISPLACED, NOT_FINITE, OK, TERMINATED, failed
+from lagc.kernels.statuses import CHATTERING, MISPLACED, OK, TERMINATED, failed
 from lagc.kernels.switching import MOST_AT_ONCE, change, is_little, late, turns_back
-from lagc.kernels.tables import clause, ending, kind, target
+from lagc.kernels.tables import clause, counted, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 
+SEVERAL = 8.0  # last places
 MISSED = 1e-6  # of the sizes of states: what constraints move new values by is no rounding
 
 
@@ -63,6 +74,17 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     return True
 
 
+def smear(p: Params, s: State, w: Work) -> None:
+    """w.blurs: what last places of time and states are worth in the sides that these change."""
+    enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
+    for i in range(NQ + NV):
+        enclose_state(i, s.x[i], s.x[i], SPACING * fabs(s.x[i]), w)
+    fn_enclosure_on(p, w.modes, w.box, w.ends)
+    for j in range(NFREE):
+        far = w.ends[2 * j + 1] - w.ends[2 * j]
+        w.blurs[j] = far if far >= 0.0 and far < inf else 0.0
+
+
 def land(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The branch on from a state that has jumped, and its rates, in w.xdot.  w.beside: its sides before."""
     w.left_sides[:] = w.beside
@@ -73,9 +95,15 @@ def land(p: Params, s: State, direction: Real, w: Work) -> Status:
         return status
     fn_sides_on(p, s.t, s.x, w.modes, w.sides)
     fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
-    for k in range(NMODE):
-        if k >= NTIMED or w.jumped[k] > 0:
-            nudge_mode(k, direction, w, s.t)
+    for i in range(NTIMED):
+        if w.jumped[i] > 0:
+            nudge_mode(i, direction, 0.0, w, s.t)
+    if NFREE > 0:
+        smear(p, s, w)
+        for j in range(NFREE):
+            k = NTIMED + j
+            beyond = w.crossed[k] > 0 and w.jumped[k] == 0 and counted[k] == 0
+            nudge_mode(k, direction, inf if beyond else SEVERAL * w.blurs[j], w, s.t)
     take(w)
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     s.rhs += 1
@@ -103,8 +131,8 @@ def jump(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
         if w.due[k] > 0:
             give(p, s, k, w)
     if not_finite(s.x, NX) >= 0:
-        w.culprit = not_finite(s.x, NX)
-        return NOT_FINITE
+        w.culprit = giver
+        return MISPLACED
     enlarge(s.x, s.sizes)
     if NC > 0 or NQUAT > 0:
         if not meets_constraints(p, s, w):
@@ -124,13 +152,18 @@ def jump(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     return OK
 
 
-def told_apart(direction: Real, w: Work) -> bool:
-    """Whether the sides of the switches in w.crossed go where these have changed to: what comes back within
-    the last places of the time, as bounces that are ever shorter, has not got there."""
-    for j in range(NFREE):
-        k = NTIMED + j
-        if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, w.before[k], w.before[k], direction, w):
-            return False
+def told_apart(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether the sides of the switches in w.crossed go where these have changed to, and have been somewhere
+    else since they changed last: what comes back within the last places of the time or of a state, as bounces
+    that are ever shorter, has not got anywhere."""
+    if NFREE > 0:
+        smear(p, s, w)
+        for j in range(NFREE):
+            k = NTIMED + j
+            if w.crossed[k] > 0 and w.jumped[k] == 0:
+                way = fabs(w.before[k]) * fabs(s.t - s.came[j])
+                if way <= SEVERAL * w.blurs[j] or turns_back(k, w.before[k], w.before[k], direction, w):
+                    return False
     return True
 
 
@@ -150,11 +183,11 @@ def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     for turn in range(MOST_AT_ONCE + NWHEN):
         if not come_true(p, s, w):
             return ended
-        if turn == 0 and not told_apart(direction, w):
+        if turn == 0 and not told_apart(p, s, direction, w):
             return blame(w)
         for k in range(NWHEN):
             if w.due[k] > 0:
-                s.fired[k] = 1
+                s.fired[k] += 1
                 if ending[k] > 0 and ended == OK:
                     s.culprit = k
                     ended = TERMINATED
@@ -179,7 +212,12 @@ def pass_change(p: Params, s: State, direction: Real, w: Work) -> Status:
     status = change(p, s, direction, w)
     if NWHEN > 0:
         if status == OK:
-            return act(p, s, direction, since_change(s, direction, w), w)
+            status = act(p, s, direction, since_change(s, direction, w), w)
+            for j in range(NFREE):
+                if w.crossed[NTIMED + j] > 0:
+                    s.came[j] = s.t
+            if failed(status) and status != TERMINATED:
+                s.x[:] = s.x_left
     return status
 
 
@@ -192,6 +230,8 @@ def set_out(p: Params, s: State, direction: Real, w: Work) -> Status:
             take(w)
             fn_holds_on(p, s.t, s.x, w.modes, s.held)
             s.acquainted = True
+            for j in range(NFREE):
+                s.came[j] = -inf
     status = choose_branch(p, s, direction, w)
     if NWHEN > 0:
         if status == OK:

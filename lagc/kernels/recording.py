@@ -11,7 +11,7 @@ from lagc.kernels.projection import project
 from lagc.kernels.records import BAD_BUDGET, BAD_TIME, NOWHERE, READY, Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NMODE, NQUAT, NWHEN, NX
-from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, TERMINATED, failed
+from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
 from lagc.kernels.step import enter, leave, step_once, stop
 from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
 
@@ -162,14 +162,14 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
         return INVALID
     enter(s, w)
     count: Count = 0
-    if NWHEN > 0:
+    if NMODE > 0:
         ended = OK
     while status == OK:
         while status == OK and done[0] < n and (times[done[0]] - s.t) * direction <= 0.0:
             status = dense_at(s, times[done[0]], o, states[done[0]], w)
             if status == OK:
                 done[0] += 1
-        if NWHEN > 0:
+        if NMODE > 0:
             if status == OK:
                 status = ended
         if status != OK or done[0] == n:
@@ -181,8 +181,7 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             if NMODE > 0:
                 if status == OK and o.report != 0 and s.fresh:
                     status = INTERRUPTED
-            if NWHEN > 0:
-                if status == TERMINATED:  # what came before is recorded
+                if status != OK and status != INTERRUPTED:  # what came before is recorded
                     ended = status
                     status = OK
         count += 1

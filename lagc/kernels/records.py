@@ -154,6 +154,7 @@ class Work:
     if NWHEN > 0:
         holds: Vec[NWHEN]  # 1: a condition does
         due: IVec[NWHEN]  # 1: it has become true
+        blurs: Vec[NFREE]  # what last places are worth in the sides that the state changes
     if NJUMP > 0:
         fresh_values: Vec[NJUMP]
         landed: Vec[NX]
@@ -201,7 +202,7 @@ class State:
         changed: IVec[NMODE]  # 1: a switch that did at the last of these
         jolts: Vec[NX]  # what the last place of these times is worth in the states, in all
     if NWHEN > 0:
-        fired: IVec[NWHEN]  # 1: a clause `when` that acted then
+        fired: IVec[NWHEN]  # how often each clause `when` acted then
         jumps: Count  # times at which states took new values
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding
@@ -234,6 +235,7 @@ class State:
     if NWHEN > 0:
         held: Vec[NWHEN]  # 1: a condition that holds
         acquainted: bool  # these are known
+        came: Vec[NFREE]  # when each switch that the state changes did last
         x_left: Vec[NX]  # where the last step ended, before anything was done there
     y: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages

@@ -372,6 +372,12 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         s.rejected += 1
     accept(p, s, t1, o, a, w)
     if NMODE > 0:
-        if a.meets or (a.lands and goal != t1):
+        due = a.lands and goal != t1
+        if NWHEN > 0:
+            if a.lands and goal == t1:
+                for k in range(NTIMED):
+                    if w.crossed[k] > 0:
+                        due = True
+        if a.meets or due:
             return stop(s, pass_change(p, s, a.direction, w), w)
     return OK

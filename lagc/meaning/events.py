@@ -18,7 +18,7 @@ from lagc.meaning.evaluate import each, evaluate, evaluate_as
 from lagc.meaning.scope import Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE
-from lagc.meaning.values import Truth, Wrong, flat, kind, shape
+from lagc.meaning.values import Scalar, Truth, Wrong, flat, kind, shape
 from lagc.records import dataclass, field
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
@@ -48,7 +48,7 @@ def when_clause(
     parts: list[tree.When | tree.Statement] = [written, *written.statements]
     condition, *_ = each(context, part, parts)
     assert condition is not None
-    words = " ".join(_COMMENT.sub(" ", written.condition.span.text).split())
+    words = _words(written.condition) + _where(environment)
     changes = tuple(found.changes.items())
     reason = found.reasons[0] if found.reasons else None
     return nouns.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
@@ -63,15 +63,27 @@ def ending(context: Context, until: str) -> tree.When:
     context.importer.free.append(source)
     condition = parse_expression(source)
     span = condition.span
-    reason = tree.Argument(None, None, tree.String(f"until {' '.join(until.split())}", span), span)
+    reason = tree.Argument(None, None, tree.String(f"until {_words(condition)}", span), span)
     call = tree.Call(tree.Name("terminate", span), (reason,), span)
     return tree.When(condition, (tree.Statement(call, None, span),), span)
+
+
+def _words(condition: tree.Expression) -> str:
+    return " ".join(_COMMENT.sub(" ", condition.span.text).split())
+
+
+def _where(environment: Environment) -> str:
+    """Of which instance, and at which numbers of loops."""
+    path, values = environment.instance.path.rstrip("."), environment.bindings.items()
+    found = [f"in {path}"] if path else []
+    found += [f"{name} = {v.node.value:g}" for name, v in values if isinstance(v, Scalar) and v.node.is_const]
+    return f" ({', '.join(found)})" if found else ""
 
 
 def _condition(context: Context, written: tree.Expression, environment: Environment) -> Node:
     value = evaluate(context, written, environment)
     if not isinstance(value, Truth):
-        raise Wrong("LAG0307", f"`when` takes a condition, this is {kind(value)}", written.span)
+        raise Wrong("LAG0307", f"a condition stands here, this is {kind(value)}", written.span)
     mask = context.clock.mask
     _early(context, value.node, written, "a condition of `when`")
     if any(node.op == "eq" and mask(node) & MOVING for node in reachable([value.node])):
@@ -125,7 +137,10 @@ def _text(statement: tree.Statement, usage: str) -> str:
     (argument,) = _arguments(statement, 1, usage)
     if not isinstance(argument, tree.String):
         raise Wrong("LAG0227", "this is a text between quotes", argument.span, f"write `{usage}`")
-    return " ".join(argument.value.split())
+    words = " ".join(argument.value.split())
+    if not words:
+        raise Wrong("LAG0227", "this text is empty", argument.span, f"write `{usage}`")
+    return words
 
 
 def _terminate(context: Context, statement: tree.Statement, _: Environment, found: _Found) -> None:
@@ -139,6 +154,9 @@ def _mark(context: Context, statement: tree.Statement, _: Environment, found: _F
 def _reinit(context: Context, statement: tree.Statement, environment: Environment, found: _Found) -> None:
     target, written = _arguments(statement, 2, "reinit(x, value)")
     value = evaluate(context, target, environment)
+    if isinstance(value, nouns.Orientation):
+        remedy = f"give new values to its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
+        raise Wrong("LAG0228", "an orientation takes no new value as a whole", target.span, remedy)
     states = flat(value, target.span, "what is given a new value")
     for state in states:
         if state.node.op != "symbol" or state.node.record.kind not in ("coordinate", "rate", "speed"):

@@ -47,7 +47,9 @@ def _interval(node: Node, x: Sequence[Interval]) -> Interval:
     if op == "piece":
         return (node.value.piece(x[0][0]), node.value.piece(x[0][1]))
     if op == "entry":
-        reached = node.value.numbers[int(x[0][0]) : int(x[0][1]) + 1]
+        numbers = node.value.numbers
+        begin, end = (int(min(max(a, 0.0), len(numbers) - 1.0)) for a in x[0])
+        reached = numbers[begin : end + 1]
         return (min(reached), max(reached))
     row = OPERATORS[op]
     low, high = row.within

@@ -10,6 +10,8 @@ from operator import sub
 from lagc.optimize.program import Interface
 from lagc.run.problem import TERMINATED, Trajectory
 
+NEAR_THE_END = 1e-5  # of the time
+
 Sizes = Sequence[tuple[Sequence[int], float]]
 
 
@@ -40,14 +42,23 @@ def kinds(interface: Interface) -> list[list[int]]:
 def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
     """The places of common times at which one run has come to a jump of the motion that the other comes to a
     moment later: nothing is compared there."""
-    if not (a.jumps and b.jumps):
+    if not (a.jumps or b.jumps):
         return frozenset()
-    both, found = min(len(a.jumps), len(b.jumps)), []
+    both, last, found = min(len(a.jumps), len(b.jumps)), min(len(a.times), len(b.times)) - 1, []
     for k, (t, u) in enumerate(zip(a.times, b.times)):
         i, j = bisect_right(a.jumps, t), bisect_right(b.jumps, u)
-        if i != j and max(i, j) <= both:
+        if i != j and (max(i, j) <= both or (k == last and _at_the_end(a, b))):
             found.append(k)
     return frozenset(found)
+
+
+def _at_the_end(a: Trajectory, b: Trajectory) -> bool:
+    """Whether the jump that only one of them has is that close to the end."""
+    more = a if len(a.jumps) > len(b.jumps) else b
+    span = abs(more.times[-1] - more.times[0])
+    return (
+        abs(len(a.jumps) - len(b.jumps)) == 1 and abs(more.times[-1] - more.jumps[-1]) <= NEAR_THE_END * span
+    )
 
 
 def difference(

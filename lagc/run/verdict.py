@@ -80,8 +80,9 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "terminated", f"at {t}: {system.interface.whens[k].reason}"
     if status == MISPLACED:
         clause = system.interface.whens[k]
-        return "failed", (f"at {t} the new values that `when {clause.words}` gives do not meet the "
-                          "constraints: state those of all coordinates and rates that these tie")  # fmt: skip
+        return "failed", (f"at {t} the new values that `when {clause.words}` gives are not finite, or do not "
+                          "meet the constraints: state those of all coordinates and rates that these "
+                          "tie")  # fmt: skip
     if (status == CHATTERING and not system.interface.drives(k)) or _ever_sooner(trajectory):
         k = k if status == CHATTERING else trajectory.events[-1][1]
         what = event_names(system, k)[0]

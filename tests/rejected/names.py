@@ -184,6 +184,7 @@ CASES = [
     ("an unknown action", "LAG0227", 'when x > 1 [m] then «terminat»("far"); end when;'),
     ("an equation in a `when`", "LAG0227", "when x > 1 [m] then «x = 0;» end when;"),
     ("a reason that is no text", "LAG0227", "when x > 1 [m] then terminate(«1»); end when;"),
+    ("an empty name", "LAG0227", 'when x > 1 [m] then mark(«""»); end when;'),
     ("a reinit without a value", "LAG0227", "when x > 1 [m] then «reinit(x)»; end when;"),
     ("a new value of a sum", "LAG0228", "when x > 1 [m] then reinit(«2*x», 0); end when;"),
     ("two new values", "LAG0228", "when x > 1 [m] then reinit(x, 0); reinit(«x», 1); end when;"),

@@ -278,3 +278,61 @@ def test_a_clock_comes_to_its_own_amplitude() -> None:
     after = 0.2 / (1.0 - lost) + (0.4 - 0.2 / (1.0 - lost)) * lost ** (ticks - 1)
     energy = system.simulate(run.events[-1].t + 1e-9, accuracy=1e-9, points=2)["E"][-1]
     assert energy == pytest.approx(0.5 * after**2, rel=1e-6)
+
+
+@pytest.mark.parametrize("floor", [0.1, -0.5, 1e6])
+@pytest.mark.parametrize("restitution", [0.2, 0.5, 0.8])
+def test_no_ball_falls_through_a_floor_that_is_elsewhere(floor: float, restitution: float) -> None:
+    """There, bounces end in last places of the height, long before those of the time."""
+    action = f"when x < {floor!r} [m] then reinit(der(x), -{restitution!r}*der(x)); end when;"
+    run = model(
+        action, start=f"x(start = {floor!r} [m] + 1 [m])",
+        more="Gravity field(g = 10 [m/s2], direction = {-1, 0, 0});",
+    ).simulate(20.0)  # fmt: skip
+    ends = math.sqrt(0.2) * (1.0 + restitution) / (1.0 - restitution)
+    places = math.sqrt(max(1.0, abs(floor)) * 2.0**-52)  # of the time in which so little is fallen
+    assert run.status == "failed" and "bounces" in run.message
+    assert run.events[-1].t == pytest.approx(ends, abs=100.0 * places)
+    assert min(run["x"]) > floor - 1e-9 * max(1.0, abs(floor))
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-5, 1e-7])
+def test_a_clause_acts_again_at_the_same_moment(accuracy: float) -> None:
+    """A wall that halves the speed; what is too slow is thrown back, into the wall, which halves it again."""
+    run = model(
+        "when x > 0.3 [m] then reinit(der(x), -0.5*der(x)); end when;\n"
+        "when abs(der(x)) < 0.6 [m/s] then reinit(der(x), -der(x)); end when;"
+    ).simulate(1.0, accuracy=accuracy)
+    assert [e.name for e in run.events].count("when x > 0.3 [m]") == 2 and len(run.events) == 3
+    assert run["x"][-1] == pytest.approx(0.3 - 0.7 * 0.25) and run["der(x)"][-1] == pytest.approx(-0.25)
+
+
+@pytest.mark.parametrize("stop", [3.0 - 1e-9, 3.0, 3.0 + 1e-9])
+def test_an_end_beside_an_event(stop: float) -> None:
+    """|x - 1| = 1 - |t mod 2 - 1|: it bounces at 1, 3, 5."""
+    run = model(
+        "when x > 1 [m] then reinit(der(x), -der(x)); end when;\n"
+        "when x < -1 [m] then reinit(der(x), -der(x)); end when;"
+    ).simulate(stop)
+    assert run.status == "ok" and abs(run["x"][-1]) == pytest.approx(1.0)
+
+
+def test_what_time_brings_at_the_end_is_done() -> None:
+    run = model('when time >= 2 [s] then terminate("now"); end when;').simulate(2.0)
+    assert run.status == "terminated" and run.t[-1] == 2.0
+
+
+def test_what_was_recorded_before_an_end_is_kept() -> None:
+    """One step leads to the event, over 99 points."""
+    run = model("when x > 1 [m] then reinit(der(x), sqrt(0.5 - x/(1 [m]))*1 [m/s]); end when;").simulate(
+        3.0, every=0.01
+    )
+    assert run.status == "failed" and "not finite" in run.message
+    assert run.t[-1] >= 0.99
+
+
+def test_a_table_in_a_condition() -> None:
+    run = model(
+        'when table(time, {0, 1, 2, 3} [s], {0, 2, 0, 2} [N]) > 1 [N] then mark("up"); end when;'
+    ).simulate(3.0)
+    assert [e.t for e in run.events] == pytest.approx([0.5, 2.5])

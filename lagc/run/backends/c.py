@@ -205,7 +205,9 @@ class CSystem(CompiledSystem):
             if self.interface.switches and asked.report and state.changes > seen:
                 events.extend((state.t, k) for k in noted if state.changed[k])
                 if whens:
-                    events.extend((state.t, switches + k) for k in range(whens) if state.fired[k])
+                    events.extend(
+                        (state.t, switches + k) for k in range(whens) for _ in range(state.fired[k])
+                    )
                     if state.jumps > len(jumps):
                         jumps.append(state.t)
                 asked.report = len(events) < MOST_EVENTS
