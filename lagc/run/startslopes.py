@@ -77,7 +77,7 @@ def _consistent(point: Point, d: Direction, given: Mapping[str, float], own: Arr
     left = np.abs(table @ way + missed)
     rounding = DEPENDENT * np.abs(table).sum(axis=1) * np.abs(way).max(initial=0.0)
     if (left > MET * (terms + np.abs(table) @ np.abs(way)) + rounding).any():
-        raise ArithmeticError(f"the start has no derivative by `{d.name}`: conditions tell what it is")
+        raise ArithmeticError(f"the start has no derivative by `{d.name}`: none beside meets the conditions")
     own[free] += weights[free] * way
     return own
 
