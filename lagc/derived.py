@@ -120,14 +120,15 @@ class Differentiable:
         *,
         parameters: Mapping[str, Any] | None = None,
         starts: Mapping[str, Any] | None = None,
+        progress: Callable[[float], None] | None = None,
     ) -> Linear:
         """The linear model about x = (q, v), which meets the constraints, or about the motion from the start
-        at time t (s).  Raises Refused where there is no start, ArithmeticError where the motion does not
-        get to t or there are no finite derivatives."""
+        at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start,
+        ArithmeticError where the motion does not get to t or there are no finite derivatives."""
         from lagc.run.linearize import linearize
 
         if x is None:
-            x = self._at(float(t), parameters, starts)
+            x = self._at(float(t), parameters, starts, progress)
         return linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
 
     def equilibria(
@@ -154,9 +155,15 @@ class Differentiable:
             return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]
 
     def _at(
-        self, t: float, parameters: Mapping[str, Any] | None, starts: Mapping[str, Any] | None
+        self,
+        t: float,
+        parameters: Mapping[str, Any] | None,
+        starts: Mapping[str, Any] | None,
+        progress: Callable[[float], None] | None = None,
     ) -> list[float]:
-        run = self.simulate(t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts)
+        run = self.simulate(
+            t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
+        )
         if run.status == "failed":
             raise ArithmeticError(run.message)
         return run.states[-1][: self.interface.nq + self.interface.nv]

@@ -21,7 +21,9 @@ from lagc.cli.options import (
 from lagc.cli.output import print_json, say, show
 
 if TYPE_CHECKING:
+    from lagc.api import CompiledModel
     from lagc.run.linearize import Linear
+    from lagc.run.request import Quantity
 
 FORMATS = (".json", ".npz")
 MOST = 8  # equilibria that are shown without --verbose
@@ -59,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
     model = CompiledModel(compilation, "auto" if time else "numpy")  # C where the motion there is long
     try:
         found = (
-            model.equilibria(starts=starts) if options.equilibrium else [model.linearize(time, starts=starts)]
+            model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
         )
     except ArithmeticError as error:
         return _none(str(error), options)
@@ -74,6 +76,20 @@ def run(options: argparse.Namespace) -> int:
     else:
         show(_text(found, options))
     return DONE if written else UNWRITTEN
+
+
+def _about(
+    model: CompiledModel, time: float, starts: dict[str, float | Quantity], options: argparse.Namespace
+) -> Linear:
+    """The motion to that time is followed as by `lagc sim`, which refuses one that takes too long."""
+    if not time:
+        return model.linearize(starts=starts)
+    from lagc.cli.progress import Bar
+    from lagc.run.forecast import Forecast
+
+    with Bar(time, quiet=options.quiet or options.json) as bar:
+        progress = Forecast(bar, time) if options.max_time is None else bar
+        return model.linearize(time, starts=starts, progress=progress)
 
 
 def _none(message: str, options: argparse.Namespace) -> int:

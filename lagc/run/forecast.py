@@ -60,4 +60,4 @@ class Forecast:
         message = (f"the run would take {time_text(left)} more: in {time_text(elapsed)} it has come to "
                    f"t = {t:.4g} s of {self.stop:.6g} s")  # fmt: skip
         return Fault("LAG0803", message, remedy="`--max-time none` lets it go on, `--max-time 1h` as long as "
-                     "that, keeping what it has then; or ask for a shorter `--stop`")  # fmt: skip
+                     "that, keeping what it has then; or ask for a shorter motion")  # fmt: skip

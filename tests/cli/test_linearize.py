@@ -61,6 +61,14 @@ def test_a_long_motion_is_followed_in_c(tmp_path: Path, monkeypatch: pytest.Monk
     assert any(name.startswith("library") for name in os.listdir(tmp_path / "cache"))
 
 
+def test_a_motion_that_takes_too_long_is_refused(tmp_path: Path, capsys: Capture) -> None:
+    """As by `lagc sim`; 1e10 periods."""
+    text = "model M coordinate Length x(start = 1); body b = Particle(mass = 1 [kg], at = {x, 0, 0});"
+    (tmp_path / "m.lag").write_text(f"{text} potential V = 5e7 [N/m]*x^2; end M;")
+    assert main(["linearize", str(tmp_path / "m.lag"), "--at", "6e6"]) == 4
+    assert "LAG0803" in capsys.readouterr().err
+
+
 def test_matrices_are_written(tmp_path: Path, capsys: Capture) -> None:
     words = ["linearize", "classic/driven_oscillator", "-q"]
     assert (
