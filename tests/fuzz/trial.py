@@ -66,7 +66,7 @@ class _Trial:
     def _show(self, sound: bool) -> None:
         explained = self._call("explain", *self.case.options, *self.chance.choice([[], ["-v"], ["--json"]]))
         self._agree(sound, "explain", explained)
-        where = self.chance.choice([[], ["--equilibrium"], ["--at", "0.01"]])
+        where = self.chance.choice([[], ["--equilibrium"], ["--at", "0.01", "--max-time", "8"]])
         self._call("linearize", *self.case.options, *where, *self.chance.choice([[], ["-v"], ["--json"]]))
         forms = ["text", "latex", "sympy"]
         if self.chance.random() < 0.7:
