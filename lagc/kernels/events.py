@@ -31,6 +31,7 @@ from lagc.kernels.tables import clause, counted, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 
 SEVERAL = 8.0  # last places
+MANY_TIMES = 1e5
 MISSED = 1e-6  # of the sizes of states: what constraints move new values by is no rounding
 
 
@@ -102,7 +103,9 @@ def land(p: Params, s: State, direction: Real, w: Work) -> Status:
         smear(p, s, w)
         for j in range(NFREE):
             k = NTIMED + j
-            beyond = w.crossed[k] > 0 and w.jumped[k] == 0 and counted[k] == 0
+            if w.jumped[k] > 0:
+                w.shifted[j] = 1
+            beyond = w.crossed[k] > 0 and w.shifted[j] == 0 and counted[k] == 0
             nudge_mode(k, direction, inf if beyond else SEVERAL * w.blurs[j], w, s.t)
     take(w)
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
@@ -178,6 +181,8 @@ def blame(w: Work) -> Status:
 def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     """The clauses whose conditions come true at (s.t, s.x), `since` after they did.  Rates are in w.xdot."""
     ended = OK
+    for j in range(NFREE):
+        w.shifted[j] = 0
     for k in range(NWHEN):
         s.fired[k] = 0
     for turn in range(MOST_AT_ONCE + NWHEN):
@@ -207,23 +212,68 @@ def since_change(s: State, direction: Real, w: Work) -> Real:
     return 0.0
 
 
+def remember(s: State, w: Work) -> None:
+    """What is there before anything is done."""
+    w.x_before[:] = s.x
+    w.held_before[:] = s.held
+    w.modes_before[:] = s.modes
+    w.slack_before[:] = s.slack
+
+
+def undo(s: State, w: Work) -> None:
+    """Nothing is done that cannot be: another call comes to it again."""
+    s.x[:] = w.x_before
+    s.held[:] = w.held_before
+    s.modes[:] = w.modes_before
+    s.slack[:] = w.slack_before
+
+
+def follow_up(s: State, w: Work) -> None:
+    """When each switch has changed; of one that changes ever sooner, as by bounces, no change is stepped
+    over: the next step is no longer than many times what lies between the last two."""
+    for j in range(NFREE):
+        if w.crossed[NTIMED + j] > 0:
+            since = fabs(s.t - s.came[j])
+            if since > 0.0 and s.h > MANY_TIMES * since:
+                s.h = MANY_TIMES * since
+            s.came[j] = s.t
+
+
 def pass_change(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The switches in w.crossed change at (s.t, s.x), and what is to be done then is done."""
+    if NWHEN > 0:
+        remember(s, w)
     status = change(p, s, direction, w)
     if NWHEN > 0:
         if status == OK:
             status = act(p, s, direction, since_change(s, direction, w), w)
-            for j in range(NFREE):
-                if w.crossed[NTIMED + j] > 0:
-                    s.came[j] = s.t
             if failed(status) and status != TERMINATED:
-                s.x[:] = s.x_left
+                undo(s, w)
+            else:
+                follow_up(s, w)
     return status
 
 
-def set_out(p: Params, s: State, direction: Real, w: Work) -> Status:
-    """The branch on from a state of which nothing else is known, and what is to be done there: conditions
-    that hold at the start of a trajectory do not become true."""
+def rejoin(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """The branch on from a state that is as it was, where parameters or inputs are others: sides that these
+    move take the modes that they tell."""
+    w.modes[:] = s.modes
+    take(w)
+    fn_sides_on(s.p, s.t, s.x, w.modes, w.beside)
+    w.left_sides[:] = w.beside
+    adopt_modes(p, s, w)
+    s.rhs += 1
+    status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
+    if failed(status):
+        return status
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    keep_branch(s, w)
+    return status
+
+
+def set_out(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> Status:
+    """The branch on from where a call begins, `elsewhere` than the last one ended, and what is to be done
+    there: conditions that hold at the start of a trajectory do not become true."""
     if NWHEN > 0:
         if not s.acquainted:
             fn_modes(p, s.t, s.x, w.modes)
@@ -232,18 +282,28 @@ def set_out(p: Params, s: State, direction: Real, w: Work) -> Status:
             s.acquainted = True
             for j in range(NFREE):
                 s.came[j] = -inf
-    status = choose_branch(p, s, direction, w)
-    if NWHEN > 0:
-        if status == OK:
-            for k in range(NMODE):
-                w.crossed[k] = 0
-            w.xdot[:] = s.k[0]
-            status = act(p, s, direction, 0.0, w)
-            for k in range(NWHEN):
-                if s.fired[k] > 0 and not s.fresh:
-                    s.fresh = True
-                    s.changes += 1
-            if s.fresh:
-                for i in range(NMODE):
-                    s.changed[i] = 0
-    return status
+        remember(s, w)
+        if elsewhere:
+            status = choose_branch(p, s, direction, w)
+        else:
+            status = rejoin(p, s, direction, w)
+        if status != OK:
+            return status
+        for k in range(NMODE):
+            w.crossed[k] = 0
+        w.xdot[:] = s.k[0]
+        status = act(p, s, direction, 0.0, w)
+        if failed(status) and status != TERMINATED:
+            undo(s, w)
+            return status
+        acted = False
+        for k in range(NWHEN):
+            if s.fired[k] > 0:
+                acted = True
+        if acted:
+            for i in range(NMODE):
+                s.changed[i] = 0
+            s.fresh = True
+            s.changes += 1
+        return status
+    return choose_branch(p, s, direction, w)

@@ -223,3 +223,11 @@ def next_change(p: Params, s: State, t1: Real, direction: Real, w: Work) -> Real
         if fabs(w.when[k] - soon) <= near:
             w.crossed[k] = 1
     return soon
+
+
+def any_due(w: Work) -> bool:
+    """Whether time changes a switch where it was found to."""
+    for k in range(NTIMED):
+        if w.crossed[k] > 0:
+            return True
+    return False

@@ -154,6 +154,11 @@ class Work:
     if NWHEN > 0:
         holds: Vec[NWHEN]  # 1: a condition does
         due: IVec[NWHEN]  # 1: it has become true
+        shifted: IVec[NFREE]  # 1: its side, by what was done at this moment
+        x_before: Vec[NX]  # and all else that is put back where what is to be done cannot be
+        held_before: Vec[NWHEN]
+        modes_before: Vec[NMODE]
+        slack_before: Vec[NMODE]
         blurs: Vec[NFREE]  # what last places are worth in the sides that the state changes
     if NJUMP > 0:
         fresh_values: Vec[NJUMP]

@@ -16,10 +16,11 @@ STEP_UNDERFLOW = Status(5)
 MAX_STEPS = Status(6)  # the steps that one call may take are used up; culprit: none; call again to go on
 INTERRUPTED = Status(7)  # interrupted; culprit: none; call again to go on
 INVALID = Status(8)  # an option, a time or a parameter makes no sense; culprit: see LAGC_BAD_METHOD and on
-CHATTERING = Status(9)  # a switch changes to and fro at once, without end; culprit: the switch
+# a switch changes to and fro at once, without end; culprit: the switch, or behind these a clause `when`
+CHATTERING = Status(9)
 
 TERMINATED = Status(10)  # a `when` ended the run; culprit: the clause; call again to go on
-MISPLACED = Status(11)  # new values that a `when` gives do not meet the constraints; culprit: the clause
+MISPLACED = Status(11)  # new values are not finite, or do not meet the constraints; culprit: the clause
 
 
 def failed(status: Status) -> bool:

@@ -10,7 +10,7 @@ from lagc.kernels.events import pass_change, set_out
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
-from lagc.kernels.locating import all_but_changes, first_change, next_change
+from lagc.kernels.locating import all_but_changes, any_due, first_change, next_change
 from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
@@ -145,9 +145,13 @@ def keep_parameters(p: Params, s: State) -> None:
 def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The rate at the start of a step, and the branch of it."""
     again = False
+    if NMODE > 0:
+        elsewhere = False
     if s.called:
         if state_changed(s):
             again = True
+            if NMODE > 0:
+                elsewhere = True
             s.stride = 0.0
             s.recalled = 0.0
             enlarge(s.x, s.sizes)
@@ -161,7 +165,7 @@ def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
     if NMODE > 0:
         if again:
             s.rate = STAGES
-            return set_out(p, s, direction, w)
+            return set_out(p, s, direction, elsewhere, w)
         w.modes[:] = s.modes
         take(w)
     status = OK
@@ -319,6 +323,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     if NTIMED > 0:
         goal = next_change(p, s, t1, a.direction, w)
         if goal == s.t:
+            if t1 == s.t and not any_due(w):
+                return OK
             keep_parameters(p, s)
             return stop(s, pass_change(p, s, a.direction, w), w)
     cause = OK
@@ -374,10 +380,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     if NMODE > 0:
         due = a.lands and goal != t1
         if NWHEN > 0:
-            if a.lands and goal == t1:
-                for k in range(NTIMED):
-                    if w.crossed[k] > 0:
-                        due = True
+            if a.lands and goal == t1 and any_due(w):
+                due = True
         if a.meets or due:
             return stop(s, pass_change(p, s, a.direction, w), w)
     return OK

@@ -15,7 +15,6 @@ from lagc.kernels.statuses import CHATTERING, OK, failed
 from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status
 
-MANY_TIMES = 1e5
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
 LITTLE = 1e-6  # of a step
 TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
@@ -97,15 +96,6 @@ def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
             return
 
 
-def follow_up(s: State, w: Work) -> None:
-    """Changes that follow each other ever sooner, as bounces do, are not stepped over: the next step is no
-    longer than many times what lies between the last two."""
-    since = fabs(s.t - s.t_changed)
-    for j in range(NFREE):
-        if w.crossed[NTIMED + j] > 0 and since > 0.0 and s.h > MANY_TIMES * since:
-            s.h = MANY_TIMES * since
-
-
 def to_and_fro(s: State, w: Work) -> bool:
     """Whether switches change each other at one time without end."""
     if s.t != s.t_changed:
@@ -161,7 +151,6 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     put_right(p, s, direction, w)
     keep_branch(s, w)
-    follow_up(s, w)
     if to_and_fro(s, w):
         return CHATTERING
     s.changes += 1

@@ -8,7 +8,7 @@ from lagc.mechanics.states import States
 
 
 def when_equations(states: States) -> tuple[WhenEquations, ...]:
-    """Raises Refused (LAG0228) where a new value is given to what is no state."""
+    """Raises Refused (LAG0427) where a new value is given to what is no state."""
     known, faults, found = {*states.q, *states.v}, [], []
     for clause in states.model.whens:
         for symbol, _ in clause.changes:
@@ -16,7 +16,7 @@ def when_equations(states: States) -> tuple[WhenEquations, ...]:
                 given = ", ".join([f"`{v.record.name}`" for v in states.v])
                 faults.append(
                     Fault(
-                        "LAG0228",
+                        "LAG0427",
                         f"`{symbol.record.name}` is no state of its own, as speeds are declared",
                         clause.span,
                         remedy=f"give new values to the speeds: {given}",

@@ -73,7 +73,7 @@ def difference(
     away later makes nothing before it more exact.  `still`: how far rounding may move some kinds (by
     place), of which less than that tells nothing."""
     alike = [True] * min(len(a.states), len(b.states))
-    largest, left_out = 0.0, between(a, b)
+    largest, left_out = _apart_in_time(a, b), between(a, b)
     for place, group in enumerate(kinds(interface)):
         size = apart = 0.0
         noise = still.get(place, 0.0) if still else 0.0
@@ -93,11 +93,13 @@ def difference(
 
 def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
     """The largest scaled difference of two runs over the same times, from their sizes."""
-    left_out, worst = between(a, b), _apart_at_the_end(a, b)
+    left_out, worst = between(a, b), _apart_in_time(a, b)
     one, other = a.states, b.states
     if left_out:
         one, other = ([x for k, x in enumerate(s) if k not in left_out] for s in (one, other))
     columns = [*zip(zip(*one), zip(*other))]
+    if not columns:
+        return inf
     for (group, here), (_, there) in zip(of_a, of_b):
         size = max(here, there)
         for i in group if size > 0.0 else ():
@@ -106,10 +108,12 @@ def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
     return worst
 
 
-def _apart_at_the_end(a: Trajectory, b: Trajectory) -> float:
-    """Of the time, where clauses `when` end the runs."""
-    if a.status != TERMINATED and b.status != TERMINATED:
-        return 0.0
-    begin, end, other = a.times[0], a.times[-1], b.times[-1]
-    span = max(abs(end - begin), abs(other - begin))
-    return abs(end - other) / span if span > 0.0 else 0.0
+def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
+    """How far apart the moments are at which states jump, and at which clauses `when` end the runs, of the
+    whole time."""
+    pairs = [*zip(a.jumps, b.jumps)]
+    if TERMINATED in (a.status, b.status):
+        pairs.append((a.times[-1], b.times[-1]))
+    span = max((abs(run.times[-1] - run.times[0]) for run in (a, b)), default=0.0)
+    far = max((abs(t - u) for t, u in pairs), default=0.0)
+    return far / span if span > 0.0 else 0.0

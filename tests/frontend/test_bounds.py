@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import random
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -166,6 +168,15 @@ def mutated(text: str, chance: random.Random) -> str:
     return text
 
 
+@pytest.fixture
+def uncollected() -> Iterator[None]:
+    """Garbage of other tests is none of their time."""
+    gc.disable()
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("uncollected")
 @pytest.mark.parametrize("seed", range(20))
 def test_damaged_models(seed: int) -> None:
     """2,000 damaged texts: each is read or refused within a second, and what is read is laid out

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import lagc
 from lagc.cli.main import main
 from lagc.kernels.statuses import INTERRUPTED, TERMINATED
+from lagc.render.numpy.render import render
+from lagc.run.distance import between, spread
+from lagc.run.problem import Trajectory
 from tests.render.tools import STRICT, call
 from tests.run.jumping import STOP, case, motion
 
@@ -163,7 +167,7 @@ def test_a_declared_speed_takes_a_new_value() -> None:
     )
     run = lagc.loads(text % "reinit(u, -u);").compile(backend="numpy").simulate(4.0)
     assert run["x"][-1] == pytest.approx(0.0, abs=1e-6) and run["u"][-1] == pytest.approx(-1.0)
-    with pytest.raises(lagc.Refused, match="LAG0228"):
+    with pytest.raises(lagc.Refused, match="LAG0427"):
         lagc.loads(text % "reinit(der(x), 0);").compile()
 
 
@@ -336,3 +340,41 @@ def test_a_table_in_a_condition() -> None:
         'when table(time, {0, 1, 2, 3} [s], {0, 2, 0, 2} [N]) > 1 [N] then mark("up"); end when;'
     ).simulate(3.0)
     assert [e.t for e in run.events] == pytest.approx([0.5, 2.5])
+
+
+def test_what_an_act_moves_away_is_not_at_its_change() -> None:
+    """y = 0.25 + t to 0.3, whence back to 0.1, which makes it faster by a half, again and again."""
+    run = model(
+        "when x > 0.3 [m] then reinit(x, x - 0.2 [m]); end when;\n"
+        "when x < 0.2 [m] then reinit(der(x), 1.5*der(x)); end when;",
+        start="x(start = 0.25 [m], rate = 1 [m/s])",
+    ).simulate(0.15, points=3)
+    assert [*run["x"]] == pytest.approx([0.25, 0.1375, 0.25], abs=1e-6) and len(run.events) == 2
+
+
+def test_runs_that_jump_at_other_times_are_as_far_apart() -> None:
+    states = [[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]
+    one, other = (Trajectory([0.0, 1.0, 2.0, 3.0], states, 3.0, states[-1], jumps=[t]) for t in (1.5, 2.9))
+    assert between(one, other) == {2}
+    assert spread(one, other, [([0, 1], 3.0)], [([0, 1], 3.0)]) == pytest.approx(1.4 / 3.0)
+
+
+@pytest.mark.parametrize("floor", [0.0, 0.1, 10.0])
+def test_an_input_that_changes_at_events_moves_no_ball(floor: float) -> None:
+    """What the caller gives at a moment of an act does not let it act twice."""
+    text = (
+        f"model M\n  input Force u = 0;\n  coordinate Length x(start = {floor!r} [m] + 1 [m]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n  force f = {u - 10 [N], 0, 0} at b;\n"
+        f"  when x < {floor!r} [m] then reinit(der(x), -0.9*der(x)); end when;\nend M;"
+    )
+    module: dict[str, Any] = {}
+    exec(render(lagc.loads(text).compile().program, complete=False)["m.py"], module)
+    problem = module["Equations"]([0.0])
+    run = module["Integrator"](problem, module["Options"](rtol=1e-10), 0.0, [floor + 1.0, 0.0, 0.0])
+    bounces = 0
+    while run.t < 3.0:
+        assert run.step(3.0) == 0
+        if run.fired[0]:
+            bounces += run.jumps > bounces
+            problem.p[0] = 0.1 * (bounces % 2)
+    assert run.jumps == bounces > 2 and run.x[0] > floor - 1e-9

@@ -184,4 +184,11 @@ ENTRIES: dict[str, Entry] = {
         _cone("sqrt(x^2 + y^2)"),
         _cone("sqrt(x^2 + y^2 + (1 [mm])^2)"),
     ),
+    "LAG0427": Entry(
+        "a new value of a rate that is no state",
+        "Where speeds are declared they are the states, and rates follow from them: `reinit` is about the "
+        "speeds.",
+        _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(der(x), 0); end when;\n"),
+        _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(u, 0); end when;\n"),
+    ),
 }

@@ -208,8 +208,7 @@ class CSystem(CompiledSystem):
                     events.extend(
                         (state.t, switches + k) for k in range(whens) for _ in range(state.fired[k])
                     )
-                    if state.jumps > len(jumps):
-                        jumps.append(state.t)
+                    jumps.extend([state.t] * (state.jumps - len(jumps)))
                 asked.report = len(events) < MOST_EVENTS
             return status
 
