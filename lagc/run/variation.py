@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
 FAINT = 1e-14  # of the terms of its rates: what of S is rounding
 SLOWEST = 1e-7  # of its terms: the rate of a side that only touches its change
+ROUNDED = 1e-14  # of the terms of a side: less is none
 ALIKE = 1e-6  # times of one change, relative
 
 Progress = Callable[[float], None]
@@ -82,17 +83,11 @@ class Variation:
         self.options = Options(**vars(options))  # its own: the longest step changes
         self.by_p = [k for k, d in enumerate(directions) if d.parameter is not None]
         self.columns = [d.parameter for d in directions if d.parameter is not None]
-        self.values = np.array([self._value(d) for d in directions])
         self.table, self.longest = tableau(options.method), options.max_step
         kinds = system.interface.kinds
         self.of_kind = np.array([[kind == k for kind in kinds] for k in sorted(set(kinds))])
         self.kind = np.argmax(self.of_kind, axis=0)
         self.evaluations = 0
-
-    def _value(self, d: Direction) -> float:
-        if d.parameter is not None:
-            return abs(self.system.parameters[d.parameter])
-        return 0.0
 
     def along(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
         s = self.system.model.module["Integrator"](self.system.equations(), self.options, times[0], list(x0))
@@ -105,6 +100,8 @@ class Variation:
         modes = list(s.modes) if self.system.interface.switches else []
         whens = bool(self.system.interface.whens)
         try:
+            if modes:
+                self._refuse_changes(times[0], np.array(x0), now)
             while s.t < times[-1]:
                 steps, old, jumps = s.steps, now, s.jumps if whens else 0
                 status, now, table = self._step(s, now, times[-1], modes, found)
@@ -317,6 +314,25 @@ class Variation:
         moved = now + np.outer(first, way)
         return (self._renewed(point, moved, way, s) if jumped else moved) - np.outer(rates, way)
 
+    def _refuse_changes(self, t: float, x: Array, now: Array) -> None:
+        """Where a motion begins on the change of a condition, and what is varied moves it off, its derivative
+        is another on each side."""
+        interface, point = self.system.interface, self._point(t, x, np.zeros(len(x)), None)
+        sides = point.value("side")
+        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
+        by_p = point.partial("side", "parameter")
+        terms = np.abs(by_x) @ np.abs(x[: by_x.shape[1]]) + np.abs(by_t * t)
+        terms += np.abs(by_p) @ np.abs(np.array(self.system.parameters))
+        moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
+        if self.columns:
+            moved[:, self.by_p] += by_p[:, self.columns]
+            sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
+        for k, counted in enumerate(interface.counted_switches):
+            touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
+            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any():
+                words = interface.switches[k]
+                raise Stopped(f"`{words}` at the start itself: another derivative on each side")
+
     def _way(self, point: Point, now: Array, rates: Array, work: Any) -> Array:
         """What the time of a change is moved by."""
         interface = self.system.interface
@@ -325,15 +341,18 @@ class Variation:
         if self.columns:
             moved[:, self.by_p] += point.partial("side", "parameter")[:, self.columns]
         own = [k for k, crossed in enumerate(work.crossed) if crossed and not work.jumped[k]]
-        names, ways = [interface.switches[k] for k in own], []
+        names, ways, spans = [interface.switches[k] for k in own], [], []
+        sizes = np.abs(by_x) @ np.abs(now)
+        if self.columns:
+            sizes[:, self.by_p] += np.abs(point.partial("side", "parameter")[:, self.columns])
         for k in own:
             rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
             if not abs(rate) > SLOWEST * terms:
                 raise Stopped(f"`{names[0]}` only just: a little of any change decides whether")
             ways.append(-moved[k] / rate)
-        for other in ways[1:]:
-            apart, slight = np.abs(other - ways[0]), np.abs(other) + np.abs(ways[0])
-            if ((apart > ALIKE * slight) & (apart * self.values > ALIKE * abs(point.t))).any():
+            spans.append(sizes[k] / abs(rate))
+        for other, span in zip(ways[1:], spans[1:]):
+            if (np.abs(other - ways[0]) > ALIKE * (span + spans[0])).any():
                 raise Stopped(f"`{names[0]}` and `{names[1]}`, at one time here, one by one beside")
         if not ways:
             raise Stopped("conditions change, by what is not known")

@@ -350,3 +350,33 @@ def test_results_pickle_and_are_interrupted() -> None:
     assert run.interrupted and "interrupted" in run.message and len(run["x"]) == 5
     found = run.sensitivity("x", "k")
     assert np.isfinite(found[:2]).all() and np.isnan(found[-1])
+
+
+TWO = """model M
+  parameter Real a = 0, b = 0;
+  coordinate Real x(start = -1, rate = 1 [1/s], fixed = true), y(start = -1, rate = 1 [1/s], fixed = true);
+  body one = Particle(mass = 1 [kg], at = {x*1 [m], 0, 0});
+  body other = Particle(mass = 1 [kg], at = {0, y*1 [m], 0});
+  force f = {if x > a then 2 [N] else 0 [N], 0, 0} at one;
+  force g = {0, if y > b then 2 [N] else 0 [N], 0} at other;
+end M;"""
+
+
+@pytest.mark.parametrize("name", ["a", "start(x)"])
+def test_changes_at_one_time_that_part_have_no_derivative(name: str) -> None:
+    """Also where what is varied is 0."""
+    run = lagc.loads(TWO).compile(backend="numpy").simulate(2.0, sensitivity=[name])
+    assert run.status == "failed" and "at one time here" in run.message
+
+
+@pytest.mark.parametrize(
+    ("condition", "name"), [("time > T*1 [s]", "T"), ("x > T", "T"), ("x > T", "start(x)")]
+)
+def test_a_start_on_a_change_has_none(condition: str, name: str) -> None:
+    text = (
+        "model M\n  parameter Real T = 0;\n  coordinate Real x(rate = 1 [1/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x*1 [m], 0, 0});\n"
+        f"  force f = {{if {condition} then 1 [N] else 0 [N], 0, 0}} at b;\nend M;"
+    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(1.0, sensitivity=[name])
+    assert run.status == "failed" and "at the start itself" in run.message
