@@ -155,8 +155,11 @@ def sensitivities(
         try:
             if run.interrupted or not run.times:
                 raise ArithmeticError("the motion was interrupted")
-            start = start_slopes(system, run.states[0], request.starts, directions)
-            _verified(found, run, request, start, progress)
+            start, doubts, reasons = start_slopes(system, run.states[0], request.starts, directions)
+            kept = [k for k in range(len(directions)) if k not in reasons]
+            if kept:
+                _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
+            found.message = "; ".join(filter(None, [found.message, *reasons.values()]))
         except ArithmeticError as error:
             found.message = str(error)
     found.run_s = perf_counter() - began
@@ -168,14 +171,21 @@ def sensitivities(
 
 
 def _verified(
-    found: Sensitivities, run: Solution, request: Request, start: Array, progress: Progress | None
+    found: Sensitivities,
+    run: Solution,
+    request: Request,
+    kept: list[int],
+    start: tuple[Array, Array],
+    progress: Progress | None,
 ) -> None:
-    """Fills `found`: by hand one integration, else those that tell the error."""
-    n = len(start)
+    """Fills `found` by the directions `kept`: by hand one integration, else those that tell the error; every
+    second one begins as far from the start slopes as these may be off."""
+    n, directions = len(start[0]), [found.directions[k] for k in kept]
     rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
 
     def follow(options: Options) -> Followed:
-        along = Variation(found.system, found.directions, start, options, rests, MORE * run.cost.steps + MOST)
+        begun = start[0] + (found.integrations % 2) * start[1]
+        along = Variation(found.system, directions, begun, options, rests, MORE * run.cost.steps + MOST)
         done = along.along(run.states[0][:n], run.times, progress)
         found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
         found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1
@@ -188,7 +198,7 @@ def _verified(
 
     if request.by_hand:
         done = follow(by_hand(request))
-        found.values, found.message = done.values, done.message
+        found.values[:, :, kept], found.message = done.values, done.message
         return
     assert request.accuracy is not None
     tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
@@ -205,7 +215,7 @@ def _verified(
         apart, found.estimated = found.estimated, _apart(before, done, found.system.interface.kinds)
         if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
-    found.values, found.message = done.values, done.message
+    found.values[:, :, kept], found.message = done.values, done.message
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
         known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
         found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"

@@ -20,7 +20,8 @@ import numpy as np
 
 from lagc.records import dataclass
 from lagc.run.derivatives import Array, Point
-from lagc.run.problem import FAILED, OK, TERMINATED, Options
+from lagc.run.problem import OK, TERMINATED, Options
+from lagc.run.saltation import Changes, Stopped, end_of_step
 from lagc.run.tableau import combined, tableau, within
 from lagc.run.varied import Direction
 
@@ -29,15 +30,9 @@ if TYPE_CHECKING:
 
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
 FAINT = 1e-14  # of the terms of its rates: what of S is rounding
-SLOWEST = 1e-7  # of its terms: the rate of a side that only touches its change
-ROUNDED = 1e-14  # of the terms of a side: less is none
-ALIKE = 1e-6  # times of one change, relative
+SAME = 1e-6  # of the time of a run: where two of its integrations end
 
 Progress = Callable[[float], None]
-
-
-class Stopped(Exception):
-    """Why S ends before the motion does."""
 
 
 @dataclass
@@ -99,9 +94,13 @@ class Variation:
         self.last: Slopes | None = None  # where the next step begins
         modes = list(s.modes) if self.system.interface.switches else []
         whens = bool(self.system.interface.whens)
+        changes = Changes(self.system, self.by_p, self.columns)
         try:
             if modes:
-                self._refuse_changes(times[0], np.array(x0), now)
+                at_start = Point(
+                    self.system, times[0], list(x0), [0.0] * self.system.nv, [0.0] * self.system.nc
+                )
+                changes.refuse_at_start(at_start, now)
             while s.t < times[-1]:
                 steps, old, jumps = s.steps, now, s.jumps if whens else 0
                 status, now, table = self._step(s, now, times[-1], modes, found)
@@ -115,8 +114,11 @@ class Variation:
                     break
                 if modes:
                     jumped = whens and s.jumps > jumps
-                    now = self._beyond(s, now, s.modes_old if s.steps > steps else modes, jumped)
-                    modes = list(s.modes)
+                    before, modes = s.modes_old if s.steps > steps else modes, list(s.modes)
+                    if jumped or modes != list(before):
+                        self.last, now = None, changes.beyond(s, now, before, jumped)
+                    if times[found.reached - 1] == s.t:  # what is recorded is behind all that is done then
+                        found.values[found.reached - 1] = now
                 if self.rests:
                     s.x[:] = x0
                 if progress is not None:
@@ -189,7 +191,7 @@ class Variation:
             own = now + h * combined(table.a[j], found)
             found[j] = self._slopes(self._point(t + table.c[j] * h, at, rates[j], modes)).rates(own)
         new = now + h * combined(table.b, found)
-        there = self._point(s.t, np.array(self._end(s)), rates[table.stages], modes)
+        there = self._point(s.t, np.array(end_of_step(s, self.system)), rates[table.stages], modes)
         new, last = self._tangent(there, new), self._slopes(there)
         found[table.stages] = last.rates(new)
         return new, found, first, last
@@ -277,7 +279,7 @@ class Variation:
 
     def _ended(self, s: Any, now: Array, times: Sequence[float], found: Followed) -> None:
         """S at the last time, where the run ends by itself, but for what its time is off by."""
-        if found.reached == len(times) - 1 and times[-1] - s.t <= ALIKE * s.t:
+        if found.reached == len(times) - 1 and times[-1] - s.t <= SAME * s.t:
             found.values[-1] = now
             found.reached += 1
         if found.reached < len(times):
@@ -293,91 +295,6 @@ class Variation:
             point = self._point(s.t_old + c * h, at, rates[k], modes)
             table[k] = self._slopes(point).rates(old + h * combined(row, table))
         return own.coefficients(old, new, table, h)
-
-    # -- switches --
-
-    def _beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> Array:
-        """S behind a change: at its time, which moves by dt = -(g_x S + g_theta)/(g_x f- + g_t) as g = 0
-        there, the motion x + f- dt is x+ + f+ dt, where x+ are new values or the same."""
-        after, system = list(s.modes), self.system
-        if after == list(before) and not jumped:
-            return now
-        self.last, n = None, system.nq + system.nv
-        point = Point(system, s.t, self._end(s)[:n], modes=before)
-        first, second = np.array([*point.value("qdot"), *point.a]), [0.0] * system.nx
-        if system.rhs_on(after, s.t, s.x, second, [0.0] * system.nc) in FAILED:
-            raise Stopped("the motion is not determined")
-        rates = np.array(second[:n])
-        if not (jumped or (first != rates).any()):
-            return now
-        way = self._way(point, now, first, s.problem.work)
-        moved = now + np.outer(first, way)
-        return (self._renewed(point, moved, way, s) if jumped else moved) - np.outer(rates, way)
-
-    def _refuse_changes(self, t: float, x: Array, now: Array) -> None:
-        """Where a motion begins on the change of a condition, and what is varied moves it off, its derivative
-        is another on each side."""
-        interface, point = self.system.interface, self._point(t, x, np.zeros(len(x)), None)
-        sides = point.value("side")
-        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
-        by_p = point.partial("side", "parameter")
-        terms = np.abs(by_x) @ np.abs(x[: by_x.shape[1]]) + np.abs(by_t * t)
-        terms += np.abs(by_p) @ np.abs(np.array(self.system.parameters))
-        moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
-        if self.columns:
-            moved[:, self.by_p] += by_p[:, self.columns]
-            sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
-        for k, counted in enumerate(interface.counted_switches):
-            touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
-            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any():
-                words = interface.switches[k]
-                raise Stopped(f"`{words}` at the start itself: another derivative on each side")
-
-    def _way(self, point: Point, now: Array, rates: Array, work: Any) -> Array:
-        """What the time of a change is moved by."""
-        interface = self.system.interface
-        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
-        moved = by_x @ now
-        if self.columns:
-            moved[:, self.by_p] += point.partial("side", "parameter")[:, self.columns]
-        own = [k for k, crossed in enumerate(work.crossed) if crossed and not work.jumped[k]]
-        names, ways, spans = [interface.switches[k] for k in own], [], []
-        sizes = np.abs(by_x) @ np.abs(now)
-        if self.columns:
-            sizes[:, self.by_p] += np.abs(point.partial("side", "parameter")[:, self.columns])
-        for k in own:
-            rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
-            if not abs(rate) > SLOWEST * terms:
-                raise Stopped(f"`{names[0]}` only just: a little of any change decides whether")
-            ways.append(-moved[k] / rate)
-            spans.append(sizes[k] / abs(rate))
-        for other, span in zip(ways[1:], spans[1:]):
-            if (np.abs(other - ways[0]) > ALIKE * (span + spans[0])).any():
-                raise Stopped(f"`{names[0]}` and `{names[1]}`, at one time here, one by one beside")
-        if not ways:
-            raise Stopped("conditions change, by what is not known")
-        found: Array = ways[0]
-        return found
-
-    def _renewed(self, point: Point, moved: Array, way: Array, s: Any) -> Array:
-        """Where a clause `when` gives new values, what these are moved by."""
-        whens = self.system.interface.whens
-        acting = [k for k, clause in enumerate(whens) if s.fired[k] and clause.states]
-        if len(acting) != 1:
-            raise Stopped("several clauses `when` act at one time")
-        first, targets = sum(len(clause.states) for clause in whens[: acting[0]]), whens[acting[0]].states
-        rows = slice(first, first + len(targets))
-        found = moved.copy()
-        found[list(targets)] = point.partial("reinit", "state")[rows] @ moved
-        found[list(targets)] += np.outer(point.partial("reinit", "time")[rows, 0], way)
-        if self.columns:
-            found[np.ix_(targets, self.by_p)] += point.partial("reinit", "parameter")[rows][:, self.columns]
-        return found
-
-    def _end(self, s: Any) -> list[float]:
-        """Where the last step ended, before states took new values."""
-        found: list[float] = s.x_left if self.system.interface.whens else s.x
-        return found
 
     def _largest(self, values: Array) -> Array:
         """Of each kind of states, by directions."""

@@ -1,0 +1,115 @@
+"""What the change of a switch moves the sensitivities S of a motion by.
+
+At its time, which moves by dt = -(g_x S + g_theta)/(g_x f- + g_t) as its side g is 0 there, the motion
+x + f- dt is x+ + f+ dt, where x+ are new values or the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.run.derivatives import Array, Point
+from lagc.run.problem import FAILED
+
+if TYPE_CHECKING:
+    from lagc.run.backends.numpy import NumpySystem
+
+SLOWEST = 1e-7  # of its terms: the rate of a side that only touches its change
+ROUNDED = 1e-14  # of the terms of a side: less is none
+LOCATED = 1e-12  # the same, where the time of its change is found
+ALIKE = 1e-6  # times of one change, relative
+
+
+class Stopped(Exception):
+    """Why S ends before the motion does."""
+
+
+class Changes:
+    def __init__(self, system: NumpySystem, directions: Sequence[int], columns: Sequence[int]):
+        """`directions` are by the parameters `columns`."""
+        self.system, self.by_p, self.columns = system, list(directions), list(columns)
+
+    def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> Array:
+        """S behind a change from the modes `before`, of the motion `s` that has just made it; `now` is that
+        ahead of it.  Raises Stopped where there is none."""
+        system, n = self.system, self.system.nq + self.system.nv
+        point = Point(system, s.t, end_of_step(s, system)[:n], modes=before)
+        first, second = np.array([*point.value("qdot"), *point.a]), [0.0] * system.nx
+        if system.rhs_on(list(s.modes), s.t, s.x, second, [0.0] * system.nc) in FAILED:
+            raise Stopped("the motion is not determined")
+        rates = np.array(second[:n])
+        if not (jumped or (first != rates).any()):
+            return now
+        way = self._way(point, now, first, s.problem.work)
+        moved = now + np.outer(first, way)
+        return (self._renewed(point, moved, way, s) if jumped else moved) - np.outer(rates, way)
+
+    def refuse_at_start(self, point: Point, now: Array) -> None:
+        """Where a motion begins on the change of a condition, and what is varied moves it off, its derivative
+        is another on each side."""
+        interface, sides = self.system.interface, point.value("side")
+        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
+        by_p = point.partial("side", "parameter")
+        terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
+        terms += np.abs(by_p) @ np.abs(np.array(self.system.parameters))
+        moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
+        if self.columns:
+            moved[:, self.by_p] += by_p[:, self.columns]
+            sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
+        for k, counted in enumerate(interface.counted_switches):
+            touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
+            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any():
+                words = interface.switches[k]
+                raise Stopped(f"`{words}` at the start itself: another derivative on each side")
+
+    def _way(self, point: Point, now: Array, rates: Array, work: Any) -> Array:
+        """What the time of a change is moved by."""
+        interface = self.system.interface
+        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
+        moved = by_x @ now
+        if self.columns:
+            moved[:, self.by_p] += point.partial("side", "parameter")[:, self.columns]
+        terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
+        there = np.abs(point.value("side")) <= LOCATED * terms  # the others only jump with new values
+        own = [k for k, crossed in enumerate(work.crossed) if crossed and (there[k] or not work.jumped[k])]
+        names, ways, spans = [interface.switches[k] for k in own], [], []
+        sizes = np.abs(by_x) @ np.abs(now)
+        if self.columns:
+            sizes[:, self.by_p] += np.abs(point.partial("side", "parameter")[:, self.columns])
+        for k in own:
+            rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
+            if not abs(rate) > SLOWEST * terms:
+                raise Stopped(f"`{names[0]}` only just: a little of any change decides whether")
+            ways.append(-moved[k] / rate)
+            spans.append(sizes[k] / abs(rate))
+        for other, span in zip(ways[1:], spans[1:]):
+            if (np.abs(other - ways[0]) > ALIKE * (span + spans[0])).any():
+                raise Stopped(f"`{names[0]}` and `{names[1]}`, at one time here, one by one beside")
+        if not ways:
+            raise Stopped("conditions change, by what is not known")
+        found: Array = ways[0]
+        return found
+
+    def _renewed(self, point: Point, moved: Array, way: Array, s: Any) -> Array:
+        """Where a clause `when` gives new values, what these are moved by."""
+        whens = self.system.interface.whens
+        acting = [k for k, clause in enumerate(whens) if s.fired[k] and clause.states]
+        if len(acting) != 1:
+            raise Stopped("several clauses `when` act at one time")
+        first, targets = sum(len(clause.states) for clause in whens[: acting[0]]), whens[acting[0]].states
+        rows = slice(first, first + len(targets))
+        found = moved.copy()
+        found[list(targets)] = point.partial("reinit", "state")[rows] @ moved
+        found[list(targets)] += np.outer(point.partial("reinit", "time")[rows, 0], way)
+        if self.columns:
+            found[np.ix_(targets, self.by_p)] += point.partial("reinit", "parameter")[rows][:, self.columns]
+        return found
+
+
+def end_of_step(s: Any, system: NumpySystem) -> list[float]:
+    """Where the last step of `s` ended, before states took new values."""
+    found: list[float] = s.x_left if system.interface.whens else s.x
+    return found
