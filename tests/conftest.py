@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
+
+from lagc.cli.program import ALONE
+
+for each in ALONE:  # before NumPy is loaded
+    os.environ.setdefault(each, "1")
 
 
 @pytest.fixture(scope="module")

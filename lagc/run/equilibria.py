@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Sequence
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 TRIES = 64  # random postures
 STEPS = 60
+LATE = 12  # steps in which they halve, or lead nowhere
 HALVINGS = 10
 CLOSE = 1e-12  # of the sizes: a last step
 MET = 1e-9  # of what the sizes change a row by: a residual that is met
@@ -91,8 +92,14 @@ class _Search:
             yield [*q, *rest]
 
     def reach(self, guess: list[float]) -> Equilibrium | None:
-        """The equilibrium that the steps lead to."""
-        z = self._solve(np.array([*guess, *[0.0] * self.system.nc]))
+        """The equilibrium that the steps lead to; None where they end elsewhere, or nowhere."""
+        try:
+            return self._reached(np.array([*guess, *[0.0] * self.system.nc]))
+        except (ArithmeticError, np.linalg.LinAlgError):
+            return None
+
+    def _reached(self, guess: Array) -> Equilibrium | None:
+        z = self._solve(guess)
         if z is None:
             return None
         z = self._usual(self._rounded(z))
@@ -152,19 +159,21 @@ class _Search:
 
     def _solve(self, z: Array) -> Array | None:
         n = self.system.nq + self.system.nv
-        try:
-            self._balance(z)
-            for _ in range(STEPS):
-                residual, table, columns, rows = self._rows(z)
-                inverse = np.linalg.pinv(table * columns / rows[:, None], rcond=DEPENDENT) / rows
-                step = -inverse @ residual
-                length = np.abs(step[:n]).max(initial=0.0)
-                most = max(1.0, np.abs(z[:n] / self.sizes).max(initial=0.0))
-                z = self._moved(z, step, columns, inverse, min(1.0, most / length) if length else 1.0)
-                if length <= CLOSE and self._met(z):
-                    return z
-        except (ArithmeticError, np.linalg.LinAlgError):
-            return None
+        self._balance(z)
+        before = inf
+        for k in range(STEPS):
+            residual, table, columns, rows = self._rows(z)
+            inverse = np.linalg.pinv(table * columns / rows[:, None], rcond=DEPENDENT) / rows
+            step = -inverse @ residual
+            length = np.abs(step[:n]).max(initial=0.0)
+            if k % LATE == LATE - 1:
+                if not length < 0.5 * before:
+                    break
+                before = length
+            most = max(1.0, np.abs(z[:n] / self.sizes).max(initial=0.0))
+            z = self._moved(z, step, columns, inverse, min(1.0, most / length) if length else 1.0)
+            if length <= CLOSE and self._met(z):
+                return z
         return z if self._met(z) else None
 
     def _moved(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -160,3 +161,20 @@ def test_fmt_leaves_a_file_with_mistakes_alone(tmp_path: Path, capsys: Capture) 
     path.write_text("model A coordinate")
     assert main(["fmt", str(path)]) == 1
     assert path.read_text() == "model A coordinate"
+
+
+def test_matrices_are_no_work_for_threads() -> None:
+    """These wait for each other where others work; what a user says counts."""
+    text = (
+        "import os\nfrom lagc.cli.program import program\nassert 'numpy' not in __import__('sys').modules\n"
+        "program()\nprint(os.environ['OPENBLAS_NUM_THREADS'], os.environ['MKL_NUM_THREADS'])"
+    )
+    own = {k: v for k, v in os.environ.items() if k not in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    done = subprocess.run(
+        [sys.executable, "-c", text, "--version"],
+        env={**own, "MKL_NUM_THREADS": "2"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.splitlines()[-1] == "1 2"

@@ -259,3 +259,9 @@ def test_what_changes_with_time_is_of_the_moment() -> None:
 
 def test_no_equilibrium() -> None:
     assert found("classic/kepler") == []
+
+
+def test_a_posture_where_nothing_is_finite_leaves_the_others() -> None:
+    """Of the car axis, some random postures lie where roots have no derivative."""
+    found = lagc.load("classic/car_axis").compile(backend="numpy").equilibria()
+    assert found and all(np.isfinite(linear.A).all() for linear in found)
