@@ -9,6 +9,7 @@ from lagc.diagnostics.faults import Fault
 from lagc.expr.derivative import seeds
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import is_analytic
+from lagc.expr.walk import depends
 from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import Acting, act
 from lagc.mechanics.constraints import Classified, classify
@@ -123,10 +124,12 @@ def _warnings(
 def _loads(
     states: States, acting: Sequence[Acting], inertial: Mapping[Node, Node], bias: Mapping[int, Node]
 ) -> dict[Node, Node]:
-    """What is given less what inertia asks for, on velocities."""
+    """What is given less what inertia asks for, on velocities that speeds change."""
     asked = [*inertial.items(), *((states.v[j], node) for j, node in bias.items())]
     given = [pair for x in acting for pair in x.loads.items()]
-    return seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
+    found = seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
+    moving = depends(found, states.v)
+    return {node: weight for node, weight in found.items() if node in moving}
 
 
 def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import lagc
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.expr.derivative import tangent
 from lagc.expr.evaluate import evaluate
@@ -269,3 +270,19 @@ def test_nothing_depends_on_the_directory_of_the_source() -> None:
         span = Span(Source(f"{directory}m.lag", "text\n"), 0, 1)
         moved = replace(model, parameters=tuple(replace(p, span=span) for p in model.parameters))
         assert compiled(moved).interface.parameters[0].place == "m.lag:1"
+
+
+@pytest.mark.parametrize("place", ["{0, x, 0}", "{0, 0, 1 [m]}", "{0, 0, a*sin(time/(1 [s]))}"])
+def test_what_acts_on_what_no_speed_moves_is_nothing(place: str) -> None:
+    """Conditions, tables and parameters of it too."""
+    text = f"""model M
+      parameter Length a = 0.1 [m], b = 0.2 [m]; input Force u = 1 [N];
+      coordinate Length x(start = 0.1 [m], rate = 0.3 [m/s]);
+      body p = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+      body o = Particle(mass = 1 [kg], at = {place});
+      force f = {{if b >= x then 3 [N] else u, if x > 0 [m] then 0 [N] else 0 [N],
+                  if b < x then 1 [N] else 2 [N]}} at o;
+    end M;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    assert "b" not in [p.name for p in model.interface.parameters] and not model.interface.switches
+    assert model.simulate(1.0, points=2)["x"][-1] == pytest.approx(0.4)
