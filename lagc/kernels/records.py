@@ -141,6 +141,7 @@ class Work:
         entries: Vec[NWORK]
     if NMODE > 0:
         held: bool  # the modes are those of a step
+        divides: bool  # steps that end where a switch changes are made in two
         modes: Vec[NMODE]
         sides: Vec[NMODE]  # what each switch changes at
         beside: Vec[NMODE]
@@ -235,6 +236,7 @@ class State:
         modes_old: Vec[NMODE]  # of the last
         slack: Vec[NMODE]  # how far a side is beyond its change
         fresh: bool  # the last step ended with one
+        divided: bool  # it was the first part of one that would
         changes_here: Count  # changes at the time t_changed
         t_changed: Real
     if NWHEN > 0:
@@ -260,4 +262,5 @@ class Trial:
     heard: bool  # the error was judged with its rounding
     if NMODE > 0:
         meets: bool  # it ends where a switch changes
+        parts: bool  # it is the first part of one that would
     rejected: int  # attempts before

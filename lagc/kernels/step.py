@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.branches import take
-from lagc.kernels.control import adapt, plan, retreat, too_small
+from lagc.kernels.control import adapt, plan, raised, retreat, too_small
 from lagc.kernels.events import pass_change, set_out
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
@@ -32,6 +32,7 @@ from lagc.kernels.words import Params, Real, Status, Vec, public
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
 MOST_SHRUNK = 40  # times
+UNSEEN = 1e-3  # the error of a step that leaves none between its ends either
 FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
 
 
@@ -78,6 +79,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         for i in range(NX):
             s.jolts[i] = 0.0
         s.fresh = False
+        s.divided = False
     if NWHEN > 0:
         s.acquainted = False
         s.jumps = 0
@@ -92,6 +94,7 @@ def enter(s: State, w: Work) -> None:
         w.lost = s.lost
     if NMODE > 0:
         w.held = True
+        w.divides = False
 
 
 def leave(s: State, status: Status, w: Work) -> Status:
@@ -273,6 +276,7 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None
     if NMODE > 0:
         s.modes_old[:] = w.modes
         s.fresh = False
+        s.divided = a.parts
 
 
 def size_up(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
@@ -300,6 +304,19 @@ def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
             a.size = size
             return True
     return False
+
+
+def is_divided(s: State, o: Options, a: Trial, w: Work) -> bool:
+    """Whether a step that ends where switches change, or where the run does, is to be made in two, of lengths
+    that go with the tolerance: runs at two tolerances would have the same steps there, and their difference
+    tell nothing of the error."""
+    ends = a.lands or a.meets
+    if not (w.divides and ends and a.error > UNSEEN and o.step == 0.0) or s.divided or a.parts:
+        return False
+    a.size *= 0.5 + 0.5 * raised(o.rtol, 0.0625)
+    a.parts = True
+    a.meets = False
+    return True
 
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
@@ -365,6 +382,10 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             cause = status
             a.size *= 0.25
         elif a.error <= 1.0:
+            if NMODE > 0:
+                if is_divided(s, o, a, w):
+                    s.rejected += 1
+                    continue
             break
         else:
             cause = OK

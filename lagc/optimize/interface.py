@@ -20,7 +20,7 @@ from lagc.records import names, replace
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
-    "initial_places", "switches", "timed", "driven", "doubtful", "derivatives",
+    "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
 )  # fmt: skip
 
 
@@ -54,6 +54,7 @@ def interface(
     places = [span for _, span in equations.initial_conditions]
     slopes = condition_slopes(equations)
     bind = functions.get("bind")
+    flowing = _timed(functions["system" if "system" in functions else "rhs"])
     found = Interface(
         model=model.name,
         scene=model.scene,
@@ -103,8 +104,8 @@ def interface(
         switches_aside=tuple([int(switch.aside) for switch in switches]),
         whens=_clauses(equations),
         features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
-        timed=_timed(functions["system" if "system" in functions else "rhs"])
-        or ("sides" in functions and _timed(functions["sides"])),
+        timed=flowing or ("sides" in functions and _timed(functions["sides"])),
+        flowing=flowing,
         doubtful=_doubtful(model),
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
         derivatives=dict(derivatives),

@@ -205,7 +205,8 @@ class Interface:
     whens: tuple[Clause, ...] = ()
     features: int = 0  # terms that may be narrow
     timed_switches: int = 0  # the first ones, which time alone changes, when is known
-    timed: bool = False  # the rates depend on time itself
+    timed: bool = False  # the rates, or when they change, depend on time itself
+    flowing: bool = False  # the rates do between changes
     doubtful: bool = (
         False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
     )

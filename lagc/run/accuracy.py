@@ -29,8 +29,9 @@ HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is 
 COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
-# Of the time, the longest step at the tolerance COARSE: of any motion; where the rates depend on time itself.
-LONGEST, LONGEST_TIMED = 0.5, 0.02
+# Of the time, the longest step at the tolerance COARSE: of any motion; where the rates depend on time itself
+# between changes.
+LONGEST, LONGEST_FLOWING = 0.5, 0.02
 MEANINGLESS = 1e-2  # an estimate above it says that the end of the motion is not known at all
 
 Progress = Callable[[float], None]
@@ -98,7 +99,7 @@ def verified_run(
 
 def longest_step(system: System, method: str, tol: float, time: float, max_step: float | None) -> float:
     """Of a run over a time, at a tolerance."""
-    longest = (LONGEST_TIMED if system.interface.timed else LONGEST) * abs(time)
+    longest = (LONGEST_FLOWING if system.interface.flowing else LONGEST) * abs(time)
     found: float = min(longest, max_step or longest) * (tol / COARSE) ** (1.0 / order(method))
     return found
 

@@ -1,0 +1,43 @@
+"""Motions that change more often than steps of their accuracy would end: a mass on a spring between two walls
+that throw it back.  Its phase goes to and fro like a triangle wave."""
+
+from __future__ import annotations
+
+from math import asin, cos, hypot, sin
+from random import Random
+
+import pytest
+
+import lagc
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+STOP, POINTS = 6.0, 61
+
+
+@pytest.mark.parametrize("seed", [15, 86, *range(12)])
+def test_the_estimate_knows_of_all_times(seed: int) -> None:
+    """Runs that are compared take other steps, also where each step ends at a change."""
+    chance = Random(seed)
+    omega, wall, v = chance.uniform(0.5, 3.0), chance.uniform(0.2, 2.0), chance.uniform(0.3, 3.0)
+    size = hypot(0.01, v / omega)
+    top = asin(wall / size) if wall < size else 4.0
+    text = f"""model M
+      coordinate Real x(start = 0.01, rate = {v!r} [1/s]);
+      body b = Particle(mass = 1 [kg], at = {{x, 0, 0}}*1 [m]);
+      force f = {{-{omega!r}^2*x*1 [N], 0, 0}} at b;
+      when x > {wall!r} then reinit(der(x), -der(x)); end when;
+      when x < -{wall!r} then reinit(der(x), -der(x)); end when;
+    end M;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    for accuracy in (1e-4, 1e-6, 1e-8):
+        run = model.simulate(STOP, accuracy=accuracy, points=POINTS)
+        assert run.status == "ok" and run.estimated is not None, run.message
+        off = 0.0
+        for t, x in zip(run.times, run["x"]):
+            phase = asin(0.01 / size) + omega * t
+            if top < 4.0:
+                phase = (phase + top) % (4.0 * top)
+                phase = phase - top if phase < 2.0 * top else 3.0 * top - phase
+            off = max(off, abs(x - size * sin(phase)))
+        assert off <= run.estimated * min(wall, size), (accuracy, off, run.estimated)
