@@ -3,7 +3,7 @@ that throw it back.  Its phase goes to and fro like a triangle wave."""
 
 from __future__ import annotations
 
-from math import asin, cos, hypot, sin
+from math import asin, hypot, sin
 from random import Random
 
 import pytest
