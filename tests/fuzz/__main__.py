@@ -20,7 +20,6 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from lagc.cli.program import ALONE
 from tests.fuzz import workers
 from tests.fuzz.disturbed import Disturber
 from tests.fuzz.finds import Finds
@@ -177,8 +176,6 @@ class Run:
 
 def main(words: Sequence[str] | None = None) -> int:
     options = _options(words)
-    for name in ALONE:
-        os.environ.setdefault(name, "1")
     with tempfile.TemporaryDirectory() as scratch:
         run = Run(options, Trials(Path(scratch), options.compiled, options.jobs))
         deadline = time.monotonic() + 3600 * options.hours if options.hours else float("inf")

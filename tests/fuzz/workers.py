@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import resource
 import signal
 import time
@@ -11,6 +12,11 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeAlias
+
+from lagc.cli.program import ALONE
+
+for each in ALONE:  # before NumPy is loaded
+    os.environ.setdefault(each, "1")
 
 SECONDS = 10  # of processor time for one command
 WALL = 600.0  # s for one command, whatever it waits for: others may have the processors
