@@ -101,3 +101,19 @@ def test_at_the_time_of_an_event_what_is_behind_it_is_recorded() -> None:
     assert run["der(x)"] == pytest.approx([1.0, 2.0, 2.0])
     assert run.sensitivity("der(x)", "j") == pytest.approx([0.0, 1.0, 1.0])
     assert run.sensitivity("x", "j") == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_an_array_stands_for_its_entries() -> None:
+    text = """model Two
+      parameter Length l[2] = {1, 2} [m];
+      coordinate Angle th[2](each start = 0.1 [rad]);
+      for i in 1:2 loop
+        body b[i] = Particle(mass = 1 [kg], at = l[i]*{sin(th[i]), 0, -cos(th[i])});
+      end for;
+    end Two;"""
+    asked = ["l", "start(th)", "start(der(th))", "l[1]"]
+    run = lagc.loads(text).compile(backend="numpy").simulate(0.1, points=2, sensitivity=asked)
+    assert run.sensitivities is not None
+    assert [d.name for d in run.sensitivities.directions] == [
+        *("l[1]", "l[2]", "start(th[1])", "start(th[2])", "start(der(th[1]))", "start(der(th[2]))")
+    ]
