@@ -119,13 +119,9 @@ def move_by(s: State, time: Real, w: Work) -> None:
             s.x[i] += time * w.xdot[i]
 
 
-def jump(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
-    """The clauses in w.due give new values, as at the time that was `since` ago; what the energy gains by it
-    is work that is done."""
-    giver = last_giver(w)
-    if giver < 0:
-        return OK
-    move_by(s, -since, w)
+def jump(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
+    """The clauses in w.due, of which `giver` is the last that does, give new values; what the energy gains by
+    it is work that is done."""
     fn_sides_on(p, s.t, s.x, w.modes, w.beside)
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
@@ -145,14 +141,9 @@ def jump(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
         fn_energies(p, s.t, s.x, w.energies)
         s.x[NX - 1] += w.energies[2] - before
     status = land(p, s, direction, w)
-    if failed(status):
-        return status
-    move_by(s, since, w)
-    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
-    keep_branch(s, w)
-    s.jumps += 1
-    s.rate = NOWHERE
-    return OK
+    if not failed(status):
+        s.jumps += 1
+    return status
 
 
 def told_apart(p: Params, s: State, direction: Real, w: Work) -> bool:
@@ -178,13 +169,10 @@ def blame(w: Work) -> Status:
     return CHATTERING
 
 
-def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
-    """The clauses whose conditions come true at (s.t, s.x), `since` after they did.  Rates are in w.xdot."""
+def act_in_turn(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+    """The clauses whose conditions come true, and those that these make true.  Before the first new values
+    the state goes back by `since`; w.went tells whether it has."""
     ended = OK
-    for j in range(NFREE):
-        w.shifted[j] = 0
-    for k in range(NWHEN):
-        s.fired[k] = 0
     for turn in range(MOST_AT_ONCE + NWHEN):
         if not come_true(p, s, w):
             return ended
@@ -197,10 +185,35 @@ def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
                     s.culprit = k
                     ended = TERMINATED
         if NJUMP > 0:
-            status = jump(p, s, direction, since if turn == 0 else 0.0, w)
-            if failed(status):
-                return status
+            giver = last_giver(w)
+            if giver >= 0:
+                if not w.went:
+                    w.went = True
+                    move_by(s, -since, w)
+                    s.t -= since
+                status = jump(p, s, giver, direction, w)
+                if failed(status):
+                    return status
     return blame(w)
+
+
+def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
+    """The clauses whose conditions come true at (s.t, s.x), `since` after they did: what they do is done at
+    the time of then, and the motion goes on from it to now.  Rates are in w.xdot."""
+    for j in range(NFREE):
+        w.shifted[j] = 0
+    for k in range(NWHEN):
+        s.fired[k] = 0
+    now = s.t
+    w.went = False
+    status = act_in_turn(p, s, direction, since, w)
+    s.t = now
+    if w.went and (status == TERMINATED or not failed(status)):
+        move_by(s, since, w)
+        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+        keep_branch(s, w)
+        s.rate = NOWHERE
+    return status
 
 
 def since_change(s: State, direction: Real, w: Work) -> Real:

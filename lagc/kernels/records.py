@@ -157,6 +157,7 @@ class Work:
         due: IVec[NWHEN]  # 1: it has become true
         shifted: IVec[NFREE]  # 1: its side, by what was done at this moment
         x_before: Vec[NX]  # and all else that is put back where what is to be done cannot be
+        went: bool  # the state is at the time of a change
         held_before: Vec[NWHEN]
         modes_before: Vec[NMODE]
         slack_before: Vec[NMODE]
