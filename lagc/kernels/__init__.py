@@ -11,7 +11,7 @@ from typing import NewType
 Status = NewType("Status", int)  # what a call ends with: see `statuses`
 FILES = (
     "statuses", "limits", "trigonometry",
-    "records", "binding", "kinds", "modes", "dense", "fallback", "rhs", "quaternions", "projection",
+    "records", "binding", "kinds", "modes", "dense", "fallback", "damped", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening",
     "enclosing", "branches", "locating", "switching", "events", "narrow", "step", "recording",
     "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",

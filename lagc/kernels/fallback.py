@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 
 from lagc.kernels.dense import cholesky, lower, upper
-from lagc.kernels.limits import CONTRADICTION, DEPENDENT, STILL_DEPENDENT, TINY
+from lagc.kernels.limits import CONTRADICTION, TINY
 from lagc.kernels.model import fn_gamma_sizes
 from lagc.kernels.records import Work
 from lagc.kernels.sizes import NC, NG, NV, NX
@@ -133,17 +133,11 @@ def orthogonalise(w: Work, dependent: Real) -> None:
     w.rank = NC
 
 
-def factor_fallback(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
-    """From M and G in w.  Rows count as dependent below a share that is their own: where two branches of a
-    mechanism cross, rounding rounds the corner between them within about 1e-8, and the motion goes straight
-    through only if the row is left out before.  Once rows are known to be dependent (`lost`) the limit is
-    higher, and so it is beside the constraints (`miss`), where rows that depend on others on them have a
-    share of that size of their own.  A row whose gradient all but vanishes has a direction that says
-    little: it counts for less than one (`slight`).  Where M alone is singular or very uneven,
-    M + weight G^T G takes its place: the same solution, as G a is given."""
-    least = STILL_DEPENDENT if w.lost else DEPENDENT
-    if 30.0 * w.miss > least:
-        least = 30.0 * w.miss if 30.0 * w.miss < 0.1 else 0.1
+def factor_fallback(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
+    """From M and G in w.  Rows count as dependent below the share `least` that is their own.  A row whose
+    gradient all but vanishes has a direction that says little: it counts for less than one (`slight`).
+    Where M alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a
+    is given."""
     w.weight = 0.0
     for i in range(NC):
         w.sizes[i] = 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fabs, inf
 from typing import Any
 
+from lagc.kernels.damped import factor_whole
 from lagc.kernels.fallback import solve_fallback
 from lagc.kernels.kinds import RESTING
 from lagc.kernels.limits import LARGEST_RESIDUAL, LEAST_PIVOT, LEFT_OVER, UNTOUCHED
@@ -13,14 +14,15 @@ from lagc.kernels.model import (
     fn_factor,
     fn_position,
     fn_reaches,
+    fn_rest,
     fn_scales,
     fn_solve,
     fn_velocity,
 )
 from lagc.kernels.quaternions import normalise
 from lagc.kernels.records import Work
-from lagc.kernels.rhs import assemble_entries, factor_dense, system_at
-from lagc.kernels.sizes import HAS_DISPLACE, NC, NH, NKIND, NQ, NQUAT, NR, NV, NX, STRAIGHT
+from lagc.kernels.rhs import assemble_entries, factor_safely, system_at
+from lagc.kernels.sizes import HAS_DISPLACE, NC, NH, NKIND, NM, NQ, NQUAT, NR, NV, NX, STRAIGHT
 from lagc.kernels.statuses import INCONSISTENT, OK, failed
 from lagc.kernels.words import Params, Real, Size, Status, Vec, by_type, part
 
@@ -33,25 +35,32 @@ def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     if STRAIGHT:
         if not w.lost:
             assemble_entries(p, t, x, w)
-            fn_factor(w.entries, w.health)
-            if w.health[0] >= LEAST_PIVOT and w.health[1] <= LARGEST_RESIDUAL:
-                w.dense = False
+            if NM > 0:
+                fn_factor(w.entries, w.health)
+                if w.health[0] >= LEAST_PIVOT and w.health[1] <= LARGEST_RESIDUAL:
+                    w.dense = False
+                    return OK
+            elif factor_whole(w):
                 return OK
-    w.dense = True
-    return factor_dense(p, t, x, w)
+    if NM > 0:
+        w.dense = True
+    return factor_safely(p, t, x, w)
 
 
 def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """M s1 - G^T s2 = r1, G s1 = r2"""
-    if STRAIGHT:
-        if not w.dense:
-            fn_solve(w.entries, r, s)
-            return
-    w.a[:] = part(r, 0, NV)
-    w.tail[:] = part(r, NV, NV + NC)
-    solve_fallback(w, w.tail, w.a, w.mu)
-    s[:NV] = w.a
-    s[NV : NV + NC] = w.mu
+    if NM > 0:
+        if STRAIGHT:
+            if not w.dense:
+                fn_solve(w.entries, r, s)
+                return
+        w.a[:] = part(r, 0, NV)
+        w.tail[:] = part(r, NV, NV + NC)
+        solve_fallback(w, w.tail, w.a, w.mu)
+        s[:NV] = w.a
+        s[NV : NV + NC] = w.mu
+    else:
+        fn_solve(w.entries, r, s)
 
 
 def measure(p: Params, t: Real, x: Vec[NX], sizes: Vec[NKIND], w: Work) -> None:
@@ -91,6 +100,25 @@ def worst_row(values: Vec[Any], n: Size, scales: Vec[NC]) -> int:
     return row
 
 
+def row_rates(e: Vec[NX], w: Work) -> None:
+    """w.rows = G e for the speeds of e."""
+    if NM > 0:
+        for i in range(NC):
+            total = 0.0
+            for j in range(NV):
+                total += w.G[i * NV + j] * e[NQ + j]
+            w.rows[i] = total
+    else:
+        for i in range(NC):
+            w.right[NV + i] = 0.0
+            w.left[NV + i] = 0.0
+        for j in range(NV):
+            w.left[j] = e[NQ + j]
+        fn_rest(w.entries, w.right, w.left, w.rest)
+        for i in range(NC):
+            w.rows[i] = -w.rest[NV + i]
+
+
 def tangents(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Take from the parts of the error of a state near x what lies along the constraints in their speeds,
     in the metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
@@ -98,18 +126,17 @@ def tangents(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     culprit = w.culprit
     for i in range(NC):
         w.known[i] = w.redundant[i]
-    system_at(p, t, x, w)
+    if NM > 0:
+        system_at(p, t, x, w)
     status = assemble_at(p, t, x, w)
     if not failed(status):
         for j in range(NV):
             w.right[j] = 0.0
         for k in range(2):
             e = w.parts[k]
+            row_rates(e, w)
             for i in range(NC):
-                total = 0.0
-                for j in range(NV):
-                    total += w.G[i * NV + j] * e[NQ + j]
-                w.right[NV + i] = -total
+                w.right[NV + i] = -w.rows[i]
             solve_at(w.right, w.left, w)
             for j in range(NV):
                 e[NQ + j] += w.left[j]

@@ -105,18 +105,20 @@ class Work:
     velocity_left: Real
     if NC > 0:
         sizes: Vec[NC]  # of the terms of gamma
-        weight: Real
+        if NM > 0:
+            weight: Real
         miss: Real
         slight: Vec[NC]
         reaches: Vec[NREACH]
         own: Vec[NKIND]
-        b: Mat[NC, NV]
-        begins: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
-        stops: IVec[NC]
-        f: Mat[NC, NC]
-        table: Mat[NC, NC]
-        normal: Mat[NC, NC]
-        lengths: Vec[NC]
+        if NM > 0:
+            b: Mat[NC, NV]
+            begins: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
+            stops: IVec[NC]
+            f: Mat[NC, NC]
+            table: Mat[NC, NC]
+            normal: Mat[NC, NC]
+            lengths: Vec[NC]
         free: Vec[NC]
         found: Vec[NC]
         scales: Vec[NC]  # of residuals, and of their rates
@@ -126,13 +128,18 @@ class Work:
         left: Vec[NR]
         moved: Vec[NX]
         dq: Vec[NQ]
-        order: IVec[NC]
+        if NM > 0:
+            order: IVec[NC]
         known: IVec[NC]  # rows that were redundant before a look at another state
-        tail: Vec[NC]
-        mu: Vec[NC]
-        rank: Size
+        if NM > 0:
+            tail: Vec[NC]
+            mu: Vec[NC]
+            rank: Size
+            dense: bool
+        else:
+            rest: Vec[NR]
+            change: Vec[NR]
         assembled: bool  # the factors of this projection are there
-        dense: bool
     if NH > 0:
         parts: Mat[TWO, NX]  # of the error of a step
         other: Mat[TWO, NX]  # the same of another attempt

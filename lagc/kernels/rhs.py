@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from math import fabs, inf
 
+from lagc.kernels.damped import factor_damped, factor_whole, solve_damped
 from lagc.kernels.dense import cholesky, lower, upper
 from lagc.kernels.fallback import factor_fallback, solve_fallback
 from lagc.kernels.kinds import RESTING, enlarge, not_finite
-from lagc.kernels.limits import FAINT, LARGEST_RESIDUAL, LEAST_PIVOT, ROUNDING, SINGULAR
+from lagc.kernels.limits import (
+    DEPENDENT,
+    FAINT,
+    LARGEST_RESIDUAL,
+    LEAST_PIVOT,
+    ROUNDING,
+    SINGULAR,
+    STILL_DEPENDENT,
+)
 from lagc.kernels.model import (
     fn_assemble,
     fn_assemble_on,
     fn_factor,
+    fn_forces,
+    fn_forces_on,
     fn_gradient_sizes,
+    fn_gradients,
     fn_position,
     fn_reaches,
     fn_refine,
@@ -27,7 +39,7 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.modes import own_branch
 from lagc.kernels.records import Work
-from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NMODE, NQ, NV, NX, NZ, STRAIGHT
+from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
 from lagc.kernels.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
 from lagc.kernels.words import Params, Real, Status, Vec, part, size
 
@@ -47,6 +59,19 @@ def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
         fn_assemble_on(p, t, x, w.modes, w.entries)
     else:
         fn_assemble(p, t, x, w.entries)
+
+
+def right_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """The right-hand side of the equations, (r, gamma), in w.right; qdot."""
+    if NM > 0:
+        system_at(p, t, x, w)
+        w.right[:NV] = w.force
+        w.right[NV : NV + NC] = w.gamma
+    elif NMODE > 0:
+        own_branch(p, t, x, w)
+        fn_forces_on(p, t, x, w.modes, w.qdot, w.right)
+    else:
+        fn_forces(p, t, x, w.qdot, w.right)
 
 
 def trust(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
@@ -72,17 +97,21 @@ def trust(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def faint(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """A gradient that is much shorter than others may be rounding of its terms: its direction says
     little then."""
+    if NM > 0:
+        for i in range(NC):
+            total = 0.0
+            for j in range(NV):
+                total += fabs(w.G[i * NV + j])
+            w.free[i] = total
+    else:
+        fn_gradients(p, t, x, w.free)
     largest = 0.0
     smallest = inf
     for i in range(NC):
-        total = 0.0
-        for j in range(NV):
-            total += fabs(w.G[i * NV + j])
-        w.free[i] = total
-        if total > largest:
-            largest = total
-        if total < smallest:
-            smallest = total
+        if w.free[i] > largest:
+            largest = w.free[i]
+        if w.free[i] < smallest:
+            smallest = w.free[i]
     if not smallest < FAINT * largest:
         return
     fn_gradient_sizes(p, t, x, w.found)
@@ -94,15 +123,20 @@ def faint(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def system_fault(x: Vec[NX], w: Work) -> int:
     """The index of x that a value of the system that is not finite refers to; -1."""
     i = not_finite(w.qdot, NQ)
-    if i < 0:
-        i = not_finite(w.force, NV)
-        if i >= 0:
-            i += NQ
-    if i < 0 and not_finite(w.M, NM) >= 0:
-        i = size(NQ)
-    if NC > 0:
-        if i < 0 and (not_finite(w.G, NG) >= 0 or not_finite(w.gamma, NC) >= 0):
+    if NM > 0:
+        if i < 0:
+            i = not_finite(w.force, NV)
+            if i >= 0:
+                i += NQ
+        if i < 0 and not_finite(w.M, NM) >= 0:
             i = size(NQ)
+        if NC > 0:
+            if i < 0 and (not_finite(w.G, NG) >= 0 or not_finite(w.gamma, NC) >= 0):
+                i = size(NQ)
+    elif i < 0:
+        i = not_finite(w.right, NR)
+        if i >= 0:
+            i = i + NQ if i < NV else size(NQ)
     if i >= 0:
         own = not_finite(x, NX)
         if own >= 0:
@@ -110,24 +144,43 @@ def system_fault(x: Vec[NX], w: Work) -> int:
     return i
 
 
-def factor_dense(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
+def least_share(w: Work) -> Real:
+    """Of its own, below which a row counts as dependent: where two branches of a mechanism cross, rounding
+    rounds the corner between them within about 1e-8, and the motion goes straight through only if the row
+    is left out before.  Once rows are known to be dependent (`lost`) the limit is higher, and so it is beside
+    the constraints (`miss`), where rows that depend on others on them have a share of that size of their
+    own."""
+    least = STILL_DEPENDENT if w.lost else DEPENDENT
+    if 30.0 * w.miss > least:
+        least = 30.0 * w.miss if 30.0 * w.miss < 0.1 else 0.1
+    return least
+
+
+def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factors of the equations at (t, x) that hold for any rank."""
     if STRAIGHT:
         w.fallbacks += 1
-    system_at(p, t, x, w)
-    fault = system_fault(x, w)
+    if NM > 0:
+        system_at(p, t, x, w)
+        fault = system_fault(x, w)
+    else:
+        fault = not_finite(x, NX)
     if fault >= 0:
         w.culprit = fault
         return NOT_FINITE
     if NC > 0:
         trust(p, t, x, w)
         faint(p, t, x, w)
-        status = factor_fallback(p, t, x, w)
+        if NM > 0:
+            status = factor_fallback(p, t, x, least_share(w), w)
+            if status == REDUNDANT:
+                rank = w.rank
+                for i in range(rank, NC):
+                    w.redundant[w.order[i]] = 1
+        else:
+            assemble_entries(p, t, x, w)
+            status = factor_damped(p, t, x, least_share(w), w)
         w.lost = status == REDUNDANT
-        if w.lost:
-            rank = w.rank
-            for i in range(rank, NC):
-                w.redundant[w.order[i]] = 1
         return status
     return OK if cholesky(w) else SINGULAR_MASS
 
@@ -144,18 +197,32 @@ def put_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
         xdot[NQ + NV] = w.power[0]
 
 
-def rhs_dense(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
-    status = factor_dense(p, t, x, w)
+def rhs_safely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+    """By factors that hold for any rank."""
+    if not NM > 0:
+        right_at(p, t, x, w)
+        unfit = system_fault(x, w)
+        if unfit >= 0:
+            w.culprit = unfit
+            return NOT_FINITE
+    status = factor_safely(p, t, x, w)
     if failed(status):
         return status
-    w.a[:] = w.force
-    if NC > 0:
-        status = solve_fallback(w, w.gamma, w.a, lam)
+    if NM > 0:
+        w.a[:] = w.force
+        if NC > 0:
+            status = solve_fallback(w, w.gamma, w.a, lam)
+            if failed(status):
+                return status
+        else:
+            lower(w, w.a)
+            upper(w, w.a)
+    else:
+        status = solve_damped(w.right, w.left, w)
         if failed(status):
             return status
-    else:
-        lower(w, w.a)
-        upper(w, w.a)
+        w.a[:] = part(w.left, 0, NV)
+        lam[:] = part(w.left, NV, NV + NC)
     put_rates(p, t, x, xdot, lam, w)
     fault = not_finite(xdot, NX)
     if fault >= 0:
@@ -166,13 +233,15 @@ def rhs_dense(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
 
 def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """The same once more with one step of iterative refinement."""
-    system_at(p, t, x, w)
+    right_at(p, t, x, w)
     assemble_entries(p, t, x, w)
-    fn_factor(w.entries, w.health)
-    w.right[:NV] = w.force
-    w.right[NV : NV + NC] = w.gamma
-    fn_solve(w.entries, w.right, w.left)
-    fn_refine(w.entries, w.right, w.left)
+    if NM > 0:
+        fn_factor(w.entries, w.health)
+        fn_solve(w.entries, w.right, w.left)
+        fn_refine(w.entries, w.right, w.left)
+    else:
+        factor_whole(w)
+        solve_damped(w.right, w.left, w)
     w.a[:] = part(w.left, 0, NV)
     lam[:] = part(w.left, NV, NV + NC)
     put_rates(p, t, x, xdot, lam, w)
@@ -194,23 +263,23 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
     if STRAIGHT:
         if NC > 0:
             if w.lost:
-                return rhs_dense(p, t, x, xdot, lam, w)
+                return rhs_safely(p, t, x, xdot, lam, w)
         if NMODE > 0:
             own_branch(p, t, x, w)
             fn_rhs_on(p, t, x, w.modes, xdot, lam, w.health)
         else:
             fn_rhs(p, t, x, xdot, lam, w.health)
-        if NM > 0:
+        if NM > 0 or NC > 0:
             least = LEAST_PIVOT if NC > 0 else SINGULAR
             if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
-                return rhs_dense(p, t, x, xdot, lam, w)
+                return rhs_safely(p, t, x, xdot, lam, w)
             if NC > 0:
                 if w.health[1] > ROUNDING:
                     rhs_refined(p, t, x, xdot, lam, w)
             if not_finite(xdot, NX) < 0:
                 return OK
-    if NM > 0:
+    if NM > 0 or NC > 0:
         # it tells why
-        return rhs_dense(p, t, x, xdot, lam, w)
+        return rhs_safely(p, t, x, xdot, lam, w)
     else:
         return judged(x, xdot, w)

@@ -15,7 +15,7 @@ from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
-from lagc.kernels.rhs import factor_dense, rhs_at
+from lagc.kernels.rhs import factor_safely, rhs_at
 from lagc.kernels.sizes import NC, NFEAT, NFREE, NKIND, NMODE, NP, NQUAT, NTIMED, NWHEN, NX, STRAIGHT
 from lagc.kernels.statuses import (
     CHATTERING,
@@ -161,7 +161,7 @@ def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
             if NC > 0:
                 w.lost = False
                 if STRAIGHT:
-                    factor_dense(p, s.t, s.x, w)  # straight factors need not show dependent rows
+                    factor_safely(p, s.t, s.x, w)  # straight factors need not show dependent rows
                     w.fallbacks -= 1
         else:
             again = parameters_changed(p, s)

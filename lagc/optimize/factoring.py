@@ -11,18 +11,31 @@ from collections.abc import Mapping, Sequence
 
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination, Entry, Step, Structure, entry
-from lagc.records import dataclass
+from lagc.records import dataclass, field
 
 
 @dataclass(frozen=True)
 class Factors:
-    """References: L below the diagonal, 1/D, the smallest pivot ratio, and the sizes that pivots would have
-    if nothing were subtracted."""
+    """References: L below the diagonal, 1/D, the smallest pivot ratio, the sizes that pivots would have
+    if nothing were subtracted and, of rows that are guarded, the shares of these that are their own, 0 of one
+    that is left out."""
 
     lower: Mapping[Entry, int]
     inverse: Mapping[int, int]
     health: int
     sizes: Mapping[int, int]
+    own: Mapping[int, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Guard:
+    """References to what keeps the factors of dependent rows finite.  A row with no more than its `limits` of
+    its size of its own is left out, with multiplier 0, others are damped by the `share` of their size.  One
+    that gives a pivot to a speed without inertia is never left out, and damped by `least`."""
+
+    limits: Mapping[int, int]
+    share: int
+    least: int
 
 
 @dataclass(frozen=True)
@@ -37,14 +50,15 @@ class _Factoring:
     """The matrix while it is eliminated, and how large the positive terms of its diagonal are: of the
     multipliers -sum of L_j^2 d_j over the speeds j."""
 
-    def __init__(self, block: Block, plan: Elimination, matrix: Matrix):
-        self.block, self.structure, self.matrix = block, plan.structure, matrix
+    def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
+        self.block, self.structure, self.matrix, self.guard = block, plan.structure, matrix, guard
         self.current = {**matrix.entries, **_tied(block, plan.structure, matrix)}
         rows = plan.structure.is_row
         self.sizes = {i: value for (i, j), value in matrix.entries.items() if i == j and not rows(i)}
         self.lessened: set[int] = set()  # what something was subtracted from
         self.lower: dict[Entry, int] = {}
         self.inverse: dict[int, int] = {}
+        self.own: dict[int, int] = {}
         self.health = block.one
 
     def at(self, i: int, j: int) -> int:
@@ -60,8 +74,11 @@ class _Factoring:
     def pivot(self, step: Step) -> None:
         block, k = self.block, step.unknown
         pivot = self.at(k, k)
-        self.inverse[k] = block.div(block.one, pivot)
-        self._watch(k, pivot)
+        if self.guard is not None and k in self.guard.limits:
+            self.inverse[k] = self._guarded(self.guard, step, ~pivot)
+        else:
+            self.inverse[k] = block.div(block.one, pivot)
+            self._watch(k, pivot)
         scaled = {i: self.at(i, k) for i in step.near}  # L D of this column
         for i in step.near:
             self.lower[(i, k)] = block.mul(scaled[i], self.inverse[k])
@@ -74,6 +91,21 @@ class _Factoring:
                     self.enlarge(i, share)
                 elif i == j:
                     self.lessened.add(i)
+
+    def _guarded(self, guard: Guard, step: Step, own: int) -> int:
+        """The inverse pivot of a row."""
+        block, k = self.block, step.unknown
+        size = ~self.sizes.get(k, block.zero)
+        if any(not self.structure.is_row(j) and block.is_zero(self.at(j, j)) for j in step.near):
+            damped = block.add(own, block.mul(guard.least, size))
+            self.own[k] = block.div(damped, size)
+            return ~block.div(block.one, damped)
+        kept = block.apply("lt", block.mul(guard.limits[k], size), own)
+        part = block.div(own, block.apply("select", kept, size, block.one))
+        self.own[k] = block.apply("select", kept, part, block.zero)
+        damped = block.add(own, block.mul(guard.share, size))
+        whole = block.div(block.one, block.apply("select", kept, damped, block.one))
+        return ~block.apply("select", kept, whole, block.zero)
 
     def _watch(self, k: int, pivot: int) -> None:
         """The ratio of a pivot to its size: near zero for a speed without inertia and for a redundant row, of
@@ -120,20 +152,20 @@ def _tied(block: Block, structure: Structure, matrix: Matrix) -> dict[Entry, int
     return found
 
 
-def factor(block: Block, plan: Elimination, matrix: Matrix) -> Factors:
+def factor(block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None = None) -> Factors:
     """L D L^T of the matrix, lifted velocities substituted.
 
     The ratio of a speed's pivot is d/M_kk, about; that of a multiplier's, -d / sum(L_j^2 d_j) over the
     speeds j, the size it would have without the rows eliminated before it: near zero for a
     redundant row.  A pivot of the wrong sign makes its ratio negative.
     """
-    work = _Factoring(block, plan, matrix)
+    work = _Factoring(block, plan, matrix, guard)
     for step in plan.steps:
         if step.definition:
             work.substitution(step)
         else:
             work.pivot(step)
-    return Factors(work.lower, work.inverse, work.health, work.sizes)
+    return Factors(work.lower, work.inverse, work.health, work.sizes, work.own)
 
 
 def substitute(

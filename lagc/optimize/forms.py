@@ -17,11 +17,14 @@ LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
 LARGEST_LIFTED = 2_000_000  # the same of one that grows with the size of the model
 SPARSE = 30  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
+_MOST_UNKNOWNS = 100  # speeds and multipliers: beyond, a dense solve is as long as some hundred straight ones
 _WORTH = 0.8  # of the operations, at most, where bodies keep their velocities
 
 
 def forms_matrix(equations: EquationsOfMotion) -> bool:
     """Whether the mass matrix is formed though the equations may be solved without."""
+    if equations.rows:
+        return len(equations.v) + len(equations.rows) <= _MOST_UNKNOWNS
     return len(equations.v) <= _MOST_SPEEDS
 
 
@@ -31,6 +34,8 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
         plan = _plan(system)
         if plan is not None and flops(plan) <= _most(system.structure):
             yield Solver(system, plan)
+            if not forms_matrix(equations):
+                return
 
 
 def _plan(system: Lifted) -> Elimination | None:
@@ -53,7 +58,7 @@ def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
     raised = lifted(equations)
     if raised is not None and _is_made_of(known, raised):
         yield raised
-        if not forms_matrix(equations):
+        if not (equations.rows or forms_matrix(equations)):
             return
     apart = plain(equations)
     yield apart

@@ -40,6 +40,14 @@ def system(places: Places, seldom: bool) -> Function:
     )  # fmt: skip
 
 
+def forces(places: Places) -> Function:
+    """qdot, and the right-hand side without a matrix."""
+    equations = places.equations
+    right = [*equations.applied_forces, *(row.gamma for row in equations.rows)]
+    outputs = (("qdot", equations.qdot), ("r", right))
+    return made(places, "forces", places.state, outputs, "qdot, forces, gamma of the rows", seldom=True)
+
+
 class Sparse(NamedTuple):
     """An array of `length` with few `entries`."""
 
@@ -131,6 +139,13 @@ def gradient_sizes(places: Places) -> Function:
     sizes = [graph.sum(magnitudes(graph, list(row.jacobian.values()))) for row in places.equations.rows]
     described = "size of the terms of each row's gradient"
     return made(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
+
+
+def gradients(places: Places) -> Function:
+    """The sum of the absolute values of the entries of each row's gradient."""
+    graph = places.graph
+    sums = [graph.sum(graph.unary("abs", a) for a in row.jacobian.values()) for row in places.equations.rows]
+    return made(places, "gradients", STATE, (("s", sums),), "size of each row's gradient", seldom=True)
 
 
 def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:

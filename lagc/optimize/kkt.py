@@ -13,7 +13,7 @@ from lagc.expr.symbol import derived
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination
-from lagc.optimize.factoring import Factors, Matrix, factor, pair, refine, residual, substitute
+from lagc.optimize.factoring import Factors, Guard, Matrix, factor, pair, refine, residual, substitute
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
@@ -88,37 +88,50 @@ def _with_inertia(
         if op == "div" and not plan.structure.is_row(step.unknown) and inverse not in used:
             pivot = operands[1]
             if block.row(pivot)[0] != "const":
-                sign = block.apply("sign", pivot)
+                sign = block.apply("sign", pivot if inverses[step.unknown] >= 0 else ~pivot)
                 health = sign if health == block.one else block.apply("min", health, sign)
     return health
 
 
-def work_size(solver: Solver) -> int:
-    """Doubles of w: the entries and coefficients, L below its diagonal, 1/D."""
-    return len(solver.nodes) + len(solver.plan.lower) + len(solver.plan.pivots)
+def work_size(solver: Solver, guarded: bool) -> int:
+    """Doubles of w: the entries and coefficients, L below its diagonal, 1/D; where rows are guarded, the
+    sizes of all, the shares that are their own and the limits of these, then the share by which rows are
+    damped, and that of rows which give a pivot to a speed without inertia."""
+    factors = len(solver.nodes) + len(solver.plan.lower) + len(solver.plan.pivots)
+    return factors + 3 * solver.plan.multipliers + 2 if guarded else factors
 
 
-def assemble(places: Places, solver: Solver) -> Function:
+def assemble(places: Places, solver: Solver, guarded: bool) -> Function:
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
         _store_all(block, "w", lower(places, block, nodes)[1])
-        return block.function(
-            "assemble", places.state, (("w", work_size(solver)),), "entries of [M G^T; G 0] into w"
-        )
+        outputs = (("w", work_size(solver, guarded)),)
+        return block.function("assemble", places.state, outputs, "entries of [M G^T; G 0] into w")
 
     return cheapest(places, solver.nodes, make)
 
 
-def factorize(solver: Solver) -> Function:
+def factorize(solver: Solver, guarded: bool) -> Function:
     """w: entries -> entries, L, 1/D."""
-    block, plan = Block(), solver.plan
-    factors = factor(block, plan, _assembled(block, solver))
+    block, plan, length = Block(), solver.plan, work_size(solver, guarded)
+    rows, behind = range(plan.speeds, plan.size), length - 2 - 3 * plan.multipliers
+    guard = None
+    if guarded:
+        limits = {k: block.load("w", length - 2 - plan.size + k) for k in rows}
+        guard = Guard(limits, block.load("w", length - 2), block.load("w", length - 1))
+    factors = factor(block, plan, _assembled(block, solver), guard)
     at = len(solver.nodes)
     kept = [factors.lower[e] for e in plan.lower] + [factors.inverse[step.unknown] for step in plan.pivots]
     for k, value in enumerate(kept):
         block.store("w", at + k, value)
-    _store_all(block, "health", [factors.health, block.zero])
-    outputs = (("w", work_size(solver)), ("health", 2))
+    health = factors.health
+    if guarded:
+        health = _with_inertia(block, plan, factors.inverse, (), health)
+        found = [~factors.sizes.get(k, block.zero) for k in rows] + [factors.own[k] for k in rows]
+        for k, value in enumerate(found, behind):
+            block.store("w", k, value)
+    _store_all(block, "health", [health, block.zero])
+    outputs = (("w", length), ("health", 2))
     return block.function("factor", ("w",), outputs, "L D L^T of the matrix that `assemble` left in w")
 
 
@@ -129,6 +142,16 @@ def solve(solver: Solver) -> Function:
     x = substitute(block, plan, _kept(block, solver), _assembled(block, solver), right)
     _store_all(block, "s", _signed(plan, x))
     return block.function("solve", ("w", "r"), (("s", plan.size),), "M s1 - G^T s2 = r1, G s1 = r2")
+
+
+def rest(solver: Solver) -> Function:
+    """What a solution leaves of its right-hand side, whatever its factors."""
+    block, plan = Block(), solver.plan
+    right = [block.load("r", k) for k in range(plan.size)]
+    x = _signed(plan, [block.load("s", k) for k in range(plan.size)])
+    left, _ = residual(block, plan, _kept(block, solver), _assembled(block, solver), right, x)
+    _store_all(block, "e", left)
+    return block.function("rest", ("w", "r", "s"), (("e", plan.size),), "what s leaves of r")
 
 
 def refiner(solver: Solver) -> Function:

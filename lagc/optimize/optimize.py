@@ -47,7 +47,8 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     solver, rhs = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
-    made = _functions(at, along, switches, solver, rhs, work, preparation)
+    dense = solver is None or forms_matrix(equations)
+    made = _functions(at, along, switches, solver, rhs, work, dense, preparation)
     slopes = derivatives(along, switches) if differentiate else None
     if slopes:
         more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
@@ -62,7 +63,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             read=read,
             work=work,
             straight=solver is not None,
-            work_size=kkt.work_size(solver) if solver and equations.rows else 0,
+            work_size=kkt.work_size(solver, not dense) if solver and equations.rows else 0,
             operations=_operations(equations, found),
             lifted=len(system.structure.definitions),
             dropped=left_out,
@@ -96,19 +97,23 @@ def _functions(
     solver: Solver | None,
     rhs: Function | None,
     work: bool,
+    dense: bool,
     preparation: Preparation,
 ) -> dict[str, Function]:
     """`at` the state alone; `along` the branches of a run, which differ where there are switches."""
     constrained = bool(at.equations.rows)
     made = [rhs]
-    if solver is None or constrained or forms_matrix(at.equations):
+    if dense:
         made.append(functions.system(along, seldom=solver is not None))
     if solver is not None and constrained:
-        made += [kkt.assemble(along, solver), kkt.factorize(solver), kkt.solve(solver), kkt.refiner(solver)]
+        made += [kkt.assemble(along, solver, not dense), kkt.factorize(solver, not dense)]
+        made.append(kkt.solve(solver))
+        made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), functions.forces(along)]
     made.append(functions.displace(at))
     if constrained:
         made += [functions.position(at), functions.velocity(at), functions.scales(at)]
         made += [functions.gamma_sizes(at), functions.gradient_sizes(at)]
+        made += [] if dense else [functions.gradients(at)]
         made.append(functions.reaches(at))
     made += [functions.energies(at), functions.power(along), functions.outputs(at)]
     made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]

@@ -280,17 +280,20 @@ class Program:
       rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only, not refined
       system      (p,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
                                      M packed by rows of the lower triangle, r = tau - h,
-                                     G dense by rows
+                                     G dense by rows; not of large models that rhs solves
+      forces      (p,t,x)         -> qdot[nq], r[nv + nc]   r as above, then gamma     nc > 0, no `system`
       assemble    (p,t,x)         -> w    KKT entries M and G into w       "straight" and nc > 0
       factor      (w)             -> w, health[2]   L and D after the entries
       solve       (w,r)           -> s[nv+nc]   r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
       refine      (w,r,s)         -> s          one step of iterative refinement of what solve gave
+      rest        (w,r,s)         -> e[nv+nc]   what s leaves of r        in place of `refine`: no `system`
       displace    (p,t,x,d)       -> dq[nq]     dq = N(t,q) d      where N is not the identity
       position    (p,t,x)         -> phi[nh]
       velocity    (p,t,x)         -> psi[nc]    rates of all rows
       scales      (p,t,x)         -> s[nc]      size of each row's terms, for scaled residuals
       gamma_sizes (p,t,x)         -> s[nc]      size of the terms of each row's gamma
       gradient_sizes (p,t,x)      -> s[nc]      size of the terms of each row's gradient
+      gradients   (p,t,x)         -> s[nc]      size of each row's gradient      nc > 0, no `system`
       reaches     (p,t,x,c)       -> s[nc+nh]   change of each row, and of each holonomic row's rate,
                                      for states that change by the size c of their kind
       energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance

@@ -32,7 +32,7 @@ class Fallback:
 
     def factor(self, mass: list[float], g: list[float]) -> int:
         self.work.M, self.work.G = mass, g
-        status: int = self.kernels.factor_fallback([], 0.0, [], self.work)
+        status: int = self.kernels.factor_fallback([], 0.0, [], 1e-5, self.work)
         return status
 
     def solve(self, force: list[float], right: list[float]) -> tuple[int, list[float], list[float]]:

@@ -16,8 +16,9 @@ from lagc.render.numpy.states import EQUATIONS, STATES
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
 # Kernels that every model has, and those for rows of constraints.
-ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_dense", "system_at")
-OF_SYSTEM = ("factor_dense", "system_at")  # where the dense system is there
+ROOTS = ("begin", "step", "dense", "advance", "record", "rhs_at", "factor_safely", "system_at")
+OF_SYSTEM = ("system_at",)  # where the dense system is there
+OF_ANY_RANK = ("factor_safely",)  # where it is, or there are rows
 OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
@@ -36,7 +37,7 @@ def definitions(program: Program, complete: bool, given: frozenset[str]) -> list
 
 def evaluation(program: Program, given: frozenset[str]) -> list[str]:
     """What is the model's own, and what evaluates one state: equations without steps."""
-    use = _needed(program.interface, ("rhs_at", "factor_dense", "system_at"), False)
+    use = _needed(program.interface, ("rhs_at", "factor_safely", "system_at"), False)
     own = "\n\n".join([_constants(program.interface, use, given), _work(program)])
     return [own, *kernels(use), EQUATIONS]
 
@@ -44,7 +45,9 @@ def evaluation(program: Program, given: frozenset[str]) -> list[str]:
 def _needed(interface: Interface, roots: Iterable[str], complete: bool) -> Chosen:
     more = (*(OF_ROWS if interface.nc else ()), *(("bind",) if interface.prepared else ()))
     more += ("hold",) if interface.switches else ()
-    there = [root for root in roots if root not in OF_SYSTEM or "system" in interface.functions]
+    dense = "system" in interface.functions
+    without = {*(() if dense else OF_SYSTEM), *(() if dense or interface.nc else OF_ANY_RANK)}
+    there = [root for root in roots if root not in without]
     return chosen(parts(), switches_of(interface, complete), (*there, *more))
 
 

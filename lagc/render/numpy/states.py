@@ -49,7 +49,7 @@ class Equations:
         if NC:
             work.lost = False
             if STRAIGHT:
-                factor_dense(self.p, t, x, work)
+                factor_safely(self.p, t, x, work)
                 work.fallbacks -= 1
         return rhs_at(self.p, t, x, xdot, lam, work)
 

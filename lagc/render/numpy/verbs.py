@@ -260,7 +260,7 @@ def verbs(program: Program, complete: bool) -> list[str]:
         found.append(_CHECK)
     if complete and program.interface.needs_consistency:
         found.append(_CONSISTENT)
-    if program.interface.nc:
+    if program.interface.nc and "system" in program.functions:
         found.append(_CONSTRAINTS)
     if program.interface.derivatives:
         found.append(_stacked(program.interface))
