@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 SLOWEST = 1e-7  # of its terms: the rate of a side that only touches its change
 ROUNDED = 1e-14  # of the terms of a side: less is none
-LOCATED = 1e-12  # the same, where the time of its change is found
+LOCATED = 1e-6  # of a step: how far from its end a change may be that it ends at
 ALIKE = 1e-6  # times of one change, relative
 
 
@@ -32,9 +32,9 @@ class Changes:
         """`directions` are by the parameters `columns`."""
         self.system, self.by_p, self.columns = system, list(directions), list(columns)
 
-    def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> Array:
-        """S behind a change from the modes `before`, of the motion `s` that has just made it; `now` is that
-        ahead of it.  Raises Stopped where there is none."""
+    def beyond(self, s: Any, now: Array, before: Sequence[float], jumped: bool) -> tuple[Array, Array]:
+        """S behind a change from the modes `before`, of the motion `s` that has just made it, and the sum of
+        the sizes of its terms; `now` is that ahead of it.  Raises Stopped where there is none."""
         system, n = self.system, self.system.nq + self.system.nv
         point = Point(system, s.t, end_of_step(s, system)[:n], modes=before)
         first, second = np.array([*point.value("qdot"), *point.a]), [0.0] * system.nx
@@ -42,10 +42,12 @@ class Changes:
             raise Stopped("the motion is not determined")
         rates = np.array(second[:n])
         if not (jumped or (first != rates).any()):
-            return now
-        way = self._way(point, now, first, s.problem.work)
-        moved = now + np.outer(first, way)
-        return (self._renewed(point, moved, way, s) if jumped else moved) - np.outer(rates, way)
+            return now, np.zeros_like(now)
+        way = self._way(point, now, first, s)
+        moved, terms = now + np.outer(first, way), np.abs(now) + np.abs(np.outer(first, way))
+        if jumped:
+            moved, terms = self._renewed(point, moved, terms, way, s)
+        return moved - np.outer(rates, way), terms + np.abs(np.outer(rates, way))
 
     def refuse_at_start(self, point: Point, now: Array) -> None:
         """Where a motion begins on the change of a condition, and what is varied moves it off, its derivative
@@ -65,16 +67,14 @@ class Changes:
                 words = interface.switches[k]
                 raise Stopped(f"`{words}` at the start itself: another derivative on each side")
 
-    def _way(self, point: Point, now: Array, rates: Array, work: Any) -> Array:
+    def _way(self, point: Point, now: Array, rates: Array, s: Any) -> Array:
         """What the time of a change is moved by."""
         interface = self.system.interface
         by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
         moved = by_x @ now
         if self.columns:
             moved[:, self.by_p] += point.partial("side", "parameter")[:, self.columns]
-        terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
-        there = np.abs(point.value("side")) <= LOCATED * terms  # the others only jump with new values
-        own = [k for k, crossed in enumerate(work.crossed) if crossed and (there[k] or not work.jumped[k])]
+        own = self._causes(point, by_x @ rates + by_t, s)
         names, ways, spans = [interface.switches[k] for k in own], [], []
         sizes = np.abs(by_x) @ np.abs(now)
         if self.columns:
@@ -93,20 +93,36 @@ class Changes:
         found: Array = ways[0]
         return found
 
-    def _renewed(self, point: Point, moved: Array, way: Array, s: Any) -> Array:
-        """Where a clause `when` gives new values, what these are moved by."""
+    def _causes(self, point: Point, rates: Array, s: Any) -> list[int]:
+        """The switches that have changed by themselves, of sides with these rates: others jump with them, or
+        with new values, which may move these too."""
+        work, sides = s.problem.work, point.value("side")
+        late = LOCATED * abs(s.h_old) * np.abs(rates)
+        counted = self.system.interface.counted_switches
+        return [
+            k
+            for k, crossed in enumerate(work.crossed)
+            if crossed and (not work.jumped[k] or counted[k] or abs(sides[k]) <= late[k])
+        ]
+
+    def _renewed(self, point: Point, moved: Array, terms: Array, way: Array, s: Any) -> tuple[Array, Array]:
+        """Where a clause `when` gives new values, what these are moved by, and the sizes of its terms."""
         whens = self.system.interface.whens
         acting = [k for k, clause in enumerate(whens) if s.fired[k] and clause.states]
         if len(acting) != 1:
             raise Stopped("several clauses `when` act at one time")
         first, targets = sum(len(clause.states) for clause in whens[: acting[0]]), whens[acting[0]].states
-        rows = slice(first, first + len(targets))
-        found = moved.copy()
-        found[list(targets)] = point.partial("reinit", "state")[rows] @ moved
-        found[list(targets)] += np.outer(point.partial("reinit", "time")[rows, 0], way)
+        rows, places = slice(first, first + len(targets)), list(targets)
+        by_state, by_time = point.partial("reinit", "state")[rows], point.partial("reinit", "time")[rows, 0]
+        own, sizes = by_state @ moved + np.outer(by_time, way), np.abs(by_state) @ terms
+        sizes += np.abs(np.outer(by_time, way))
         if self.columns:
-            found[np.ix_(targets, self.by_p)] += point.partial("reinit", "parameter")[rows][:, self.columns]
-        return found
+            by_p = point.partial("reinit", "parameter")[rows][:, self.columns]
+            own[:, self.by_p] += by_p
+            sizes[:, self.by_p] += np.abs(by_p)
+        found, terms = moved.copy(), terms.copy()
+        found[places], terms[places] = own, sizes
+        return found, terms
 
 
 def end_of_step(s: Any, system: NumpySystem) -> list[float]:

@@ -222,13 +222,16 @@ def _verified(
 
 
 def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
-    """The largest difference, relative to the largest of its kind and direction where that is no rounding."""
+    """The largest difference, relative to the largest of its kind and direction, or of the terms that cancel
+    in it at a change, where that is no rounding.  Times behind a change in one alone do not count."""
     end = min(one.reached, two.reached)
-    far, sizes = np.abs(one.values[:end] - two.values[:end]), np.abs(two.values[:end])
+    alike = np.flatnonzero(one.passed[:end] == two.passed[:end])
+    far, sizes = np.abs(one.values[alike] - two.values[alike]), np.abs(two.values[:end])
     worst = 0.0
     for k, kind in enumerate(sorted(set(kinds))):
         mask = np.array(kinds) == kind
         apart, size = (values[:, mask].max(axis=(0, 1), initial=0.0) for values in (far, sizes))
+        size = np.maximum(size, two.terms[k])
         known = size > CLEAR * (one.rounding[k] + two.rounding[k])
         relative = np.divide(apart, size, out=np.zeros_like(apart), where=known)
         worst = max(worst, float(relative.max(initial=0.0)))

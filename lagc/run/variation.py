@@ -37,11 +37,14 @@ Progress = Callable[[float], None]
 
 @dataclass
 class Followed:
-    """S at the recorded times, (times, nq + nv, directions), NaN behind `reached`; `rounding`: what it may
-    add up to in each kind of states, by directions."""
+    """S at the recorded times, (times, nq + nv, directions), NaN behind `reached`; in each kind of states,
+    by directions, `rounding`: what it may add up to, `terms`: the largest of what is added up at changes;
+    `passed`: the changes so far at the recorded times."""
 
     values: Array
     rounding: Array
+    terms: Array
+    passed: Array
     reached: int
     steps: int
     rejected: int
@@ -87,7 +90,8 @@ class Variation:
     def along(self, x0: Sequence[float], times: Sequence[float], progress: Progress | None) -> Followed:
         s = self.system.model.module["Integrator"](self.system.equations(), self.options, times[0], list(x0))
         n, m = self.start.shape
-        found = Followed(np.full((len(times), n, m), np.nan), np.zeros((len(self.of_kind), m)), 1, 0, 0, 0)
+        values, of_kind = np.full((len(times), n, m), np.nan), np.zeros((len(self.of_kind), m))
+        found = Followed(values, of_kind, of_kind.copy(), np.zeros(len(times), dtype=int), 1, 0, 0, 0)
         self.sizes, self.faint = self._largest(self.start), np.zeros_like(found.rounding)
         self.pace = inf  # what S lets a step be
         found.values[0] = now = self.start
@@ -116,9 +120,12 @@ class Variation:
                     jumped = whens and s.jumps > jumps
                     before, modes = s.modes_old if s.steps > steps else modes, list(s.modes)
                     if jumped or modes != list(before):
-                        self.last, now = None, changes.beyond(s, now, before, jumped)
-                    if times[found.reached - 1] == s.t:  # what is recorded is behind all that is done then
-                        found.values[found.reached - 1] = now
+                        self.last, (now, terms) = None, changes.beyond(s, now, before, jumped)
+                        self._add_up(terms, found)
+                        found.passed[found.reached :] += 1
+                        if times[found.reached - 1] == s.t:  # what is recorded is behind all that is done
+                            found.values[found.reached - 1] = now
+                            found.passed[found.reached - 1] += 1
                 if self.rests:
                     s.x[:] = x0
                 if progress is not None:
@@ -133,6 +140,13 @@ class Variation:
             found.message, found.interrupted = f"interrupted at t = {s.t:.6g} s", True
         found.evaluations = self.evaluations
         return found
+
+    def _add_up(self, terms: Array, found: Followed) -> None:
+        """What the terms of S at a change bring to what it is judged by."""
+        largest = self._largest(terms)
+        found.terms, self.sizes = np.maximum(found.terms, largest), np.maximum(self.sizes, largest)
+        self.faint += FAINT * largest
+        found.rounding += FAINT * largest
 
     # -- one step --
 

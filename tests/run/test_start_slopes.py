@@ -75,34 +75,6 @@ def test_one_without_a_derivative_leaves_the_others() -> None:
     assert np.isfinite(run.sensitivity("x", "f")).all()
 
 
-def test_who_wraps_around_has_them() -> None:
-    """x = x0 + v t - n a."""
-    text = """model Saw
-      parameter Length a = 1 [m];
-      coordinate Length x(start = 0.2 [m], rate = 1.1 [m/s]);
-      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
-      when x > a then reinit(x, x - a); end when;
-    end Saw;"""
-    asked = ["a", "start(x)", "start(der(x))"]
-    run = lagc.loads(text).compile(backend="numpy").simulate(5.0, points=6, sensitivity=asked)
-    assert run.status == "ok", run.message
-    for name, expected in zip(asked, (-np.arange(6.0), np.ones(6), np.arange(6.0))):
-        assert run.sensitivity("x", name) == pytest.approx(expected, abs=1e-12)
-
-
-def test_at_the_time_of_an_event_what_is_behind_it_is_recorded() -> None:
-    text = """model Kick
-      parameter Real j = 2;
-      coordinate Length x(rate = 1 [m/s]);
-      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
-      when time > 1 [s] then reinit(der(x), j*der(x)); end when;
-    end Kick;"""
-    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, points=3, sensitivity=["j"])
-    assert run["der(x)"] == pytest.approx([1.0, 2.0, 2.0])
-    assert run.sensitivity("der(x)", "j") == pytest.approx([0.0, 1.0, 1.0])
-    assert run.sensitivity("x", "j") == pytest.approx([0.0, 0.0, 1.0])
-
-
 def test_an_array_stands_for_its_entries() -> None:
     text = """model Two
       parameter Length l[2] = {1, 2} [m];

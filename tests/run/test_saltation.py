@@ -1,0 +1,103 @@
+"""What changes move sensitivities by: closed forms, and differences of tight runs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lagc
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+
+def test_who_wraps_around_has_them() -> None:
+    """x = x0 + v t - n a."""
+    text = """model Saw
+      parameter Length a = 1 [m];
+      coordinate Length x(start = 0.2 [m], rate = 1.1 [m/s]);
+      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+      when x > a then reinit(x, x - a); end when;
+    end Saw;"""
+    asked = ["a", "start(x)", "start(der(x))"]
+    run = lagc.loads(text).compile(backend="numpy").simulate(5.0, points=6, sensitivity=asked)
+    assert run.status == "ok", run.message
+    for name, expected in zip(asked, (-np.arange(6.0), np.ones(6), np.arange(6.0))):
+        assert run.sensitivity("x", name) == pytest.approx(expected, abs=1e-12)
+
+
+def test_at_the_time_of_an_event_what_is_behind_it_is_recorded() -> None:
+    text = """model Kick
+      parameter Real j = 2;
+      coordinate Length x(rate = 1 [m/s]);
+      body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+      when time > 1 [s] then reinit(der(x), j*der(x)); end when;
+    end Kick;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, points=3, sensitivity=["j"])
+    assert run["der(x)"] == pytest.approx([1.0, 2.0, 2.0])
+    assert run.sensitivity("der(x)", "j") == pytest.approx([0.0, 1.0, 1.0])
+    assert run.sensitivity("x", "j") == pytest.approx([0.0, 0.0, 1.0])
+
+
+MIRRORED = """model Mirrored
+  parameter Real X = 0.3, v = 3;
+  coordinate Real x(start = 0.1, rate = v*1 [1/s]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0}*1 [m]);
+  force f = {-FORCE*1 [N], 0, 0} at b;
+  when x > X then reinit(x, -x); end when;
+end Mirrored;"""
+
+
+def test_new_values_move_their_own_condition() -> None:
+    """x = x0 + v t - 2 n X, at every accuracy, recorded beside events too."""
+    model = lagc.loads(MIRRORED.replace("FORCE", "0")).compile(backend="numpy")
+    for accuracy in (1e-4, 1e-6, 1e-9):
+        run = model.simulate(2.0, accuracy=accuracy, points=31, sensitivity=["X", "v"])
+        assert run.status == "ok", run.message
+        passed = np.array([sum(e.t <= t for e in run.events) for t in run.times])
+        clear = [all(abs(e.t - t) > 1e-9 for e in run.events) for t in run.times]
+        assert 20 < sum(clear) < 31
+        assert run.sensitivity("x", "X")[clear] == pytest.approx(-2.0 * passed[clear], abs=1e-9)
+        assert run.sensitivity("x", "v") == pytest.approx(run.times, rel=1e-9)
+
+
+@pytest.mark.parametrize("force", ["9.81*sin(x)", "10*x + 3*sin(time/(1 [s]))"])
+def test_where_steps_are_curved(force: str) -> None:
+    """By differences, where no event is near."""
+    model = lagc.loads(MIRRORED.replace("FORCE", f"({force})")).compile(backend="numpy")
+    for accuracy in (1e-4, 1e-8):
+        run = model.simulate(1.9, accuracy=accuracy, points=8, sensitivity=["X", "v"])
+        assert run.status == "ok" and run.sensitivities is not None, run.message
+        for name, value in (("X", 0.3), ("v", 3.0)):
+            step = 1e-4 * value
+            two = [model.simulate(1.9, accuracy=1e-12, points=8, parameters={name: value + way * step})
+                   for way in (-1.0, 1.0)]  # fmt: skip
+            expected = (np.array(two[1]["x"]) - np.array(two[0]["x"])) / (2.0 * step)
+            clear = [all(abs(e.t - t) > 1e-2 for e in run.events) for t in run.times]
+            off = np.abs(np.array(run.sensitivity("x", name)) - expected)[clear].max()
+            size = np.abs(expected).max()
+            assert off <= (run.sensitivities.estimated or 0.0) * size + 1e-6 * size, (accuracy, name)
+
+
+def test_what_cancels_at_a_change_is_none() -> None:
+    """The torque on the axle is the same on both sides of the turn, whenever that is made: d(spin)/dT = 0."""
+    text = """model Disc
+      parameter Length R = 0.3 [m]; parameter Time T = 0.6189 [s]; parameter Angle turn = 0.9 [rad];
+      parameter AngularVelocity s0 = 1.3536 [rad/s], y0 = 1.3127 [rad/s];
+      coordinate Length x(rate = R*s0), y;
+      coordinate Angle yaw(rate = y0), spin(rate = s0);
+      frame Y = rotate_z(world, yaw);
+      frame D = rotate_y(Y, spin);
+      body disc = Solid(mass = 1 [kg], inertia = 1 [kg]*R^2*{1/4, 1/2, 1/4}, frame = D, com = {x, y, R});
+      torque drive = -0.104 [N.m]*Y.y + 0.05 [N.m]*world.z on disc;
+      constraint roll: velocity(disc, at = {x, y, 0}) = {0, 0, 0};
+      when time >= T then
+        reinit(yaw, yaw + turn);
+        reinit({der(x), der(y)}, R*der(spin)*{cos(yaw + turn), sin(yaw + turn)});
+      end when;
+    end Disc;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    for accuracy in (1e-4, 1e-6, 1e-8):
+        run = model.simulate(3.0, points=7, accuracy=accuracy, sensitivity=["T"])
+        assert run.status == "ok", run.message
+        assert np.abs(run.sensitivity("spin", "T")).max() <= accuracy
+        assert np.abs(run.sensitivity("x", "T")).max() > 0.01
