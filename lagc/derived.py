@@ -123,10 +123,15 @@ class Differentiable:
         progress: Callable[[float], None] | None = None,
     ) -> Linear:
         """The linear model about x = (q, v), which meets the constraints, or about the motion from the start
-        at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start,
-        ArithmeticError where the motion does not get to t or there are no finite derivatives."""
+        at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start or
+        no such time, ArithmeticError where the motion does not get to t or there are no finite
+        derivatives."""
+        from lagc.diagnostics.faults import Fault, Refused
         from lagc.run.linearize import linearize
 
+        if not 0.0 <= float(t) < float("inf"):
+            fault = f"the time about which a motion is linearised is finite and not before its start: {t:g} s"
+            raise Refused([Fault("LAG0604", fault)])
         if x is None:
             x = self._at(float(t), parameters, starts, progress)
         return linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
@@ -166,6 +171,8 @@ class Differentiable:
         )
         if run.status == "failed":
             raise ArithmeticError(run.message)
+        if run.times[-1] < t:
+            raise ArithmeticError(f"the motion does not come to t = {t:g} s: {run.message}")
         return run.states[-1][: self.interface.nq + self.interface.nv]
 
     def _columns(self, point: Point, of: str, word: str) -> Array:

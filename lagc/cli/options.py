@@ -135,7 +135,7 @@ def add_backend_option(parser: argparse.ArgumentParser) -> None:
 def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | None]]:
     """`name=value[unit]` as {name: (value, unit)}; `unit` None where none is written.
 
-    Raises Usage where a word is not of that form.
+    Raises Usage where a word is not of that form, or a name comes twice.
     """
     found: dict[str, tuple[float, str | None]] = {}
     for word in words:
@@ -144,6 +144,8 @@ def assignments(words: list[str], option: str) -> dict[str, tuple[float, str | N
         value = _valued(quantity)
         if not name or value is None or any(space in name for space in _SPACES):
             raise Usage(f"`{option} {word}` is not of the form name=value or name=value[unit]")
+        if name in found:
+            raise Usage(f"`{option} {name}` is given twice")
         found[name] = value
     return found
 

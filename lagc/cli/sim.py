@@ -44,7 +44,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--stop", metavar="T", help="how long, in s or with a unit: 20, '5[min]'")
     parser.add_argument(
-        "--until", metavar="CONDITION", help="end where this becomes true, e.g. 'x > 3 [m]', if it does"
+        "--until",
+        metavar="CONDITION",
+        action="append",
+        help="end where this becomes true, e.g. 'x > 3 [m]', if it does",
     )
     parser.add_argument("--accuracy", metavar="A", help="the global relative error asked for; default 1e-6")
     parser.add_argument("--method", choices=METHODS, help="by hand: the integration method")
@@ -89,7 +92,10 @@ def run(options: argparse.Namespace) -> int:
 
     check_files(options)
     request = request_of(options)
-    choice = replace(choice_of(options), until=options.until)
+    until = options.until or [None]
+    if len(until) > 1:
+        raise Usage(f"`--until` is given twice: one condition, such as '{' or '.join(until)}'")
+    choice = replace(choice_of(options), until=until[0])
     source = library.read(options.file)
     model = CompiledModel(Compilation(source, choice), options.backend)
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))

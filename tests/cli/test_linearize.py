@@ -145,3 +145,19 @@ def test_a_bend_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     file.write_text(text.replace("-4 [N/m]*max(x, 0 [m])", "-4 [N]*sign(x)"))
     assert main(["linearize", str(file)]) == 3
     assert "forces jump there, where x passes 0" in capsys.readouterr().err
+
+
+def test_a_motion_that_ends_before_is_not_linearised_behind_its_end(tmp_path: Path, capsys: Capture) -> None:
+    path = tmp_path / "m.lag"
+    path.write_text(
+        "model M\n  coordinate Length x(rate = 1 [m/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        '  when x > 0.25 [m] then terminate("there"); end when;\nend M;\n'
+    )
+    assert main(["linearize", str(path), "--at", "0.2"]) == 0
+    capsys.readouterr()
+    assert main(["linearize", str(path), "--at", "1"]) == 3
+    assert "does not come to t = 1 s" in capsys.readouterr().err
+    for at in ("-1", "nan", "inf"):
+        assert main(["linearize", str(path), f"--at={at}"]) == 2
+        assert "linearised" in capsys.readouterr().err

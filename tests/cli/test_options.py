@@ -89,3 +89,13 @@ def test_an_unknown_command_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -
 def test_an_unknown_option_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--nonsense"]) == 2
     assert "--nonsense" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--start", "theta=1", "--start", "theta=2"], ["-p", "l=1", "-p", "l=2"],
+     ["--input", "u=1", "--input", "u=2"], ["--until", "theta > 1", "--until", "theta < 0"]],
+)  # fmt: skip
+def test_what_is_said_twice_is_not_chosen_from(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sim", "simple_pendulum", *words]) == 2
+    assert "twice" in capsys.readouterr().err

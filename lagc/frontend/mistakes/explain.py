@@ -35,6 +35,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     signs.foreign_operator,
     signs.comma_in_list,
     words.brace_for_block,
+    words.else_when,
     words.first_word,
     signs.comparison_for_equation,
     signs.equation_for_comparison,

@@ -19,6 +19,9 @@ def foreign_operator(w: Where) -> Explained | None:
     message = f"`{w.token.text}` is no operator of the language"
     if ours is None:
         return Explained(Fault("LAG0117", message, w.span(w.token)))
+    if w.token.text == ":=" and w.block is not None and w.block.closing == "when":
+        remedy = "write `reinit(state, value);`"
+        return Explained(Fault("LAG0117", message, w.span(w.token), remedy=remedy))
     fault = Fault("LAG0117", message, w.span(w.token), remedy=f"write `{ours}`")
     return Explained(fault, w.replace(ours))
 

@@ -37,6 +37,18 @@ def first_word(w: Where) -> Explained | None:
     return Explained(fault, w.replace_first(near))
 
 
+def else_when(w: Where) -> Explained | None:
+    if w.before.text != "elsewhen":
+        return None
+    message, remedy = (
+        "`elsewhen` is no word of the language",
+        "each condition has its own `when ... end when;`",
+    )
+    fault = Fault("LAG0118", message, w.span(w.before), remedy=remedy)
+    words = [token_of(word, w.before.start) for word in ("end", "when", ";", "when")]
+    return Explained(fault, Repair(w.position - 1, 1, tuple(words)))
+
+
 def missing_end_word(w: Where) -> Explained | None:
     """`room;` where `end room;` is meant."""
     if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
@@ -78,6 +90,8 @@ def missing_word(w: Where) -> Explained | None:
         if w.accepts(word.upper()):
             message = f"an `{word}` is missing" if word == "else" else "a `then` is missing"
             whole = "`if condition then value else other`"
+            if w.first.text == "when":
+                whole = "`when condition then ... end when;`"
             fault = Fault("LAG0128", f"{message}: {whole}", w.span(w.token))
             return Explained(fault, w.insert(word) if word == "then" else None)
     return None
