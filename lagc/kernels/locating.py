@@ -22,7 +22,7 @@ from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Vec
 
 FINEST = 0.00390625  # the shortest that is looked at by its ends
-THINNEST = 1e-9  # the shortest
+THINNEST = 1e-9  # of a step: what is narrower is not looked for
 MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
 NEARLY_THERE = 100.0  # last places of the time
 

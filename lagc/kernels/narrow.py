@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
+from lagc.kernels.locating import THINNEST
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import fn_feature_bounds, fn_feature_bounds_on, fn_features, fn_features_on
 from lagc.kernels.records import State, Trial, Work
@@ -14,7 +15,6 @@ from lagc.kernels.words import Params, Real, Vec
 
 MUCH = 0.1  # in the measure of features
 NEARLY_ALL = 0.9
-THINNEST = 1e-9  # of a step: what is narrower is not looked for
 
 
 def bound_features(p: Params, w: Work) -> None:

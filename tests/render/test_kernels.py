@@ -87,6 +87,7 @@ REFUSED = {
     "@record\nclass A:\n    if 1 > 0:\n        x: Real": "not a switch",
     "A = [1, 2]": "a constant is a number",
     "A = (1, 2)": "a constant is a number",
+    "A = 1\nA = 2": "A is there already",
     "def f(x: Pair) -> Real:\n    return 1.0": "a Pair is a result only",
     "def f(x: Real) -> Real:\n    return x, x": "not in the subset",
     "def f(x: Real) -> Pair:\n    return x": "not assigned",

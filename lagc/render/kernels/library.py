@@ -81,7 +81,7 @@ class Library:
         self.signatures = {name: self._extern(f) for name, f in interface.functions().items()}
         methods = tuple(interface.method(name, k) for k, name in enumerate(METHODS))
         for method in methods:
-            self.constant(Constant("", method.NAME.upper(), "Method", method.number, (), method.title))
+            self.constant(Constant("", 0, method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:
             module = read(name)
             if name == "runge_kutta":
@@ -108,6 +108,8 @@ class Library:
     # -- constants and records --
 
     def constant(self, part: Constant) -> None:
+        if part.name in self.constants:
+            raise Outside(part.file, part.line, f"{part.name} is there already")
         if part.kind == "Reals":
             self.reals(part)
             return

@@ -50,6 +50,7 @@ class Constant:
     """`kind`: int, Real, Reals (an array), Status (of the interface), Code (of an enumeration of it)."""
 
     file: str
+    line: int
     name: str
     kind: str
     value: Any  # int, float, of Reals a tuple, or of a Real by type: float, float, decimal text
@@ -151,7 +152,7 @@ def _constant(file: str, node: ast.Assign, name: str) -> Constant:
         raise Outside(
             file, node, "a constant is a number, reals in a tuple, by_type(...), Status(...) or Code(...)"
         )
-    return Constant(file, name, kind, found, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
+    return Constant(file, node.lineno, name, kind, found, tuple(node.lead), node.trail)  # type: ignore[attr-defined]
 
 
 def literal(node: ast.expr) -> Any:
