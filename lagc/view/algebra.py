@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from math import comb, factorial, gcd, isqrt
+from math import comb, factorial, gcd, inf, isqrt
 from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
@@ -56,7 +56,7 @@ class Algebra:
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}
-        self._left = limit
+        self._left: float = limit
 
     # -- from nodes -----------------------------------------------------------
 
@@ -277,6 +277,10 @@ class Algebra:
                 base = self.single(number, e)
             product = self.multiply(product, base)
         return product
+
+    def rest(self) -> None:
+        """All is multiplied out: what is left, as to see squares while it is written, is not counted."""
+        self._left = inf
 
     def _spend(self, work: int) -> None:
         self._left -= work

@@ -57,8 +57,11 @@ def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
     their numbers is not finite."""
     known = nonnegative(equations)
     try:
+        algebra = Algebra(known)
         try:
-            return _sheet(equations, Algebra(known), full)
+            found = _sheet(equations, algebra, full)
+            algebra.rest()
+            return found
         except TooLarge:
             return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations), known), full)
     except NotFinite:

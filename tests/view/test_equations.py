@@ -7,6 +7,8 @@ import sys
 
 import pytest
 
+from lagc.view import formulas
+from lagc.view.algebra import Algebra
 from lagc.view.equations import write
 from lagc.view.latex import equations_latex, letter
 from tests.view.models import EVERYTHING, LONG, derived, equations_of
@@ -179,3 +181,15 @@ def test_latex_is_read_by_another_program(name: str) -> None:
     for line in body:
         formula = f"${line.strip().removesuffix(chr(92) * 2).replace('&', '')}$"
         assert reader.parse(formula).width > 0.0, formula  # ParseFatalException where it cannot be read
+
+
+@pytest.mark.parametrize("name", ["arenstorf_orbit", "two_bodies_on_a_spring", "double_pendulum_explicit"])
+def test_what_is_just_multiplied_out_is_written(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever looking for squares in it takes."""
+    equations = derived(f"classic/{name}")
+    expected = write(equations)
+    algebra = Algebra(formulas.nonnegative(equations))
+    formulas._sheet(equations, algebra, True)
+    spent = 60_000 - int(algebra._left)
+    monkeypatch.setattr(formulas, "Algebra", lambda known: Algebra(known, limit=spent))
+    assert write(equations) == expected
