@@ -13,7 +13,7 @@ FILES = (
     "statuses", "limits", "trigonometry",
     "records", "binding", "kinds", "modes", "dense", "fallback", "damped", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening",
-    "enclosing", "branches", "locating", "switching", "events", "narrow", "step", "recording",
+    "enclosing", "branches", "locating", "switching", "events", "narrow", "calls", "step", "recording",
     "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",
     "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from lagc.kernels.calls import enter, leave, stop
 from lagc.kernels.check import demand
 from lagc.kernels.kinds import not_finite
 from lagc.kernels.method import last, method_at, method_coefficients, method_stages
@@ -12,7 +13,7 @@ from lagc.kernels.records import BAD_BUDGET, BAD_TIME, NOWHERE, READY, Options, 
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NMODE, NQUAT, NWHEN, NX
 from lagc.kernels.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
-from lagc.kernels.step import enter, leave, step_once, stop
+from lagc.kernels.step import step_once
 from lagc.kernels.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
 
 BARELY = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for rounding
