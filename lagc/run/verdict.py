@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from lagc.limits import reached
 from lagc.records import dataclass
 from lagc.run.accuracy import MEANINGLESS, Verified
-from lagc.run.names import event_names, row_name, speed_name, state_name
+from lagc.run.names import event_names, more, row_name, speed_name, state_name
 from lagc.run.problem import (
     CHATTERING,
     INCONSISTENT,
@@ -28,11 +28,13 @@ from lagc.run.problem import (
 from lagc.run.truncation import FINEST
 
 if TYPE_CHECKING:
+    from lagc.optimize.program import Clause
     from lagc.run.balance import Balance
 
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
 SEVERAL = 10
+MOST_NAMED = 4  # of a kind, in a message
 UNKNOWN = "the cause is not known"
 
 
@@ -81,8 +83,7 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
     if status == MISPLACED:
         clause = system.interface.whens[k]
         return "failed", (f"at {t} the new values that `when {clause.words}` gives are not finite, or do not "
-                          "meet the constraints: state those of all coordinates and rates that these "
-                          "tie")  # fmt: skip
+                          f"meet the constraints{_left_out(system, clause)}")  # fmt: skip
     if (status == CHATTERING and not system.interface.drives(k)) or _ever_sooner(trajectory):
         k = k if status == CHATTERING else trajectory.events[-1][1]
         what = event_names(system, k)[0]
@@ -131,6 +132,24 @@ def verdict(system: System, trajectory: Trajectory, stop: float) -> tuple[str, s
         return "failed", (f"at {t}, after {tried} steps, the rest to {stop:g} s would take too many: they "
                           f"are {size:.1g} s long; {why}")  # fmt: skip
     return "failed", f"the integration ended at {t} with status {status}"
+
+
+def _left_out(system: System, clause: Clause) -> str:
+    """What constraints tie to the values that a clause gives, and it does not."""
+    interface, given = system.interface, set(clause.states)
+    ends, columns, left, rows = interface.condition_ends, interface.condition_columns, set[int](), list[int]()
+    for k in range(interface.nh + interface.nc):
+        row = set(columns[ends[k - 1] if k else 0 : ends[k]])
+        tied = {i for i in row - given if k < interface.nh or i >= system.nq}
+        if given & row and tied:
+            left |= tied
+            rows.append(k if k < interface.nh else k - interface.nh)
+    if not left:
+        return ""
+    names = [state_name(system, i) for i in sorted(left)]
+    ties = [row_name(system, k) for k in dict.fromkeys(rows)]
+    shown, by = (", ".join(a[:MOST_NAMED]) + more(a, MOST_NAMED) for a in (names, ties))
+    return f": it leaves {shown} as before, which {by} may tie to them"
 
 
 def _ever_sooner(run: Trajectory) -> bool:

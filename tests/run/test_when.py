@@ -378,3 +378,15 @@ def test_an_input_that_changes_at_events_moves_no_ball(floor: float) -> None:
             bounces += run.jumps > bounces
             problem.p[0] = 0.1 * (bounces % 2)
     assert run.jumps == bounces > 2 and run.x[0] > floor - 1e-9
+
+
+def test_what_constraints_tie_and_is_not_given_is_told() -> None:
+    text = """model M
+      coordinate Length x(start = 0.6 [m], rate = 0.4 [m/s]), z(start = 0.8 [m], rate = -0.3 [m/s]);
+      body b = Particle(mass = 1 [kg], at = {x, 0, z});
+      constraint circle: x^2 + z^2 = 1 [m2];
+      when time > 0.5 [s] then reinit(der(x), 2 [m/s]); end when;
+    end M;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(1.0)
+    assert run.status == "failed"
+    assert "leaves `der(z)` as before, which constraint `circle` may tie to them" in run.message
