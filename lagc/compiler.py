@@ -59,7 +59,8 @@ class _Uncollected(ContextDecorator):
     """Without looking for garbage: stages make a great many objects that all stay.
 
     Collecting is one switch for all threads: the first that comes turns it off, the last that
-    leaves turns it on again, where it was on.
+    leaves turns it on again, where it was on.  What was made by then counts as old: it is not looked through
+    at once, and again and again.
     """
 
     def __init__(self) -> None:
@@ -78,6 +79,9 @@ class _Uncollected(ContextDecorator):
         with self.lock:
             self.inside -= 1
             if self.inside == 0 and self.was_on:
+                if not gc.get_freeze_count():  # what somebody froze stays so
+                    gc.freeze()
+                    gc.unfreeze()
                 gc.enable()
 
 

@@ -22,6 +22,7 @@ ARRAYS = (
     "t",
     "x",
     "modes",
+    "e",
     "a",
     "lam",
     "d",

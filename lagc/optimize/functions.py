@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable, symbols
+from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
@@ -249,9 +249,27 @@ def outputs(places: Places) -> Function | None:
     if not found:
         return None
     names = [o.name for o in places.equations.outputs]
-    return made(
-        places, "outputs", (*STATE, "a", "lam"), (("y", found),), "outputs of the model", names, seldom=True
-    )
+    inputs = (*STATE, "a", "lam")
+    shared = _energies_in(places, found)
+    if shared:
+        known = {node: places.graph.symbol("shared", str(k)) for node, k in shared.items()}
+        found, inputs = substitute(places.graph, found, known), (*STATE, "e", "a", "lam")
+        arrays = {known[node]: ("e", k) for node, k in shared.items()}
+        places = replace(places, arrays={**places.arrays, **arrays})
+    return made(places, "outputs", inputs, (("y", found),), "outputs of the model", names, seldom=True)
+
+
+def _energies_in(places: Places, nodes: Sequence[Node]) -> dict[Node, int]:
+    """The kinetic and the potential energy, each with its place among `energies`, where `nodes` are made of
+    all that moves and little else in them is made of the same."""
+    equations = places.equations
+    parts = {node: k for k, node in enumerate((equations.kinetic, equations.potential)) if node.args}
+    if not parts.keys() <= set(reachable(nodes)):
+        return {}
+    made_of = reachable(parts)
+    rest = set(reachable(substitute(places.graph, nodes, dict.fromkeys(parts, places.graph.zero))))
+    again = [node for node in made_of if node.args and node in rest]
+    return parts if 2 * len(again) < len(made_of) else {}
 
 
 def start(places: Places, work: bool) -> Function:

@@ -114,9 +114,11 @@ class _Separation:
         plain = self.block.again(o, [self._own(i) for i in o.operands])
         if o.op not in ("mul", "div") or (o.op == "div" and self.made_of[o.operands[1]] != FIXED):
             return plain
+        factors = [self._factors(i) for i in o.operands]
+        if all([one == self.shared.one for one, _ in factors]):  # as most are
+            return plain
         coefficient, rest = self.shared.one, self.block.one
-        for i in o.operands:
-            one, other = self._factors(i)
+        for i, (one, other) in zip(o.operands, factors):
             if o.op == "div" and i == o.operands[1]:
                 one = self.shared.div(self.shared.one, one)
             coefficient, rest = self.shared.mul(coefficient, one), self.block.mul(rest, other)

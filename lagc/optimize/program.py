@@ -70,7 +70,7 @@ class Function:
     leaves come first, and `runs` are all that is behind them: see `rolling`."""
 
     name: str
-    inputs: tuple[str, ...]  # arrays read, in signature order: p t x a lam c d w r s
+    inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s
     outputs: tuple[tuple[str, int], ...]  # (array, length), in signature order
     operations: tuple[Operation, ...]
     stores: tuple[Store, ...]
@@ -298,7 +298,7 @@ class Program:
                                      for states that change by the size c of their kind
       energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
-      outputs     (p,t,x,a,lam)   -> y[ny]
+      outputs     (p,t,x,e,a,lam) -> y[ny]      e: of `energies`, where they are read
       start       (p)             -> x[nx]      start values and guesses
       conditions  (p,t,x)         -> c[n], J[], sizes[n]   of a consistent start: phi, psi, initial section,
                                      stated rates; J sparse by rows (`condition_ends`, `condition_columns`);

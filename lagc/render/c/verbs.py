@@ -173,16 +173,20 @@ def _outputs(program: Program) -> Verb:
 
 
 def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
-    """A function that may need accelerations and multipliers, which the right-hand side gives."""
+    """A function that may need accelerations and multipliers, which the right-hand side gives, and energies."""
     function = program.functions[name]
-    given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "a": "w->xdot + LAGC_NQ", "lam": "w->lam"}
+    given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
+             "lam": "w->lam"}  # fmt: skip
     call = f"    lagc_fn_{function.spelled}({', '.join(given[i] for i in function.inputs)}, {output});\n"
+    if "e" in function.inputs:
+        call = f"    lagc_fn_energies(p, t, x, e);\n{call}"
     head = f"lagc_status lagc_{name}({_POINT}, lagc_real *{output}, lagc_work *w)"
+    room = "    lagc_real e[3];\n" if "e" in function.inputs else ""
     if not {"a", "lam", "modes"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
-        return Verb(comment, head, call + unused + "    return LAGC_OK;\n")
+        return Verb(comment, head, room + call + unused + "    return LAGC_OK;\n")
     solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"
-    return Verb(comment, head, solved + call + "    return status;\n")
+    return Verb(comment, head, room + solved + call + "    return status;\n")
 
 
 def _on_own_branch(name: str, output: str, switches: int) -> str:

@@ -139,9 +139,14 @@ def outputs(t, x, p=None):
     """y[NY], in the order of Y_NAMES."""
     model, xdot, lam = _solved(t, x, p)
     y = [0.0] * NY
-    fn_outputs(model.p, float(t), _floats(x), xdot[NQ : NQ + NV], lam, y)
+@ENERGIES@    fn_outputs(model.p, float(t), _floats(x), @E@xdot[NQ : NQ + NV], lam, y)
     return y
 '''
+
+_ENERGIES_FIRST = """\
+    e = [0.0] * 3
+    fn_energies(model.p, float(t), _floats(x), e)
+"""
 
 _DERIVATIVES = '''
 
@@ -252,7 +257,7 @@ def verbs(program: Program, complete: bool) -> list[str]:
         ("start", _START),
         ("system", _SYSTEM),
         ("energies", _ENERGIES),
-        ("outputs", _OUTPUTS),
+        ("outputs", _outputs(program)),
     ):
         if name in program.functions:
             found.append(text)
@@ -267,6 +272,12 @@ def verbs(program: Program, complete: bool) -> list[str]:
     rhs = _ON_BRANCHES if program.interface.switches else _PLAIN
     many, last, end = _MANY.replace("@RHS@", rhs).rpartition("    return type")
     return [*found, many + (_LOOKED_UP if tables(program.functions.values()) else "") + last + end]
+
+
+def _outputs(program: Program) -> str:
+    shared = "outputs" in program.functions and "e" in program.functions["outputs"].inputs
+    found = _OUTPUTS.replace("@ENERGIES@", _ENERGIES_FIRST if shared else "")
+    return found.replace("@E@", "e, " if shared else "")
 
 
 def _stacked(interface: Interface) -> str:

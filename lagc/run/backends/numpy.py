@@ -186,7 +186,7 @@ class NumpySystem(CompiledSystem):
         return by_turns(run, way, progress)
 
     def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
-        """The function `name` of the Program, with those of p t x a lam that it reads."""
+        """The function `name` of the Program, with those of p t x e a lam that it reads."""
         result = [0.0] * length
         if length:
             desk = self._own.desk
@@ -195,6 +195,8 @@ class NumpySystem(CompiledSystem):
                 desk.functions[name] = found, found.__code__.co_varnames[: found.__code__.co_argcount - 1]
             function, names = desk.functions[name]
             given: dict[str, Any] = {"p": self._p, "t": t, "x": x}
+            if "e" in names:
+                given["e"] = self.energies(t, x)
             if "a" in names or "lam" in names:
                 given["a"], given["lam"] = self.accelerations(t, x)
             function(*(given[n] for n in names), result)
