@@ -69,7 +69,7 @@ class Block:
         programs, which differs where arithmetic is rounded up."""
         if op not in _OF_NUMBERS:
             return None
-        a, b = (self._rows[k] for k in operands)
+        a, b = self._rows[operands[0]], self._rows[operands[1]]
         if a[0] != "const" or b[0] != "const":
             return None
         try:
@@ -158,6 +158,9 @@ class Block:
 
     def again(self, o: Operation, operands: Sequence[int]) -> int:
         """The same operation on other operands."""
+        if o.op in _ARITHMETIC:
+            found: int = getattr(self, o.op)(*operands)
+            return found
         if o.op == "const":
             assert isinstance(o.payload, float | int)
             return self.const(o.payload)
@@ -166,9 +169,6 @@ class Block:
             return self.load(*o.payload)
         if o.op == "neg":
             return ~operands[0]
-        if o.op in _ARITHMETIC:
-            found: int = getattr(self, o.op)(*operands)
-            return found
         if isinstance(o.payload, Table):
             return self.look_up(o.op, o.payload, *operands)
         return self.apply(o.op, *operands)

@@ -6,18 +6,18 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Graph, Node
+from lagc.expr.graph import Node
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
-from lagc.optimize.conditions import condition_rows, condition_slopes, start_units
+from lagc.optimize.conditions import condition_rows, start_units
 from lagc.optimize.kinds import kinds, rates
 from lagc.optimize.kkt import row_comments
+from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
 from lagc.records import replace
 
-_MOST_TERMS = 1000
 _MOST_ZEROS = 3000  # that are stored one by one
 _TINY = 1e-300  # stands for zero where it divides zero
 _BESIDE = 1e-6  # of other rows of its unit: smaller, the terms of a row may be rounding of theirs
@@ -92,15 +92,19 @@ def velocity(places: Places) -> Function:
 def scales(places: Places) -> Function:
     """The sum of the absolute values of a row's terms.  There is one more term for each coordinate that
     is no angle (speed, for a velocity row), which sees what cancels inside products, as in dot(v, u)."""
-    graph = places.graph
-    states = kinds(places.equations.q_units, places.equations.v_units)
+    graph, equations = places.graph, places.equations
+    states = kinds(equations.q_units, equations.v_units)
+    lengths = [x for x, kind in zip(equations.q, states) if kind > 0]
     sizes: list[Node] = []
-    for row in places.equations.rows:
-        slopes = _slopes(places, row)
-        parts = [*terms(graph, row.residual), *(slope * x for x, i, slope in slopes if states[i] > 0)]
+    for row in equations.rows:
+        if row.holonomic:
+            slopes = gradient(graph, {row.residual: graph.one}, lengths)
+        else:
+            slopes = {x: slope for x, _, slope in _of_speeds(places, row)}
+        parts = [*terms(graph, row.residual), *(slope * x for x, slope in slopes.items())]
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
-    sizes = _beside_others(places, places.equations.rows, sizes)
+    sizes = _beside_others(places, equations.rows, sizes)
     return made(places, "scales", STATE, (("s", sizes),), "size of the terms of each constraint row")
 
 
@@ -123,11 +127,9 @@ def gamma_sizes(places: Places) -> Function:
     """What the terms of each row's gamma add up to: where the row's gradient vanishes nothing else
     tells whether gamma is more than rounding."""
     graph, speeds = places.graph, places.equations.v
-    sizes: list[Node] = []
-    for row in places.equations.rows:
-        slopes = gradient(graph, {row.gamma: graph.one}, speeds)
-        parts = [row.gamma, *(slope * v for v, slope in slopes.items())]
-        sizes.append(graph.sum(magnitudes(graph, parts)))
+    gammas = [row.gamma for row in places.equations.rows]
+    slopes = gradient_magnitudes(graph, gammas, dict(zip(speeds, speeds)))
+    sizes = [size + slope for size, slope in zip(magnitudes(graph, gammas), slopes)]
     described = "size of the terms of each row's gamma"
     return made(places, "gamma_sizes", STATE, (("s", sizes),), described, seldom=True)
 
@@ -135,8 +137,9 @@ def gamma_sizes(places: Places) -> Function:
 def gradient_sizes(places: Places) -> Function:
     """What the terms of each row's gradient add up to, over its entries: beside that, a gradient that
     all but vanishes is rounding."""
-    graph = places.graph
-    sizes = [graph.sum(magnitudes(graph, list(row.jacobian.values()))) for row in places.equations.rows]
+    graph, equations = places.graph, places.equations
+    ones = dict.fromkeys(equations.v, graph.one)
+    sizes = gradient_magnitudes(graph, [row.rate for row in equations.rows], ones)
     described = "size of the terms of each row's gradient"
     return made(places, "gradient_sizes", STATE, (("s", sizes),), described, seldom=True)
 
@@ -148,26 +151,6 @@ def gradients(places: Places) -> Function:
     return made(places, "gradients", STATE, (("s", sums),), "size of each row's gradient", seldom=True)
 
 
-def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
-    """The absolute values of `nodes` before anything in them cancels: they add in sums and multiply in
-    products."""
-    found: dict[Node, Node] = {}
-    for node in reachable(nodes):
-        if node.op == "add":
-            found[node] = graph.add(*(found[a] for a in node.args))
-        elif node.op == "scale":
-            found[node] = graph.scale(abs(node.value), found[node.args[0]])
-        elif node.op == "mul":
-            factors = [
-                (found[base] if exponent > 0 else graph.unary("abs", base), exponent)
-                for base, exponent in zip(node.args, node.value)
-            ]
-            found[node] = graph.product(factors)
-        else:
-            found[node] = graph.unary("abs", node)
-    return [found[node] for node in nodes]
-
-
 def reaches(places: Places) -> Function:
     """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
     of its kind, c[k]; then the same of the rates of holonomic rows, and of their gradients."""
@@ -175,24 +158,39 @@ def reaches(places: Places) -> Function:
     states = kinds(equations.q_units, equations.v_units)
     size = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
 
-    def reach(slopes: list[tuple[Node, int, Node]], parts: Sequence[Node] = ()) -> Node:
+    weights = {x: size[kind] for x, kind in zip((*equations.q, *equations.v), states)}
+
+    def of_slopes(slopes: list[tuple[Node, int, Node]]) -> list[Node]:
         by_kind: dict[int, list[Node]] = {}
         for _, i, slope in slopes:
             by_kind.setdefault(states[i], []).append(graph.unary("abs", slope))
-        sums = [graph.sum(found) * size[k] for k, found in by_kind.items()]
+        return [graph.sum(found) * size[k] for k, found in by_kind.items()]
+
+    def changes(rows: Sequence[Row], nodes: Sequence[Node], leaves: Sequence[Node]) -> list[list[Node]]:
+        """What each of `nodes`, of `rows`, changes by as `leaves` do, as sums."""
+        bounds = gradient_bounds(graph, nodes, {x: weights[x] for x in leaves})
+        if bounds is not None:
+            return [[bound] for bound in bounds]
+        slopes = _slopes if leaves is equations.q else _of_speeds
+        return [of_slopes(slopes(places, row)) for row in rows]
+
+    def reach(sums: Sequence[Node], parts: Sequence[Node] = ()) -> Node:
         return graph.sum([*sums, *(graph.unary("abs", part) for part in parts), graph.const(_TINY)])
 
     pace = graph.zero  # at which the coordinates change by their sizes
     for kind, speed in rates(equations.q_units, equations.v_units).items():
-        own = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
-        pace = graph.binary("max", pace, own)
-    found = _beside_others(places, equations.rows, [reach(_slopes(places, row)) for row in equations.rows])
+        one = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
+        pace = graph.binary("max", pace, one)
     holonomic = [row for row in equations.rows if row.holonomic]
+    others = [row for row in equations.rows if not row.holonomic]
+    own = changes(holonomic, [row.residual for row in holonomic], equations.q)
+    own += changes(others, [row.rate for row in others], equations.v)
+    found = _beside_others(places, equations.rows, [reach(sums) for sums in own])
     of_rates: list[Node] = []
-    for row in holonomic:
+    for row, sums in zip(holonomic, changes(holonomic, [row.rate for row in holonomic], equations.v)):
         parts = terms(graph, row.rate) if row.time_dependent else []
         parts += [part * pace for part in terms(graph, row.residual)]
-        of_rates.append(reach(_of_speeds(places, row), parts))
+        of_rates.append(reach(sums, parts))
     found += _beside_others(places, holonomic, of_rates)
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in size.items()}})
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
@@ -212,21 +210,6 @@ def _of_speeds(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
     """The same of its rate, by the speeds."""
     equations = places.equations
     return [(equations.v[k], len(equations.q) + k, slope) for k, slope in sorted(row.jacobian.items())]
-
-
-def terms(graph: Graph, node: Node) -> list[Node]:
-    """What `node` is the sum of."""
-    found: list[Node] = []
-    stack: list[tuple[float, Node]] = [(1.0, node)]
-    while stack:
-        c, top = stack.pop()
-        if top.op == "scale":
-            stack.append((c * top.value, top.args[0]))
-        elif top.op == "add" and len(found) + len(stack) < _MOST_TERMS:
-            stack.extend([(c, a) for a in reversed(top.args)])
-        else:
-            found.append(graph.scale(c, top))
-    return found
 
 
 def energies(places: Places) -> Function:
@@ -249,7 +232,7 @@ def outputs(places: Places) -> Function | None:
     if not found:
         return None
     names = [o.name for o in places.equations.outputs]
-    inputs = (*STATE, "a", "lam")
+    inputs: tuple[str, ...] = (*STATE, "a", "lam")
     shared = _energies_in(places, found)
     if shared:
         known = {node: places.graph.symbol("shared", str(k)) for node, k in shared.items()}
@@ -289,17 +272,17 @@ def limits(places: Places) -> Function | None:
     return made(places, "limits", ("p",), parts, described, seldom=True) if found else None
 
 
-def conditions(places: Places) -> Function | None:
+def conditions(places: Places, slopes: Sequence[Mapping[int, Node]]) -> Function | None:
     """What a consistent start satisfies, c = 0: phi, psi, the `initial` section, and the rates that were
     stated (less their values, which are unknowns too); with the derivatives by q and v that are not
-    identically zero, row by row, and the sum of the absolute values of each row's terms."""
+    identically zero, `slopes` row by row, and the sum of the absolute values of each row's terms."""
     equations, graph = places.equations, places.graph
     rows = condition_rows(equations)
     if not rows:
         return None
-    slopes = [slope for row in condition_slopes(equations) for slope in row.values()]
+    jacobian = [slope for row in slopes for slope in row.values()]
     sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
-    parts = (("c", rows), ("J", slopes), ("sizes", sizes))
+    parts = (("c", rows), ("J", jacobian), ("sizes", sizes))
     return made(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)
 
 

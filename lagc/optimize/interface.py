@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import accumulate
 
 from lagc import cache
@@ -11,7 +11,6 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface
@@ -34,6 +33,7 @@ def interface(
     equations: EquationsOfMotion,
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
+    slopes: Sequence[Mapping[int, Node]],
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -46,13 +46,13 @@ def interface(
     derivatives: Mapping[str, tuple[tuple[int, int], ...]],
     switches: tuple[Switch, ...] = (),
 ) -> Interface:
-    """What the run needs to know of `functions`, the functions of the model of `equations`.
+    """What the run needs to know of `functions`, the functions of the model of `equations`, and of `slopes`,
+    those of the conditions of a start.
     `dropped` are the names that `equations` are without, `remarks` go to the notes."""
     model = equations.model
     kept = {p.name for p in parameters}
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     places = [span for _, span in equations.initial_conditions]
-    slopes = condition_slopes(equations)
     bind = functions.get("bind")
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
     found = Interface(

@@ -131,14 +131,12 @@ class _Sums:
         """Unknowns with masses that are positive, with parameters as they are given."""
         model = self.equations.model
         given = {p.symbol: p.value for p in model.parameters if p.value is not None}
+        masses = dict.fromkeys(part.mass for part in self.equations.inertias if isinstance(part.mass, Node))
+        known = [mass for mass in masses if symbols([mass]) <= given.keys()]
+        positive = {mass for mass, value in zip(known, evaluate(known, given)) if value > 0.0}
         found: set[int] = set()
         for part in self.equations.inertias:
-            mass = part.mass
-            if (
-                isinstance(mass, Node)
-                and symbols([mass]) <= given.keys()
-                and evaluate([mass], given)[0] > 0.0
-            ):
+            if part.mass in positive:
                 found.update(self.number[x] for x in part.velocity if x in self.number)
         return found & self.definitions.keys()
 

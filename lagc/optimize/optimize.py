@@ -8,6 +8,7 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
+from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.derivatives import derivatives
 from lagc.optimize.features import features, narrow
 from lagc.optimize.forms import forms_matrix, solvers
@@ -48,10 +49,11 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
-    made = _functions(at, along, switches, solver, rhs, work, dense, preparation)
-    slopes = derivatives(along, switches) if differentiate else None
-    if slopes:
-        more = [slopes.values, *(function for function, pattern in slopes.by.values() if pattern)]
+    made, slopes = _functions(at, along, switches, solver, rhs, work, dense, preparation)
+    differentiated = derivatives(along, switches) if differentiate else None
+    if differentiated:
+        by = differentiated.by
+        more = [differentiated.values, *(function for function, pattern in by.values() if pattern)]
         made.update((f.name, preparation.separated(f)) for f in more)
     found, read = preparation.finished(made)
     found = {name: rolled(function, often=name in ("rhs", "system")) for name, function in found.items()}
@@ -60,6 +62,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             equations,
             parameters,
             found,
+            slopes,
             read=read,
             work=work,
             straight=solver is not None,
@@ -68,7 +71,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             lifted=len(system.structure.definitions),
             dropped=left_out,
             remarks=independent(equations, system),
-            derivatives={name: pattern for name, (_, pattern) in slopes.by.items()} if slopes else {},
+            derivatives={name: pattern for name, (_, pattern) in by.items()} if differentiated else {},
             switches=switches,
         ),
         found,
@@ -99,8 +102,9 @@ def _functions(
     work: bool,
     dense: bool,
     preparation: Preparation,
-) -> dict[str, Function]:
-    """`at` the state alone; `along` the branches of a run, which differ where there are switches."""
+) -> tuple[dict[str, Function], list[dict[int, Node]]]:
+    """`at` the state alone; `along` the branches of a run, which differ where there are switches.  With the
+    functions, the slopes of the conditions of a start."""
     constrained = bool(at.equations.rows)
     made = [rhs]
     if dense:
@@ -116,13 +120,15 @@ def _functions(
         made += [] if dense else [functions.gradients(at)]
         made.append(functions.reaches(at))
     made += [functions.energies(at), functions.power(along), functions.outputs(at)]
-    made += [functions.start(at, work), functions.conditions(at), functions.measures(at)]
+    made.append(functions.start(at, work))
+    slopes = condition_slopes(at.equations)
+    made += [functions.conditions(at, slopes), functions.measures(at)]
     made += [functions.limits(at), *switching(at, along, switches)]
     made += [*whens(at, along), *narrow(along, features(along.equations))]
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])
-    return found
+    return found, slopes
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:

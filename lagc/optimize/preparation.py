@@ -111,14 +111,15 @@ class _Separation:
 
     def _again(self, k: int, o: Operation) -> int:
         """Operation k on what is left of its operands."""
-        plain = self.block.again(o, [self._own(i) for i in o.operands])
+        moving = self.moving
+        plain = self.block.again(o, [moving[i] if i in moving else self._own(i) for i in o.operands])
         if o.op not in ("mul", "div") or (o.op == "div" and self.made_of[o.operands[1]] != FIXED):
             return plain
-        factors = [self._factors(i) for i in o.operands]
-        if all([one == self.shared.one for one, _ in factors]):  # as most are
+        if not any([i in self.kept or i in self.products for i in o.operands]):
             return plain
         coefficient, rest = self.shared.one, self.block.one
-        for i, (one, other) in zip(o.operands, factors):
+        for i in o.operands:
+            one, other = self._factors(i)
             if o.op == "div" and i == o.operands[1]:
                 one = self.shared.div(self.shared.one, one)
             coefficient, rest = self.shared.mul(coefficient, one), self.block.mul(rest, other)

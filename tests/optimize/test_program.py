@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
+from lagc import compiler, library
+from lagc.compiler import Choice
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.derive import derive
@@ -170,3 +172,16 @@ def test_assemble_factor_solve_agree_with_the_right_hand_side(compiled: Compiled
     s = interpret(functions["solve"], {"w": factored["w"], "r": right})["s"]
     assert_near(s, [*a, *lam])
     assert factored["health"][0] > 1e-6
+
+
+@pytest.mark.parametrize("name", ["classic/chain", "large/truss", "large/net", "large/ball_chain"])
+def test_energies_are_not_computed_again_for_outputs(name: str) -> None:
+    """But where other outputs are made of the same, as the angular momentum of balls is."""
+    costs = []
+    for n in (3, 6):
+        tree = compiler.parse(library.read(name))
+        model = compiler.resolve(tree, Choice(parameters={"n": n}))
+        outputs = optimize(compiler.derive(model)).functions["outputs"]
+        assert ("e" in outputs.inputs) == (name != "large/ball_chain")
+        costs.append(outputs.cost)
+    assert (costs[1] <= costs[0] < 4) == (name != "large/ball_chain")

@@ -173,7 +173,7 @@ def _outputs(program: Program) -> Verb:
 
 
 def _of_accelerations(program: Program, name: str, comment: str, output: str) -> Verb:
-    """A function that may need accelerations and multipliers, which the right-hand side gives, and energies."""
+    """A function that may need energies, or what the right-hand side gives: accelerations, multipliers."""
     function = program.functions[name]
     given = {"p": "p", "t": "t", "x": "x", "modes": "w->modes", "e": "e", "a": "w->xdot + LAGC_NQ",
              "lam": "w->lam"}  # fmt: skip

@@ -69,17 +69,13 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 }
 
 /* outputs of the model */
-static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *e, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
-    const lagc_real the_x2 = x[1];
-    const lagc_real the_x1 = x[0];
-    const lagc_real t0 = the_x2 - the_x1;
-    const lagc_real der_x1 = x[2];
-    const lagc_real der_x2 = x[3];
-    const lagc_real t1 = (the_x1 * the_x1 + the_x2 * the_x2) * p->k + (der_x1 * der_x1 + der_x2 * der_x2) * p->m;
     /* E */
-    y[0] = (p->c * (t0 * t0) + t1) * 0.5;
+    y[0] = e[0] + e[1];
+    (void)(p);
     (void)(t);
+    (void)(x);
     (void)(a);
     (void)(lam);
 }

@@ -2,39 +2,32 @@
 static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 {
     const lagc_real l2 = p->l2;
-    prepared[18] = l2;
+    prepared[14] = l2;
     const lagc_real m2 = p->m2;
-    prepared[16] = m2;
+    prepared[12] = m2;
     const lagc_real t0 = l2 * m2;
     const lagc_real t1 = l2 * t0;
     prepared[3] = t1;
     const lagc_real m1 = p->m1;
-    prepared[15] = m1;
+    prepared[11] = m1;
     const lagc_real t2 = m2 + m1;
     const lagc_real l1 = p->l1;
-    prepared[17] = l1;
+    prepared[13] = l1;
     const lagc_real t3 = t2 * (l1 * l1);
     prepared[5] = t3;
     const lagc_real t4 = t1 * t3;
     prepared[0] = t4;
     prepared[1] = t0 * l1;
     const lagc_real field_g = p->field_g;
-    prepared[19] = field_g;
+    prepared[15] = field_g;
     prepared[2] = t2 * (l1 * field_g);
     prepared[4] = t0 * field_g;
     prepared[6] = 1.0 / t4;
     const lagc_real t5 = m1 * l1;
-    const lagc_real t6 = l1 * t5 * 0.5;
-    prepared[7] = t6;
+    prepared[7] = l1 * t5 * 0.5;
     prepared[8] = m2 * 0.5;
-    const lagc_real t7 = field_g * t5;
-    prepared[9] = t7;
+    prepared[9] = field_g * t5;
     prepared[10] = m2 * field_g;
-    prepared[11] = t1 * 0.5;
-    const lagc_real t8 = m2 * l1;
-    prepared[12] = t6 + 0.5 * (l1 * t8);
-    prepared[13] = l2 * t8;
-    prepared[14] = t7 + field_g * t8;
 }
 
 /* right-hand side: qdot, accelerations, multipliers */
@@ -123,20 +116,13 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 }
 
 /* outputs of the model */
-static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *e, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
-    const lagc_real der_theta2 = x[3];
-    const lagc_real der_theta1 = x[2];
-    const lagc_real theta1 = x[0];
-    const lagc_real theta2 = x[1];
-    lagc_real sc0[4]; lagc_sine_cosine_two(theta1, theta2, sc0);
-    const lagc_real t0 = sc0[1];
-    const lagc_real t1 = sc0[3];
-    const lagc_real t2 = p->prepared[13] * (der_theta2 * (sc0[0] * sc0[2] + t0 * t1));
-    const lagc_real t3 = der_theta1 * (der_theta1 * p->prepared[12] + t2) - t0 * p->prepared[14];
     /* E */
-    y[0] = der_theta2 * der_theta2 * p->prepared[11] + t3 - t1 * p->prepared[4];
+    y[0] = e[0] + e[1];
+    (void)(p);
     (void)(t);
+    (void)(x);
     (void)(a);
     (void)(lam);
 }

@@ -205,39 +205,21 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 }
 
 /* outputs of the model */
-static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *e, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
     const lagc_real o_x = x[1];
     const lagc_real o_y = x[2];
-    const lagc_real t0 = o_x * o_y;
     const lagc_real o_w = x[0];
     const lagc_real o_z = x[3];
-    const lagc_real t1 = o_w * o_z;
     const lagc_real prepared8 = p->prepared[8];
     /* X */
-    y[0] = (t0 - t1) * prepared8;
-    const lagc_real t2 = o_z * o_z;
-    const lagc_real t3 = o_x * o_x;
+    y[0] = (o_x * o_y - o_w * o_z) * prepared8;
     /* Y */
-    y[1] = p->d * (1.0 - 2.0 * (t2 + t3));
-    const lagc_real t4 = o_y * o_z;
-    const lagc_real t5 = o_x * o_w;
-    const lagc_real t6 = t4 + t5;
+    y[1] = p->d * (1.0 - 2.0 * (o_z * o_z + o_x * o_x));
     /* Z */
-    y[2] = prepared8 * t6;
-    const lagc_real o_rate_y = x[5];
-    const lagc_real o_rate_x = x[4];
-    const lagc_real o_rate_z = x[6];
-    const lagc_real t7 = p->I2 * (o_rate_y * o_rate_y) + (o_rate_x * o_rate_x + o_rate_z * o_rate_z) * p->I1;
-    const lagc_real t8 = o_y * o_y;
-    const lagc_real t9 = o_x * o_z;
-    const lagc_real t10 = o_y * o_w;
-    const lagc_real t11 = o_rate_x * (1.0 - 2.0 * (t3 + t8)) - 2.0 * (o_rate_z * (t9 - t10));
-    const lagc_real t12 = 2.0 * (o_rate_x * (t9 + t10)) - o_rate_z * (1.0 - 2.0 * (t2 + t8));
-    const lagc_real t13 = o_rate_x * (t4 - t5) - o_rate_z * (t0 + t1);
-    const lagc_real t14 = t7 * 0.5 + (t11 * t11 + (t12 * t12 + t13 * t13 * 4.0)) * p->prepared[7];
+    y[2] = prepared8 * (o_y * o_z + o_x * o_w);
     /* E */
-    y[3] = t6 * p->prepared[4] + t14;
+    y[3] = e[0] + e[1];
     (void)(t);
     (void)(a);
     (void)(lam);

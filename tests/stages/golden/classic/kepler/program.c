@@ -74,23 +74,23 @@ static void lagc_fn_energies(const lagc_params *p, lagc_real t, const lagc_real 
 }
 
 /* outputs of the model */
-static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *a, const lagc_real *lam, lagc_real *y)
+static void lagc_fn_outputs(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *e, const lagc_real *a, const lagc_real *lam, lagc_real *y)
 {
-    const lagc_real der_x = x[2];
-    const lagc_real der_y = x[3];
-    const lagc_real x_ = x[0];
-    const lagc_real y_ = x[1];
-    const lagc_real t0 = sqrt(x_ * x_ + y_ * y_);
     /* E */
-    y[0] = (der_x * der_x + der_y * der_y) * p->prepared[2] - p->prepared[0] / t0;
-    const lagc_real t1 = der_y * x_ - der_x * y_;
+    y[0] = e[0] + e[1];
+    const lagc_real x_ = x[0];
+    const lagc_real der_y = x[3];
+    const lagc_real y_ = x[1];
+    const lagc_real der_x = x[2];
+    const lagc_real t0 = x_ * der_y - y_ * der_x;
     /* L */
-    y[1] = p->m * t1;
-    const lagc_real t2 = t1 * p->prepared[3];
+    y[1] = t0 * p->m;
+    const lagc_real t1 = t0 * p->prepared[3];
+    const lagc_real t2 = sqrt(x_ * x_ + y_ * y_);
     /* ex */
-    y[2] = der_y * t2 - x_ / t0;
+    y[2] = der_y * t1 - x_ / t2;
     /* ey */
-    y[3] = -(y_ / t0 + der_x * t2);
+    y[3] = -(y_ / t2 + der_x * t1);
     (void)(t);
     (void)(a);
     (void)(lam);

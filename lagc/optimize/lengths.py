@@ -1,0 +1,123 @@
+"""How large a sum is, and a gradient: before anything cancels, and without its entries where they are many.
+
+What is made of many leaves through sums that others share has gradients whose entries are as many as all
+pairs of a row and a leaf.  How long such a gradient is follows along the graph, from node to node.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from lagc.expr.derivative import partial
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable
+
+_MOST_TERMS = 1000
+_ROOT = 3  # products that a root costs, with what stands about it
+
+
+def terms(graph: Graph, node: Node) -> list[Node]:
+    """What `node` is the sum of."""
+    found: list[Node] = []
+    stack: list[tuple[float, Node]] = [(1.0, node)]
+    while stack:
+        c, top = stack.pop()
+        if top.op == "scale":
+            stack.append((c * top.value, top.args[0]))
+        elif top.op == "add" and len(found) + len(stack) < _MOST_TERMS:
+            stack.extend([(c, a) for a in reversed(top.args)])
+        else:
+            found.append(graph.scale(c, top))
+    return found
+
+
+def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
+    """The absolute values of `nodes` before anything in them cancels: they add in sums and multiply in
+    products."""
+    found: dict[Node, Node] = {}
+    for node in reachable(nodes):
+        if node.op == "add":
+            found[node] = graph.add(*(found[a] for a in node.args))
+        elif node.op == "scale":
+            found[node] = graph.scale(abs(node.value), found[node.args[0]])
+        elif node.op == "mul":
+            factors = [
+                (found[base] if exponent > 0 else graph.unary("abs", base), exponent)
+                for base, exponent in zip(node.args, node.value)
+            ]
+            found[node] = graph.product(factors)
+        else:
+            found[node] = graph.unary("abs", node)
+    return [found[node] for node in nodes]
+
+
+def _bits(nodes: Sequence[Node], leaves: Iterable[Node]) -> dict[Node, int]:
+    """The leaves below each node, as bits of a number."""
+    found = {leaf: 1 << k for k, leaf in enumerate(leaves)}
+    for node in reachable(nodes):
+        if node not in found:
+            bits = 0
+            for a in node.args:
+                bits |= found[a]
+            found[node] = bits
+    return found
+
+
+def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node]:
+    """Of each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before anything in it cancels.
+
+    Each product on the way to a leaf adds the same in any order: no gradient is formed.
+    """
+    bits = _bits(nodes, weights)
+    moving = [node for node in reachable(nodes) if bits[node] and node not in weights]
+    steps = [(node, k) for node in moving for k, a in enumerate(node.args) if bits[a]]
+    slopes = magnitudes(graph, [partial(graph, node, k) for node, k in steps])
+    found = dict(zip(weights, magnitudes(graph, list(weights.values()))))
+    for (node, k), slope in zip(steps, slopes):
+        share = slope * found[node.args[k]]
+        found[node] = found[node] + share if node in found else share
+    return [found.get(node, graph.zero) for node in nodes]
+
+
+def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node] | None:
+    """Of each of `nodes` what the sum over leaves w of |weights[w] d(node)/dw| is at most, by the inequality
+    of Cauchy and Schwarz: the root of the sum of squares times their number.  None where that takes no fewer
+    products than the entries of the gradients, two each with their weights.
+
+    The product of two gradients is that of the arguments' of the later node, each times its slope.
+    """
+    bits = _bits(nodes, weights)
+    most = sum([2 * bits[node].bit_count() - _ROOT for node in nodes])
+    seen = {(node, node) for node in nodes if bits[node]}
+    stack = list(seen)
+    while stack:
+        if len(seen) > most:
+            return None
+        later, other = stack.pop()
+        for a in later.args:
+            if bits[a] & bits[other]:
+                pair = (a, other) if a.index >= other.index else (other, a)
+                if pair not in seen:
+                    seen.add(pair)
+                    stack.append(pair)
+    found: dict[tuple[Node, Node], Node] = {}
+    slopes: dict[Node, list[Node | None]] = {}
+    for pair in sorted(seen, key=_indices):
+        later, other = pair
+        if later in weights:
+            found[pair] = weights[later] * weights[later] if later is other else graph.zero
+            continue
+        if later not in slopes:
+            slopes[later] = [partial(graph, later, k) if bits[a] else None for k, a in enumerate(later.args)]
+        total = graph.zero
+        for a, slope in zip(later.args, slopes[later]):
+            known = found.get((a, other) if a.index >= other.index else (other, a))
+            if slope is not None and known is not None:
+                total = total + slope * known
+        found[pair] = total
+    squares = [graph.scale(bits[node].bit_count(), found.get((node, node), graph.zero)) for node in nodes]
+    return [graph.unary("sqrt", graph.unary("abs", square)) for square in squares]  # which rounding may turn
+
+
+def _indices(pair: tuple[Node, Node]) -> tuple[int, int]:
+    return pair[0].index, pair[1].index
