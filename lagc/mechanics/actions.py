@@ -62,7 +62,7 @@ def _potential(states: States, name: str, effect: str | None, energy: Node, kind
     if states.quaternions:  # rounding takes them off the unit sphere: the same there as along the motion
         forces = states.to_speeds({power: graph.one})
     else:  # the same, in shorter terms: the gradient shares more with others than what the speeds multiply
-        slopes = gradient(graph, {energy: graph.one}, states.q)
+        slopes = gradient(graph, {energy: graph.one}, states.place_of_q)
         forces = states.force_of({q: -slope for q, slope in slopes.items()})
     stored = energy if conservative else graph.zero
     contribution = Contribution(name, kind, effect, forces, power, conservative)

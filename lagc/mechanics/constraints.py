@@ -49,8 +49,8 @@ def classify(states: States) -> list[Classified]:
     in_time = depends(residuals, [model.time])
     found: list[Classified] = []
     for n, (c, k) in enumerate(labels):
-        slopes = gradient(states.graph, {rates[n]: states.graph.one}, states.v)
-        jacobian = {j: slopes[v] for j, v in enumerate(states.v) if v in slopes}
+        slopes = gradient(states.graph, {rates[n]: states.graph.one}, states.place_of_v)
+        jacobian = {states.place_of_v[v]: slope for v, slope in slopes.items()}
         linear = not depends(jacobian.values(), states.v)
         row = Row(
             label=c.labels[k],

@@ -46,6 +46,14 @@ class States:
         return not self.model.speeds
 
     @cached_property
+    def place_of_q(self) -> dict[Node, int]:
+        return {q: k for k, q in enumerate(self.q)}
+
+    @cached_property
+    def place_of_v(self) -> dict[Node, int]:
+        return {v: k for k, v in enumerate(self.v)}
+
+    @cached_property
     def drift(self) -> dict[Node, Node]:
         """Seeds of d/dt with the speeds held: q -> qdot, t -> 1, the axes of frames turn with them."""
         return {**self.motion, self.model.time: self.graph.one}
@@ -114,12 +122,12 @@ class States:
 
     def to_speeds(self, weights: dict[Node, Node]) -> dict[int, Node]:
         """Generalized forces on v of the virtual power sum of weights[x] * x, x affine in v."""
-        found = gradient(self.graph, weights, self.v)
-        return {j: found[v] for j, v in enumerate(self.v) if v in found}
+        found = gradient(self.graph, weights, self.place_of_v)
+        return {self.place_of_v[v]: node for v, node in found.items()}
 
     def force_of(self, slopes: dict[Node, Node]) -> dict[int, Node]:
-        """Generalized forces on v of the forces slopes[q_i] on the q_i: N^T slopes."""
-        pairs = [(qdot, slopes[q]) for q, qdot in zip(self.q, self.qdot) if q in slopes]
+        """Generalized forces on v of the forces slopes[q_i] on the q_i, in their order: N^T slopes."""
+        pairs = [(self.qdot[self.place_of_q[q]], slope) for q, slope in slopes.items()]
         return self.to_speeds(seeds(self.graph, pairs))
 
 

@@ -145,7 +145,7 @@ class _Search:
         """Whether `node` is zero anywhere near the states."""
         states = self.states
         rate = node if self.velocity else tangent(states.graph, [node], states.drift)[0]
-        slopes = gradient(states.graph, {rate: states.graph.one}, states.v)
+        slopes = gradient(states.graph, {rate: states.graph.one}, states.place_of_v)
         return any(True for _ in self.zeros(node, slopes, tries))
 
     def all_multiple(self, node: Node, slopes: Slopes, tries: Sequence[State]) -> bool:

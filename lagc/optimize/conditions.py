@@ -17,13 +17,14 @@ def condition_rows(equations: EquationsOfMotion) -> list[Node]:
 
 def condition_slopes(equations: EquationsOfMotion) -> list[dict[int, Node]]:
     """d(row)/d(q, v, stated rates) of each of `condition_rows`: column -> derivative, zeros left out."""
-    graph, unknowns = equations.graph, [*equations.q, *equations.v]
+    graph, n = equations.graph, len(equations.q) + len(equations.v)
+    places = {x: k for k, x in enumerate((*equations.q, *equations.v))}
     found: list[dict[int, Node]] = []
     for row in condition_rows(equations):
-        slopes = gradient(graph, {row: graph.one}, unknowns)
-        found.append({k: slopes[x] for k, x in enumerate(unknowns) if x in slopes and not slopes[x].is_zero})
+        slopes = gradient(graph, {row: graph.one}, places)
+        found.append({places[x]: slope for x, slope in slopes.items()})
     for k in range(len(equations.stated_rates)):  # each is its rate less its value
-        found[k - len(equations.stated_rates)][len(unknowns) + k] = graph.const(-1.0)
+        found[k - len(equations.stated_rates)][n + k] = graph.const(-1.0)
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
@@ -94,13 +94,13 @@ def scales(places: Places) -> Function:
     is no angle (speed, for a velocity row), which sees what cancels inside products, as in dot(v, u)."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
-    lengths = [x for x, kind in zip(equations.q, states) if kind > 0]
+    lengths = {x: k for k, (x, kind) in enumerate(zip(equations.q, states)) if kind > 0}
     sizes: list[Node] = []
     for row in equations.rows:
         if row.holonomic:
             slopes = gradient(graph, {row.residual: graph.one}, lengths)
         else:
-            slopes = {x: slope for x, _, slope in _of_speeds(places, row)}
+            slopes = {equations.v[k]: row.jacobian[k] for k in sorted(row.jacobian)}
         parts = [*terms(graph, row.residual), *(slope * x for x, slope in slopes.items())]
         size = graph.sum(graph.unary("abs", part) for part in parts)
         sizes.append(graph.sum([size, graph.const(_TINY)]))
@@ -160,9 +160,9 @@ def reaches(places: Places) -> Function:
 
     weights = {x: size[kind] for x, kind in zip((*equations.q, *equations.v), states)}
 
-    def of_slopes(slopes: list[tuple[Node, int, Node]]) -> list[Node]:
+    def of_slopes(slopes: Iterable[tuple[int, Node]]) -> list[Node]:
         by_kind: dict[int, list[Node]] = {}
-        for _, i, slope in slopes:
+        for i, slope in slopes:
             by_kind.setdefault(states[i], []).append(graph.unary("abs", slope))
         return [graph.sum(found) * size[k] for k, found in by_kind.items()]
 
@@ -171,8 +171,12 @@ def reaches(places: Places) -> Function:
         bounds = gradient_bounds(graph, nodes, {x: weights[x] for x in leaves})
         if bounds is not None:
             return [[bound] for bound in bounds]
-        slopes = _slopes if leaves is equations.q else _of_speeds
-        return [of_slopes(slopes(places, row)) for row in rows]
+        if leaves is equations.v:
+            return [of_slopes((len(equations.q) + k, row.jacobian[k]) for k in sorted(row.jacobian))
+                    for row in rows]  # fmt: skip
+        place = {x: i for i, x in enumerate(leaves)}
+        found = (gradient(graph, {node: graph.one}, place) for node in nodes)
+        return [of_slopes((place[x], slope) for x, slope in slopes.items()) for slopes in found]
 
     def reach(sums: Sequence[Node], parts: Sequence[Node] = ()) -> Node:
         return graph.sum([*sums, *(graph.unary("abs", part) for part in parts), graph.const(_TINY)])
@@ -194,22 +198,6 @@ def reaches(places: Places) -> Function:
     found += _beside_others(places, holonomic, of_rates)
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in size.items()}})
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
-
-
-def _slopes(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
-    """The states that the residual of `row` depends on, coordinates or for a velocity row speeds: each
-    with its index in x, and the derivative by it."""
-    if not row.holonomic:
-        return _of_speeds(places, row)
-    q = places.equations.q
-    slopes = gradient(places.graph, {row.residual: places.graph.one}, q)
-    return [(x, i, slopes[x]) for i, x in enumerate(q) if x in slopes and not slopes[x].is_zero]
-
-
-def _of_speeds(places: Places, row: Row) -> list[tuple[Node, int, Node]]:
-    """The same of its rate, by the speeds."""
-    equations = places.equations
-    return [(equations.v[k], len(equations.q) + k, slope) for k, slope in sorted(row.jacobian.items())]
 
 
 def energies(places: Places) -> Function:

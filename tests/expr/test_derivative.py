@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import assume, given, settings
@@ -115,3 +116,24 @@ def test_what_does_not_depend_is_left_out() -> None:
     x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")
     assert gradient(graph, {x: graph.one}, [x, y]) == {x: graph.one}
     assert tangent(graph, [x * y], {}) == [graph.zero]
+
+
+class _Places(dict[Node, int]):
+    """Of leaves, through which nobody walks."""
+
+    def __iter__(self) -> Iterator[Node]:
+        raise AssertionError("all leaves are looked through")
+
+    keys = values = items = __iter__  # type: ignore[assignment]
+
+
+def test_of_many_leaves_those_are_looked_at_that_the_outputs_are_made_of() -> None:
+    """In the order of their places, which is not that of the symbols."""
+    graph = Graph()
+    leaves = [graph.symbol("coordinate", f"x{k}") for k in range(6)]
+    a, b, c = leaves[4], leaves[1], leaves[3]
+    seeds = {a * b + graph.unary("sin", c) + 2.0 * a: graph.one}
+    places = _Places({leaf: k for k, leaf in enumerate(reversed(leaves))})
+    found = gradient(graph, seeds, places)
+    assert list(found) == [a, c, b]
+    assert found == gradient(graph, seeds, leaves)
