@@ -59,8 +59,7 @@ class _Uncollected(ContextDecorator):
     """Without looking for garbage: stages make a great many objects that all stay.
 
     Collecting is one switch for all threads: the first that comes turns it off, the last that
-    leaves turns it on again, where it was on.  What was made by then counts as old: it is not looked through
-    at once, and again and again.
+    leaves turns it on again, where it was on.
     """
 
     def __init__(self) -> None:
@@ -79,9 +78,6 @@ class _Uncollected(ContextDecorator):
         with self.lock:
             self.inside -= 1
             if self.inside == 0 and self.was_on:
-                if not gc.get_freeze_count():  # what somebody froze stays so
-                    gc.freeze()
-                    gc.unfreeze()
                 gc.enable()
 
 
@@ -334,6 +330,7 @@ class Compilation:
         what = (target, "derivatives") if self.differentiates else (target,)
         return cache.key(self._head_name, *what, *values, *(found or "" for _, found in head.imports))
 
+    @_uncollected  # once for all stages
     def _compiled(self, target: str) -> Artifact:
         program = self.program
         sources = render(program, target, complete=False)

@@ -9,6 +9,7 @@ import difflib
 import gc
 import sys
 import tracemalloc
+import weakref
 from collections.abc import Callable, Collection
 from random import Random
 from types import FrameType
@@ -287,6 +288,17 @@ def test_memory_grows_with_the_coordinates(make: Callable[[int], str]) -> None:
             tracemalloc.stop()
     one, two, four = peaks
     assert four - two < 3 * (two - one)  # 2 and the steps in which tables grow; 4 where it is quadratic
+
+
+def test_models_that_are_compiled_one_after_the_other_do_not_pile_up() -> None:
+    """Graphs are garbage in circles, which nobody here asks to be collected."""
+    source, graphs = Source("m.lag", outputs(40)), list[weakref.ref[Graph]]()
+    for _ in range(40):
+        model = compiler.resolve(compiler.parse(source), Choice())
+        compiler.optimize(compiler.derive(model), work=True)
+        graphs.append(weakref.ref(model.graph))
+        del model
+    assert sum(1 for graph in graphs if graph() is not None) < 20
 
 
 def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
