@@ -154,7 +154,7 @@ class Differentiable:
 
         system = self.differentiated(parameters)
         guess = self._at(0.0, parameters, starts)
-        most = equilibria.TRIES if tries is None else tries
+        most = equilibria.tries_for(system) if tries is None else tries
         with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
             found = equilibria.equilibria(system, guess, 0.0, most, seed)
             return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]

@@ -21,7 +21,8 @@ from lagc.run.linearize import size_of_states
 if TYPE_CHECKING:
     from lagc.run.backends.numpy import NumpySystem
 
-TRIES = 64  # random postures
+TRIES, FEWEST = 64, 4  # random postures
+MOST_WORK = 5e10  # operations of matrices: beyond it there are fewer
 STEPS = 60
 LATE = 12  # steps in which they halve, or lead nowhere
 HALVINGS = 10
@@ -65,6 +66,14 @@ def equilibria(
             ):
                 found[known[0]] = reached
     return first + sorted(found[len(first) :], key=lambda e: e.energy)
+
+
+def tries_for(system: NumpySystem) -> int:
+    """Random postures that are worth their time: fewer of large systems, by the operations of their singular
+    values (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, section 8.6.3)."""
+    states = system.nq + system.nv
+    rows, columns = states + system.nh + system.nc, states + system.nc
+    return max(FEWEST, min(TRIES, int(MOST_WORK / (LATE * (4.0 * rows * columns**2 + 22.0 * columns**3)))))
 
 
 class _Search:

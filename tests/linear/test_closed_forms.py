@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.run import equilibria
 from lagc.run.linearize import Linear
 
 G = 9.81
@@ -265,3 +266,21 @@ def test_a_posture_where_nothing_is_finite_leaves_the_others() -> None:
     """Of the car axis, some random postures lie where roots have no derivative."""
     found = lagc.load("classic/car_axis").compile(backend="numpy").equilibria()
     assert found and all(np.isfinite(linear.A).all() for linear in found)
+
+
+CHAIN = """model Many
+  coordinate Length x[COUNT];
+  for i in 1:COUNT loop body b[i] = Particle(mass = 1 [kg], at = {x[i], 0, 0}); end for;
+  for i in 1:COUNT loop potential V[i] = 1/2*1 [N/m]*x[i]^2; end for;
+end Many;"""
+
+
+def test_large_systems_are_looked_at_from_fewer_postures() -> None:
+    """So that what they cost is bounded."""
+    found = [
+        equilibria.tries_for(
+            lagc.loads(CHAIN.replace("COUNT", str(n))).compile(backend="numpy").differentiated()
+        )
+        for n in (2, 10, 150)
+    ]
+    assert found == [equilibria.TRIES, equilibria.TRIES, equilibria.FEWEST]
