@@ -38,6 +38,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     s.rhs = 0
     s.entered = 0
     s.called = True
+    s.known = False
     s.method = 0
     s.rate = NOWHERE
     s.dense = NOWHERE
@@ -98,8 +99,8 @@ def stop(s: State, status: Status, w: Work) -> Status:
 
 
 def state_changed(s: State) -> bool:
-    """Whether the caller has changed the state since the last step."""
-    if s.h == 0.0 or s.t != s.t_seen:
+    """Whether the caller has changed the state since the last step, or there is none."""
+    if not s.known or s.t != s.t_seen:
         return True
     for i in range(NX):
         if not s.x[i] == s.x_seen[i]:
@@ -119,6 +120,7 @@ def keep_parameters(p: Params, s: State) -> None:
     """What the caller has given is known from here on."""
     if s.called:
         s.p[:] = p
+        s.known = True
         s.called = False
 
 

@@ -37,9 +37,10 @@ def interpolate(s: State, w: Work) -> Status:
     """The coefficients of dense output of the last step, with its parameters and its end, whatever the
     caller has changed since."""
     t = s.t_seen if s.called else s.t
-    x = s.x_seen if s.called else s.x
     if NWHEN > 0:
         x = s.x_left
+    else:
+        x = s.x_seen if s.called else s.x
     if NMODE > 0:
         w.modes[:] = s.modes_old
     if s.dense == NOWHERE:

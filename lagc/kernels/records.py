@@ -224,6 +224,7 @@ class State:
     noise: Vec[NX]  # that rounding, of the rates
     entered: Count  # steps and attempts before this call
     called: bool  # from here on for the functions below: no step was made since the caller had it
+    known: bool  # p is that of the last step
     method: int  # of the last step
     rate: int  # at (t, x): k[0], the last of k, or to be found
     dense: int  # of the last step: r, k, or to be found

@@ -10,10 +10,10 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.kernels.statuses import INTERRUPTED, TERMINATED
+from lagc.kernels.statuses import INTERRUPTED, OK, TERMINATED
 from lagc.render.numpy.render import render
 from lagc.run.distance import between, spread
-from lagc.run.problem import Trajectory
+from lagc.run.problem import Options, Trajectory
 from tests.render.tools import STRICT, call
 from tests.run.jumping import STOP, case, motion
 
@@ -390,3 +390,28 @@ def test_what_constraints_tie_and_is_not_given_is_told() -> None:
     run = lagc.loads(text).compile(backend="numpy").simulate(1.0)
     assert run.status == "failed"
     assert "leaves `der(z)` as before, which constraint `circle` may tie to them" in run.message
+
+
+class Unread(float):
+    """What nobody may look at."""
+
+    def __eq__(self, other: object) -> bool:
+        raise AssertionError("read before it was written")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def test_a_first_step_that_fails_leaves_nothing_that_counts() -> None:
+    """In C the parameters of a step that was not made are whatever lies there."""
+    model = lagc.loads(
+        "model M\n  parameter Real a = 0.5;\n  coordinate Real x(rate = 1 [1/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0}*1 [m]);\n"
+        "  force f = {(if x > a then -2 else sin(x))*1 [N], 0, 0} at b;\nend M;"
+    ).compile(backend="numpy")
+    system = model.differentiated()
+    options = Options(method="dop853", rtol=1e-9, first_step=50.0, max_steps=1)
+    s = system.model.module["Integrator"](system.equations(), options, 0.0, system.start())
+    assert s.step(60.0) not in (OK, TERMINATED) and s.steps == 0
+    s.p[:] = [Unread(1.0)] * len(s.p)
+    s.options.max_steps = 0
+    assert s.step(1.0) == OK and s.steps == 1
