@@ -146,7 +146,8 @@ class Differentiable:
     ) -> list[Linear]:
         """The linear models about the equilibria at t = 0 that are found from the start and from so many
         random postures: the first is that which is found from the start, if one is, the others are in order
-        of their potential energy; of families of equilibria one each."""
+        of their potential energy; of families of equilibria one each.  Some may have no linear model, which
+        a note of the first says; raises ArithmeticError where none has."""
         from lagc.limits import stage
         from lagc.records import replace
         from lagc.run import equilibria
@@ -157,7 +158,19 @@ class Differentiable:
         most = equilibria.tries_for(system) if tries is None else tries
         with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
             found = equilibria.equilibria(system, guess, 0.0, most, seed)
-            return [replace(linearize(system, 0.0, e.x), free=e.free) for e in found]
+            linear: list[Linear] = []
+            reasons: list[str] = []
+            for e in found:
+                try:
+                    linear.append(replace(linearize(system, 0.0, e.x), free=e.free))
+                except ArithmeticError as error:
+                    reasons.append(str(error))
+        if reasons and not linear:
+            raise ArithmeticError(reasons[0])
+        if reasons:
+            note = f"{len(reasons)} of {len(found)} found have no linear model: {reasons[0]}"
+            linear[0] = replace(linear[0], notes=(*linear[0].notes, note))
+        return linear
 
     def _at(
         self,

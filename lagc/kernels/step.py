@@ -23,7 +23,7 @@ from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
 MOST_SHRUNK = 40  # times
-UNSEEN = 1e-3  # the error of a step that leaves none between its ends either
+SHORT = 1e6  # last places of the time: of a step that has no error
 FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
 
 
@@ -150,12 +150,14 @@ def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     return False
 
 
-def is_divided(s: State, o: Options, a: Trial, w: Work) -> bool:
+def is_divided(s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
     """Whether a step that ends where switches change, or where the run does, is to be made in two, of lengths
     that go with the tolerance: runs at two tolerances would have the same steps there, and their difference
     tell nothing of the error."""
     ends = a.lands or a.meets
-    if not (w.divides and ends and a.error > UNSEEN and o.step == 0.0) or s.divided or a.parts:
+    if not (w.divides and ends and a.error > 0.0 and o.step == 0.0) or s.divided or a.parts:
+        return False
+    if a.size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t)):
         return False
     a.size *= 0.5 + 0.5 * raised(o.rtol, 0.0625)
     a.parts = True
@@ -227,7 +229,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             a.size *= 0.25
         elif a.error <= 1.0:
             if NMODE > 0:
-                if is_divided(s, o, a, w):
+                if is_divided(s, t1, o, a, w):
                     s.rejected += 1
                     continue
             break

@@ -30,6 +30,7 @@ CLOSE = 1e-12  # of the sizes: a last step
 MET = 1e-9  # of what the sizes change a row by: a residual that is met
 DEPENDENT = 1e-10  # of the largest: singular values of directions in which nothing changes
 SAME = 1e-6  # of the sizes: one equilibrium found twice
+ROUNDED = 1e-12  # of what forces and sizes make: energies that are 0
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,7 @@ class Equilibrium:
     lam: list[float]
     energy: float
     free: int
+    scale: float  # of energies
 
 
 def equilibria(
@@ -118,7 +120,9 @@ class _Search:
         rank = int((sizes > DEPENDENT * sizes.max(initial=0.0)).sum())
         free = (right[rank:, :n] * columns[:n]).T
         moving = np.linalg.matrix_rank(free / self.sizes[:, None], tol=1e-6) if free.size else 0
-        return Equilibrium(x, z[n:].tolist(), self.system.energies(self.t, x)[1], int(moving))
+        nq = self.system.nq
+        scale = float(rows[nq:n].max(initial=0.0) * self.sizes[:nq].max(initial=0.0))
+        return Equilibrium(x, z[n:].tolist(), self.system.energies(self.t, x)[1], int(moving), scale)
 
     def far(self, one: Equilibrium, start: Sequence[float]) -> float:
         """How far its coordinates are from the start, beside the sizes."""
@@ -128,8 +132,8 @@ class _Search:
     def same(self, one: Equilibrium, other: Equilibrium) -> bool:
         """Whether they are one, or seem to be of one family: energies are the same all along it."""
         if one.free and one.free == other.free:
-            largest = max([abs(e.energy) for e in (one, other)])
-            return abs(one.energy - other.energy) <= SAME * largest
+            largest, scale = (max(a) for a in zip(*((abs(e.energy), e.scale) for e in (one, other))))
+            return bool(abs(one.energy - other.energy) <= SAME * largest + ROUNDED * scale)
         return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
 
     def _rounded(self, z: Array) -> Array:

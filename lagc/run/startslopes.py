@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 BESIDE = 1e-4  # of its size: how far beside the search is made
 LONGEST = (1e-2, 1e-3, 1e-4)  # the same, where the search is differenced: as far as there is a start
 SHRINKING, DIFFERENCES = 1.4, 10
+SMOOTH = 0.1  # of what the slopes tell: a search that goes elsewhere beside
 MET = 1e-6  # of the terms of a condition, to first order; of the differences of a search that is smooth
 
 
@@ -66,11 +67,20 @@ class _Consistent:
         home = self._search(0.0)
         self.weights, self.size = np.array(home.weights), 1.0
         if direction.state is not None:
-            self.size = abs(home.home[direction.state]) or home.weights[direction.state]
+            self.size = abs(point.x[direction.state]) or home.weights[direction.state]
+            self._demand_the_same(home)
         elif direction.parameter is not None:
             alike = [abs(value) for value, field in zip(self.system.parameters, self._fields)
                      if field.unit == direction.unit]  # fmt: skip
             self.size = abs(self.system.parameters[direction.parameter]) or max(alike) or 1.0
+
+    def _demand_the_same(self, home: Consistency) -> None:
+        """What is stated where the run starts leads there: raises ArithmeticError where it does not, as the
+        search chose otherwise before it was stated."""
+        x = np.array(self.point.x)
+        if home.run() != OK or (np.abs(np.array(home.y)[: len(x)] - x) > MET * self.weights[: len(x)]).any():
+            raise ArithmeticError(f"`{self.d.name}` was moved to meet conditions, and stated where it is now "
+                                  "leads to another start: state it")  # fmt: skip
 
     @property
     def _fields(self) -> Sequence[Field]:
@@ -80,15 +90,20 @@ class _Consistent:
         """Of the unknowns, where stated values alone would change by `own`; and how far these may be off."""
         doubts = np.zeros_like(own)
         rows, missed = self._conditions(own)
-        free = self._free(BESIDE)
+        above, below = self._reached(BESIDE), self._reached(-BESIDE)
+        free = _moving(above)
         if self.d.state in free:
             raise ArithmeticError(f"`{self.d.name}` cannot be stated: conditions tell what it is")
-        self._demand(free, self._free(-BESIDE))
+        self._demand(free, _moving(below))
         way, rank = self._shortest(rows, missed, own, free)
         if rank < len(free):
             own[free], doubts[free] = self._chosen(free)
             way, _ = self._shortest(rows, missed, own, free)
         own[free] += self.weights[free] * way
+        ahead = 2.0 * BESIDE * self.size * own
+        apart = np.abs(np.array(above.y) - below.y - ahead) / self.weights
+        if apart.max(initial=0.0) > SMOOTH * max(np.abs(ahead / self.weights).max(initial=0.0), 2.0 * BESIDE):
+            raise ArithmeticError(f"the start that is found jumps beside, by `{self.d.name}`")
         return own, doubts
 
     def _conditions(self, own: Array) -> tuple[Array, Array]:
@@ -148,9 +163,6 @@ class _Consistent:
                 return found / self.size, doubt / self.size
         raise ArithmeticError(f"the start that is found has no derivative by `{self.d.name}`")
 
-    def _free(self, way: float) -> list[int]:
-        return _moving(self._reached(way))
-
     def _demand(self, free: list[int], others: list[int]) -> None:
         """Raises ArithmeticError where not the same values move on both sides."""
         if others == free:
@@ -176,7 +188,7 @@ class _Consistent:
         beside = system.model.bind(parameters)
         guess, levels = beside.start(), list(system.interface.start_levels)
         if d.state is not None:
-            states[known[d.state]] = states.get(known[d.state], guess[d.state]) + way
+            states[known[d.state]] = self.point.x[d.state] + way
         for i, name in enumerate(known):
             if name in states:
                 guess[i], levels[i] = states[name], max(levels[i], RUN)

@@ -1,9 +1,9 @@
 """Motions that change more often than steps of their accuracy would end: a mass on a spring between two walls
-that throw it back.  Its phase goes to and fro like a triangle wave."""
+that throw it back, whose phase goes to and fro like a triangle wave, and one that is pushed to and fro."""
 
 from __future__ import annotations
 
-from math import asin, hypot, sin
+from math import asin, cos, hypot, sin
 from random import Random
 
 import pytest
@@ -41,3 +41,37 @@ def test_the_estimate_knows_of_all_times(seed: int) -> None:
                 phase = phase - top if phase < 2.0 * top else 3.0 * top - phase
             off = max(off, abs(x - size * sin(phase)))
         assert off <= run.estimated * min(wall, size), (accuracy, off, run.estimated)
+
+
+@pytest.mark.parametrize("seed", range(16))
+def test_steps_that_times_cut_short_are_no_proof(seed: int) -> None:
+    """An oscillator under a square wave: all runs would end steps at the same times, with like errors."""
+    chance = Random(seed)
+    omega, period, points = chance.uniform(1.0, 4.0), chance.uniform(0.1, 0.4), chance.choice([3, 7, 40])
+    text = f"""model M
+      coordinate Real x(start = 1, rate = 0.5 [1/s]);
+      body b = Particle(mass = 1 [kg], at = {{x, 0, 0}}*1 [m]);
+      force spring = {{-{omega!r}^2*x*1 [N], 0, 0}} at b;
+      force f = {{if mod(time, {period!r} [s]) < {period / 2!r} [s] then 1 [N] else -1 [N], 0, 0}} at b;
+    end M;"""
+
+    def place(t: float) -> float:
+        x, v, here, sign = 1.0, 0.5, 0.0, 1.0
+        while True:
+            until = min(here + period / 2, t)
+            rest, turn = sign / omega**2, omega * (until - here)
+            x, v = (
+                rest + (x - rest) * cos(turn) + v / omega * sin(turn),
+                -(x - rest) * omega * sin(turn) + v * cos(turn),
+            )
+            if until == t:
+                return x
+            here, sign = until, -sign
+
+    model = lagc.loads(text).compile(backend="numpy")
+    for accuracy in (1e-6, 1e-8, 1e-10):
+        run = model.simulate(4.0, accuracy=accuracy, points=points)
+        assert run.status == "ok" and run.estimated is not None, run.message
+        size = max(abs(x) for x in run["x"])
+        off = max(abs(x - place(t)) for t, x in zip(run.times, run["x"]))
+        assert off <= run.estimated * size + 1e-13, (accuracy, off, run.estimated)
