@@ -30,6 +30,7 @@ CLOSE = 1e-12  # of the sizes: a last step
 MET = 1e-9  # of what the sizes change a row by: a residual that is met
 DEPENDENT = 1e-10  # of the largest: singular values of directions in which nothing changes
 SAME = 1e-6  # of the sizes: one equilibrium found twice
+MASSLESS = 1e-14  # of the inertia elsewhere: a motion that has none, as at the cusp of a chart or curve
 ROUNDED = 1e-12  # of what forces and sizes make: energies that are 0
 
 
@@ -49,7 +50,8 @@ def equilibria(
     system: NumpySystem, start: Sequence[float], t: float = 0.0, tries: int = TRIES, seed: int = 0
 ) -> list[Equilibrium]:
     """Those found: that which the steps from `start` lead to first, the others by their potential energy.  Of
-    families of equilibria the nearest one each, as far as energies tell them apart."""
+    families of equilibria the nearest one each, as far as energies tell them apart.  Raises ArithmeticError
+    where all lie at singular postures."""
     search = _Search(system, t)
     found: list[Equilibrium] = []
     first: list[Equilibrium] = []
@@ -67,7 +69,11 @@ def equilibria(
                 and found[known[0]] not in first
             ):
                 found[known[0]] = reached
-    return first + sorted(found[len(first) :], key=lambda e: e.energy)
+    kept = [e for e in first + sorted(found[len(first) :], key=lambda e: e.energy) if search.stays(e)]
+    if found and not kept:
+        raise ArithmeticError("what was found lies where some motion has no inertia, as where coordinates or "
+                              "a curve are singular: other coordinates may tell")  # fmt: skip
+    return kept
 
 
 def tries_for(system: NumpySystem) -> int:
@@ -82,6 +88,7 @@ class _Search:
     def __init__(self, system: NumpySystem, t: float):
         self.system, self.t = system, t
         self.sizes = size_of_states(system)
+        self.inertia = np.zeros(system.nv)  # the largest along each speed
 
     def guesses(self, start: Sequence[float], tries: int, seed: int) -> Iterator[list[float]]:
         """The start at rest, then random postures: angles over a whole turn, others within twice their size
@@ -105,6 +112,7 @@ class _Search:
     def reach(self, guess: list[float]) -> Equilibrium | None:
         """The equilibrium that the steps lead to; None where they end elsewhere, or nowhere."""
         try:
+            self.inertia = np.fmax(self.inertia, np.abs(np.diag(self._mass(guess))))
             return self._reached(np.array([*guess, *[0.0] * self.system.nc]))
         except (ArithmeticError, np.linalg.LinAlgError):
             return None
@@ -123,6 +131,25 @@ class _Search:
         nq = self.system.nq
         scale = float(rows[nq:n].max(initial=0.0) * self.sizes[:nq].max(initial=0.0))
         return Equilibrium(x, z[n:].tolist(), self.system.energies(self.t, x)[1], int(moving), scale)
+
+    def stays(self, one: Equilibrium) -> bool:
+        """Whether nothing moves there: where some motion has no inertia, no force need hold it."""
+        system = self.system
+        n = system.nq + system.nv
+        scale = np.sqrt(np.where(self.inertia > 0.0, self.inertia, 1.0))
+        mass = self._mass(one.x) / np.outer(scale, scale)
+        point = Point(system, self.t, one.x[:n], [0.0] * system.nv, one.lam)
+        ties = point.partial("force", "acceleration")[:, system.nv :].T / scale
+        _, lengths, right = np.linalg.svd(ties)
+        free = right[int((lengths > DEPENDENT * lengths.max(initial=0.0)).sum()) :].T
+        return not free.size or bool(np.linalg.eigvalsh(free.T @ mass @ free)[0] > MASSLESS)
+
+    def _mass(self, x: Sequence[float]) -> Array:
+        """M, (nv, nv)."""
+        system = self.system
+        point = Point(system, self.t, x[: system.nq + system.nv], [0.0] * system.nv, [0.0] * system.nc)
+        found: Array = point.residual("acceleration")[: system.nv, : system.nv]
+        return found
 
     def far(self, one: Equilibrium, start: Sequence[float]) -> float:
         """How far its coordinates are from the start, beside the sizes."""

@@ -284,3 +284,11 @@ def test_large_systems_are_looked_at_from_fewer_postures() -> None:
         for n in (2, 10, 200)
     ]
     assert found == [equilibria.TRIES, equilibria.TRIES, equilibria.FEWEST]
+
+
+def test_the_cusp_of_a_curve_is_no_equilibrium() -> None:
+    """At u = pi the cycloid has no inertia and its force none; along its arc s'' = -g s/4a, s = 4a there."""
+    (found,) = lagc.load("classic/cycloid_pendulum").compile(backend="numpy").equilibria()
+    assert found.x[0] == pytest.approx(0.0, abs=1e-9)
+    with pytest.raises(ArithmeticError, match="no inertia"):
+        lagc.load("classic/spherical_pendulum_angles").compile(backend="numpy").equilibria()
