@@ -88,7 +88,7 @@ class _Search:
     def __init__(self, system: NumpySystem, t: float):
         self.system, self.t = system, t
         self.sizes = size_of_states(system)
-        self.inertia = np.zeros(system.nv)  # the largest along each speed
+        self.inertias: list[Array] = []  # along each speed, at the guesses
 
     def guesses(self, start: Sequence[float], tries: int, seed: int) -> Iterator[list[float]]:
         """The start at rest, then random postures: angles over a whole turn, others within twice their size
@@ -112,7 +112,7 @@ class _Search:
     def reach(self, guess: list[float]) -> Equilibrium | None:
         """The equilibrium that the steps lead to; None where they end elsewhere, or nowhere."""
         try:
-            self.inertia = np.fmax(self.inertia, np.abs(np.diag(self._mass(guess))))
+            self.inertias.append(np.abs(np.diag(self._mass(guess))))
             return self._reached(np.array([*guess, *[0.0] * self.system.nc]))
         except (ArithmeticError, np.linalg.LinAlgError):
             return None
@@ -136,7 +136,8 @@ class _Search:
         """Whether nothing moves there: where some motion has no inertia, no force need hold it."""
         system = self.system
         n = system.nq + system.nv
-        scale = np.sqrt(np.where(self.inertia > 0.0, self.inertia, 1.0))
+        usual = np.nanmedian(self.inertias, axis=0)  # far away it may be any number
+        scale = np.sqrt(np.where(usual > 0.0, usual, 1.0))
         mass = self._mass(one.x) / np.outer(scale, scale)
         point = Point(system, self.t, one.x[:n], [0.0] * system.nv, one.lam)
         ties = point.partial("force", "acceleration")[:, system.nv :].T / scale

@@ -54,31 +54,31 @@ class Changes:
         is another on each side."""
         interface, sides = self.system.interface, point.value("side")
         by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
-        by_p = point.partial("side", "parameter")
         terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
-        terms += np.abs(by_p) @ np.abs(np.array(self.system.parameters))
-        moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
-        if self.columns:
-            moved[:, self.by_p] += by_p[:, self.columns]
-            sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
+        terms += np.abs(point.partial("side", "parameter")) @ np.abs(np.array(self.system.parameters))
+        moved, sizes = self._moved(point, now)
         for k, counted in enumerate(interface.counted_switches):
             touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
             if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any():
                 words = interface.switches[k]
                 raise Stopped(f"`{words}` at the start itself: another derivative on each side")
 
+    def _moved(self, point: Point, now: Array) -> tuple[Array, Array]:
+        """What the sides are moved by, and the sizes of its terms."""
+        by_x, by_p = point.partial("side", "state"), point.partial("side", "parameter")
+        moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
+        if self.columns:
+            moved[:, self.by_p] += by_p[:, self.columns]
+            sizes[:, self.by_p] += np.abs(by_p[:, self.columns])
+        return moved, sizes
+
     def _way(self, point: Point, now: Array, rates: Array, s: Any) -> Array:
         """What the time of a change is moved by."""
         interface = self.system.interface
         by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
-        moved = by_x @ now
-        if self.columns:
-            moved[:, self.by_p] += point.partial("side", "parameter")[:, self.columns]
+        moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, s)
         names, ways, spans = [interface.switches[k] for k in own], [], []
-        sizes = np.abs(by_x) @ np.abs(now)
-        if self.columns:
-            sizes[:, self.by_p] += np.abs(point.partial("side", "parameter")[:, self.columns])
         for k in own:
             rate, terms = by_x[k] @ rates + by_t[k], np.abs(by_x[k]) @ np.abs(rates) + abs(by_t[k])
             if not abs(rate) > SLOWEST * terms:

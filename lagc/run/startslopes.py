@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagc.optimize.program import Field
 from lagc.run.conditions import RUN, Consistency
 from lagc.run.consistency import conditions_of
 from lagc.run.derivatives import DEPENDENT, Array, Point
@@ -70,7 +69,8 @@ class _Consistent:
             self.size = abs(point.x[direction.state]) or home.weights[direction.state]
             self._demand_the_same(home)
         elif direction.parameter is not None:
-            alike = [abs(value) for value, field in zip(self.system.parameters, self._fields)
+            fields = [*self.system.interface.parameters, *self.system.interface.inputs]
+            alike = [abs(value) for value, field in zip(self.system.parameters, fields)
                      if field.unit == direction.unit]  # fmt: skip
             self.size = abs(self.system.parameters[direction.parameter]) or max(alike) or 1.0
 
@@ -81,10 +81,6 @@ class _Consistent:
         if home.run() != OK or (np.abs(np.array(home.y)[: len(x)] - x) > MET * self.weights[: len(x)]).any():
             raise ArithmeticError(f"`{self.d.name}` was moved to meet conditions, and stated where it is now "
                                   "leads to another start: state it")  # fmt: skip
-
-    @property
-    def _fields(self) -> Sequence[Field]:
-        return [*self.system.interface.parameters, *self.system.interface.inputs]
 
     def slopes(self, own: Array) -> tuple[Array, Array]:
         """Of the unknowns, where stated values alone would change by `own`; and how far these may be off."""
