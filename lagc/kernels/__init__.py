@@ -24,3 +24,4 @@ METHODS = (
     "rk4",
     "bs32",
 )  # folder `methods`: one file each; a number of the interface by its place
+MOST_ACTS = 20  # of a clause `when` at one moment, on average: more are without end

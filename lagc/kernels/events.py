@@ -24,9 +24,9 @@ from lagc.kernels.model import (
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, State, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
+from lagc.kernels.sizes import NACTS, NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
 from lagc.kernels.statuses import CHATTERING, MISPLACED, OK, TERMINATED, failed
-from lagc.kernels.switching import MOST_AT_ONCE, change, is_little, late, turns_back
+from lagc.kernels.switching import change, is_little, late, turns_back
 from lagc.kernels.tables import clause, counted, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 
@@ -173,14 +173,15 @@ def act_in_turn(p: Params, s: State, direction: Real, since: Real, w: Work) -> S
     """The clauses whose conditions come true, and those that these make true.  Before the first new values
     the state goes back by `since`; w.went tells whether it has."""
     ended = OK
-    for turn in range(MOST_AT_ONCE + NWHEN):
-        if not come_true(p, s, w):
-            return ended
-        if turn == 0 and not told_apart(p, s, direction, w):
+    while come_true(p, s, w):
+        if s.acts == 0 and not told_apart(p, s, direction, w):
             return blame(w)
         for k in range(NWHEN):
             if w.due[k] > 0:
-                s.fired[k] += 1
+                if s.acts == NACTS:
+                    return blame(w)
+                s.acted[s.acts] = k
+                s.acts += 1
                 if ending[k] > 0 and ended == OK:
                     s.culprit = k
                     ended = TERMINATED
@@ -194,7 +195,7 @@ def act_in_turn(p: Params, s: State, direction: Real, since: Real, w: Work) -> S
                 status = jump(p, s, giver, direction, w)
                 if failed(status):
                     return status
-    return blame(w)
+    return ended
 
 
 def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
@@ -202,8 +203,7 @@ def act(p: Params, s: State, direction: Real, since: Real, w: Work) -> Status:
     the time of then, and the motion goes on from it to now.  Rates are in w.xdot."""
     for j in range(NFREE):
         w.shifted[j] = 0
-    for k in range(NWHEN):
-        s.fired[k] = 0
+    s.acts = 0
     now = s.t
     w.went = False
     status = act_in_turn(p, s, direction, since, w)
@@ -309,11 +309,7 @@ def set_out(p: Params, s: State, direction: Real, elsewhere: bool, w: Work) -> S
         if failed(status) and status != TERMINATED:
             undo(s, w)
             return status
-        acted = False
-        for k in range(NWHEN):
-            if s.fired[k] > 0:
-                acted = True
-        if acted:
+        if s.acts > 0:
             for i in range(NMODE):
                 s.changed[i] = 0
             s.fresh = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from lagc.kernels.sizes import (
+    NACTS,
     NBOUNDS,
     NBOX,
     NC,
@@ -216,7 +217,8 @@ class State:
         changed: IVec[NMODE]  # 1: a switch that did at the last of these
         jolts: Vec[NX]  # what the last place of these times is worth in the states, in all
     if NWHEN > 0:
-        fired: IVec[NWHEN]  # how often each clause `when` acted then
+        acts: int  # of clauses `when` then
+        acted: IVec[NACTS]  # which, in the order in which they did
         jumps: Count  # times at which states took new values
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding

@@ -46,6 +46,7 @@ class NLOOK(metaclass=SizeType): ...  # NFREE + NFEAT
 class NEDGES(metaclass=SizeType): ...  # 2 NMODE, where one counts
 class NWHEN(metaclass=SizeType): ...  # clauses `when`
 class NJUMP(metaclass=SizeType): ...  # new values that they give to states
+class NACTS(metaclass=SizeType): ...  # the most of their acts at one moment
 class NROW(metaclass=SizeType): ...  # NU + 1: of a row of these, with its right-hand side
 
 

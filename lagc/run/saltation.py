@@ -46,7 +46,7 @@ class Changes:
         way = self._way(point, now, first, s)
         moved, terms = now + np.outer(first, way), np.abs(now) + np.abs(np.outer(first, way))
         if jumped:
-            moved, terms = self._renewed(point, moved, terms, way, s)
+            moved, terms = self._renewed(point, moved, terms, way, s.acted[: s.acts])
         return moved - np.outer(rates, way), terms + np.abs(np.outer(rates, way))
 
     def refuse_at_start(self, point: Point, now: Array) -> None:
@@ -105,14 +105,27 @@ class Changes:
             if crossed and (not work.jumped[k] or counted[k] or abs(sides[k]) <= late[k])
         ]
 
-    def _renewed(self, point: Point, moved: Array, terms: Array, way: Array, s: Any) -> tuple[Array, Array]:
-        """Where a clause `when` gives new values, what these are moved by, and the sizes of its terms."""
+    def _renewed(
+        self, point: Point, moved: Array, terms: Array, way: Array, acted: Sequence[int]
+    ) -> tuple[Array, Array]:
+        """Where clauses `when` give new values, one after the other, what the states are moved by, and the
+        sizes of its terms."""
         whens = self.system.interface.whens
-        acting = [k for k, clause in enumerate(whens) if s.fired[k] and clause.states]
-        if len(acting) != 1:
-            raise Stopped("several clauses `when` act at one time")
-        first, targets = sum(len(clause.states) for clause in whens[: acting[0]]), whens[acting[0]].states
-        rows, places = slice(first, first + len(targets)), list(targets)
+        for k in acted:
+            if whens[k].states:
+                first, places = sum(len(clause.states) for clause in whens[:k]), list(whens[k].states)
+                rows = slice(first, first + len(places))
+                moved, terms = self._given(point, rows, places, moved, terms, way)
+                x = list(point.x)
+                for place, value in zip(places, point.value("reinit")[rows]):
+                    x[place] = float(value)
+                point = Point(self.system, point.t, x)
+        return moved, terms
+
+    def _given(
+        self, point: Point, rows: slice, places: list[int], moved: Array, terms: Array, way: Array
+    ) -> tuple[Array, Array]:
+        """The same behind one clause, whose new values are these."""
         by_state, by_time = point.partial("reinit", "state")[rows], point.partial("reinit", "time")[rows, 0]
         own, sizes = by_state @ moved + np.outer(by_time, way), np.abs(by_state) @ terms
         sizes += np.abs(np.outer(by_time, way))

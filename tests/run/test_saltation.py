@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 import lagc
 
@@ -101,3 +104,34 @@ def test_what_cancels_at_a_change_is_none() -> None:
         assert run.status == "ok", run.message
         assert np.abs(run.sensitivity("spin", "T")).max() <= accuracy
         assert np.abs(run.sensitivity("x", "T")).max() > 0.01
+
+
+def test_one_clause_makes_another_act() -> None:
+    """x = sin t; where it is X its speed v = sqrt(1 - X^2) gives y the speed j v, and that gives x the speed
+    e j v.  The clause that acts first stands behind."""
+    text = """model Cascade
+      parameter Real j = 1.5, e = 0.5, X = 0.6;
+      coordinate Real x(rate = 1 [1/s]), y;
+      body b = Particle(mass = 1 [kg], at = {x, y, 0}*1 [m]);
+      force f = {-x*1 [N], 0, 0} at b;
+      when der(y) > 0.5 [1/s] then reinit(der(x), e*der(y)); mark("second"); end when;
+      when x > X then reinit(der(y), j*der(x)); mark("first"); end when;
+    end Cascade;"""
+    model, names = lagc.loads(text).compile(backend="numpy"), ("j", "e", "X")
+    run = model.simulate(2.0, points=3, accuracy=1e-8, sensitivity=list(names))
+    assert run.status == "ok", run.message
+    assert [e.name for e in run.events] == ["first", "second"]
+
+    def end(values: dict[str, Fraction]) -> list[mpf]:
+        j, e, edge = (mpf(values[n].numerator) / values[n].denominator for n in names)
+        left, v = 2 - mp.asin(edge), mp.sqrt(1 - edge**2)
+        return [edge * mp.cos(left) + e * j * v * mp.sin(left), j * v * left]
+
+    exact = {"j": Fraction(3, 2), "e": Fraction(1, 2), "X": Fraction(3, 5)}
+    with mp.workdps(40):
+        for name in names:
+            step = Fraction(1, 10**12)
+            two = [end({**exact, name: exact[name] + way * step}) for way in (-1, 1)]
+            for quantity, low, high in zip("xy", *two):
+                known = float((high - low) / (2 * mpf(step.numerator) / step.denominator))
+                assert run.sensitivity(quantity, name)[-1] == pytest.approx(known, abs=1e-7)

@@ -7,6 +7,7 @@ from contextlib import suppress
 from math import isfinite
 from typing import Any
 
+from lagc.kernels import MOST_ACTS
 from lagc.optimize.program import Interface
 from lagc.records import dataclass
 
@@ -122,6 +123,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
+        "NACTS": MOST_ACTS * len(interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
         "NLOOK": free + interface.features,
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,

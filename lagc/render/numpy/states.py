@@ -166,7 +166,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             if NMODE and asked.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if NWHEN:
-                    events.extend((run.t, NMODE + k) for k in range(NWHEN) for _ in range(run.fired[k]))
+                    events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
                 asked.report = len(events) < MOST_EVENTS
             return status

@@ -8,7 +8,7 @@ from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any
 
-from lagc.kernels import METHODS
+from lagc.kernels import METHODS, MOST_ACTS
 from lagc.once import once
 from lagc.render.numpy.support.base import MOST_EVENTS
 from lagc.render.numpy.support.slices import recorded
@@ -56,7 +56,7 @@ class CModel(Compiled):
     def state(self) -> type[Any]:
         interface = self.interface
         kinds = max(interface.kinds, default=0) + 1
-        return _state_type(interface.nx, kinds, len(interface.switches), len(interface.whens))
+        return _state_type(interface.nx, kinds, len(interface.switches), MOST_ACTS * len(interface.whens))
 
     @once
     def head(self) -> type[Any]:
@@ -205,9 +205,7 @@ class CSystem(CompiledSystem):
             if self.interface.switches and asked.report and state.changes > seen:
                 events.extend((state.t, k) for k in noted if state.changed[k])
                 if whens:
-                    events.extend(
-                        (state.t, switches + k) for k in range(whens) for _ in range(state.fired[k])
-                    )
+                    events.extend((state.t, switches + k) for k in state.acted[: state.acts])
                     jumps.extend([state.t] * (state.jumps - len(jumps)))
                 asked.report = len(events) < MOST_EVENTS
             return status
@@ -261,7 +259,7 @@ def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
     return call
 
 
-def _state_type(nx: int, kinds: int, switches: int, whens: int) -> type[Any]:
+def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
     """The first members of lagc_state."""
 
     class State(ctypes.Structure):
@@ -274,7 +272,7 @@ def _state_type(nx: int, kinds: int, switches: int, whens: int) -> type[Any]:
                 if switches
                 else ()
             ),
-            *((("fired", c_int * whens), ("jumps", c_long)) if whens else ()),
+            *((("acts", c_int), ("acted", c_int * acts), ("jumps", c_long)) if acts else ()),
         )  # fmt: skip
 
     return State
