@@ -59,9 +59,22 @@ class Changes:
         moved, sizes = self._moved(point, now)
         for k, counted in enumerate(interface.counted_switches):
             touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
-            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any():
+            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any() and self._matters(point, k):
                 words = interface.switches[k]
                 raise Stopped(f"`{words}` at the start itself: another derivative on each side")
+
+    def _matters(self, point: Point, k: int) -> bool:
+        """Whether the motion, or what clauses `when` wait for, is another on each side of a switch."""
+        modes = self.system.modes(point.t, point.x)
+        one, two = (self._branch(point, [*modes[:k], side, *modes[k + 1 :]]) for side in (-1.0, 1.0))
+        return any((first != second).any() for first, second in zip(one, two))
+
+    def _branch(self, point: Point, modes: Sequence[float]) -> list[Array]:
+        there = Point(self.system, point.t, point.x, modes=modes)
+        found = [there.value("qdot"), np.array(there.a), np.array(self.system.holds(modes, point.t, point.x))]
+        for group in ("state", "parameter"):
+            found += [there.partial("qdot", group), there.motion(group), there.partial("condition", group)]
+        return found
 
     def _moved(self, point: Point, now: Array) -> tuple[Array, Array]:
         """What the sides are moved by, and the sizes of its terms."""

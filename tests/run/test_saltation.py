@@ -135,3 +135,33 @@ def test_one_clause_makes_another_act() -> None:
             for quantity, low, high in zip("xy", *two):
                 known = float((high - low) / (2 * mpf(step.numerator) / step.denominator))
                 assert run.sensitivity(quantity, name)[-1] == pytest.approx(known, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("force", "more", "same"),
+    [
+        ("-3*x", "output Real s = if x > 0 then 1 else 0, a = abs(x);", True),
+        ("-3*x*abs(x)", "", True),
+        ("-(if x > 0 then 3 else 4)*x", "", False),
+        ("if x > 0 then 1 else 2", "", False),
+        ("-3*x", "when x > 0 then reinit(der(x), 2*der(x)); end when;", False),
+    ],
+)
+def test_a_start_on_a_change_that_moves_nothing_has_them(force: str, more: str, same: bool) -> None:
+    """To first order the side does not matter where force and slope are the same on both."""
+    text = f"""model M
+      coordinate Real x(rate = 1 [1/s]);
+      body b = Particle(mass = 1 [kg], at = {{x, 0, 0}}*1 [m]);
+      force f = {{({force})*1 [N], 0, 0}} at b;
+      {more}
+    end M;"""
+    model = lagc.loads(text).compile(backend="numpy")
+    run = model.simulate(1.0, points=2, accuracy=1e-8, sensitivity=["start(x)"])
+    assert ("at the start itself" not in run.message) == same
+    if same:
+        two = [
+            model.simulate(1.0, points=2, accuracy=1e-11, starts={"x": way * 1e-4})["x"][-1]
+            for way in (-1, 1)
+        ]
+        known = (two[1] - two[0]) / 2e-4
+        assert run.sensitivity("x", "start(x)")[-1] == pytest.approx(known, abs=1e-6)

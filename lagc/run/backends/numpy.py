@@ -122,6 +122,13 @@ class NumpySystem(CompiledSystem):
             self.model.module["fn_modes"](self._p, t, x, found)
         return found
 
+    def holds(self, modes: Vector, t: float, x: Vector) -> list[float]:
+        """Of each clause `when`, 1 where its condition holds on a branch."""
+        found = [0.0] * len(self.interface.whens)
+        if found:
+            self.model.module["fn_holds_on"](self._p, t, x, modes, found)
+        return found
+
     def rhs_on(self, modes: Vector, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         """`rhs` on a branch."""
         if not modes:
