@@ -6,7 +6,7 @@ x + f- dt is x+ + f+ dt, where x+ are new values or the same.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +24,11 @@ ALIKE = 1e-6  # times of one change, relative
 
 
 class Stopped(Exception):
-    """Why S ends before the motion does."""
+    """Why S ends before the motion does, in the directions `lost`: where there are none, in all."""
+
+    def __init__(self, reason: str, lost: Iterable[int] = ()):
+        super().__init__(reason)
+        self.lost = list(lost)
 
 
 class Changes:
@@ -59,9 +63,10 @@ class Changes:
         moved, sizes = self._moved(point, now)
         for k, counted in enumerate(interface.counted_switches):
             touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
-            if touches and (np.abs(moved[k]) > ALIKE * sizes[k]).any() and self._matters(point, k):
+            lost = np.flatnonzero(np.abs(moved[k]) > ALIKE * sizes[k])
+            if touches and lost.size and self._matters(point, k):
                 words = interface.switches[k]
-                raise Stopped(f"`{words}` at the start itself: another derivative on each side")
+                raise Stopped(f"`{words}` at the start itself: another derivative on each side", lost)
 
     def _matters(self, point: Point, k: int) -> bool:
         """Whether the motion, or what clauses `when` wait for, is another on each side of a switch."""
@@ -99,8 +104,9 @@ class Changes:
             ways.append(-moved[k] / rate)
             spans.append(sizes[k] / abs(rate))
         for other, span in zip(ways[1:], spans[1:]):
-            if (np.abs(other - ways[0]) > ALIKE * (span + spans[0])).any():
-                raise Stopped(f"`{names[0]}` and `{names[1]}`, at one time here, one by one beside")
+            lost = np.flatnonzero(np.abs(other - ways[0]) > ALIKE * (span + spans[0]))
+            if lost.size:
+                raise Stopped(f"`{names[0]}` and `{names[1]}`, at one time here, one by one beside", lost)
         if not ways:
             raise Stopped("conditions change, by what is not known")
         found: Array = ways[0]

@@ -157,8 +157,13 @@ def sensitivities(
                 raise ArithmeticError("the motion was interrupted")
             start, doubts, reasons = start_slopes(system, run.states[0], request.starts, directions)
             kept = [k for k in range(len(directions)) if k not in reasons]
-            if kept:
-                _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
+            while kept:
+                lost = _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
+                if not lost:
+                    break
+                names = ", ".join([f"`{directions[k].name}`" for k in lost])
+                reasons[lost[0]], found.message, found.estimated = f"{names}: {found.message}", "", None
+                kept = [k for k in kept if k not in lost]
             found.message = "; ".join(filter(None, [found.message, *reasons.values()]))
         except ArithmeticError as error:
             found.message = str(error)
@@ -177,9 +182,10 @@ def _verified(
     kept: list[int],
     start: tuple[Array, Array],
     progress: Progress | None,
-) -> None:
+) -> list[int]:
     """Fills `found` by the directions `kept`: by hand one integration, else those that tell the error; every
-    second one begins as far from the start slopes as these may be off."""
+    second one begins as far from the start slopes as these may be off.  Which of them end before others
+    do."""
     n, directions = len(start[0]), [found.directions[k] for k in kept]
     rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
 
@@ -199,7 +205,7 @@ def _verified(
     if request.by_hand:
         done = follow(by_hand(request))
         found.values[:, :, kept], found.message = done.values, done.message
-        return
+        return [kept[k] for k in done.lost]
     assert request.accuracy is not None
     tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
     done = at(tol)
@@ -210,6 +216,7 @@ def _verified(
         finer = at(tol)
         if finer.message and done.reached >= finer.reached:
             done.message = finer.message if finer.interrupted else f"at a finer tolerance, {finer.message}"
+            done.lost = finer.lost
             break
         done = finer
         apart, found.estimated = found.estimated, _apart(before, done, found.system.interface.kinds)
@@ -219,6 +226,7 @@ def _verified(
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
         known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
         found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
+    return [kept[k] for k in done.lost]
 
 
 def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:

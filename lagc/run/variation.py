@@ -39,7 +39,8 @@ Progress = Callable[[float], None]
 class Followed:
     """S at the recorded times, (times, nq + nv, directions), NaN behind `reached`; in each kind of states,
     by directions, `rounding`: what it may add up to, `terms`: the largest of what is added up at changes;
-    `passed`: the changes so far at the recorded times."""
+    `passed`: the changes so far at the recorded times.  Of the directions `lost`, where there are any, the
+    others could go on."""
 
     values: Array
     rounding: Array
@@ -51,6 +52,7 @@ class Followed:
     evaluations: int  # of the derivatives
     message: str = ""
     interrupted: bool = False
+    lost: Sequence[int] = ()
 
 
 class Slopes(NamedTuple):
@@ -133,7 +135,7 @@ class Variation:
                 if found.steps + found.rejected > self.most:
                     raise Stopped("they ask for far more steps than the motion")
         except Stopped as reason:
-            found.message = f"at t = {s.t:.6g} s: {reason}"
+            found.message, found.lost = f"at t = {s.t:.6g} s: {reason}", reason.lost
         except ArithmeticError as error:
             found.message = f"at t = {s.t:.6g} s: {error}"
         except KeyboardInterrupt:

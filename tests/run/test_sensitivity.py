@@ -369,6 +369,16 @@ def test_changes_at_one_time_that_part_have_no_derivative(name: str) -> None:
     assert run.status == "failed" and "at one time here" in run.message
 
 
+def test_what_one_direction_lacks_leaves_the_others() -> None:
+    """x = w t - 1 + (t - 1/w)^2 behind the change, by w = 1 t + 2 (t - 1)."""
+    text = TWO.replace("b = 0;", "b = 0, w = 1;").replace("rate = 1 [1/s]", "rate = w*1 [1/s]")
+    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, points=3, sensitivity=["a", "w"])
+    assert run.status == "failed" and "`a`: at t = 1 s" in run.message and "`w`" not in run.message
+    assert np.isnan(run.sensitivity("x", "a")[-1])
+    assert run.sensitivity("x", "w") == pytest.approx([0.0, 1.0, 4.0], abs=1e-9)
+    assert run.sensitivities is not None and run.sensitivities.estimated is not None
+
+
 @pytest.mark.parametrize(
     ("condition", "name"), [("time > T*1 [s]", "T"), ("x > T", "T"), ("x > T", "start(x)")]
 )
