@@ -17,6 +17,7 @@ from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Node
 from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
 from lagc.mechanics.breaks import Break, Ranks, find_break, ranked
+from lagc.mechanics.outlines import Outlines
 from lagc.mechanics.states import States
 from lagc.mechanics.tips import find_tip
 
@@ -35,22 +36,28 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
         if not above.isdisjoint(node.args):
             above.add(node)
     smooth = above.isdisjoint(spelt)
+    positions = ranked(states.q)
+    place = ranked([*states.q, states.model.time])
+    rates = ranked([*states.rates, *(speed.symbol for speed in states.model.speeds)])
+    everything = ranked([*place, *rates])
+    outlines = Outlines(states, list(everything)) if smooth else None
 
     def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True) -> Break | None:
         if smooth and above.isdisjoint(nodes):
+            return None
+        outline = outlines.of(nodes) if outlines else None
+        if outline and not find_break(states, outline.nodes, ranked(outline.leaves), slopes):
             return None
         return find_break(states, nodes, leaves, slopes)
 
     def find_in_row(c: Constraint) -> Fault | None:
         if smooth and above.isdisjoint(c.residuals):
             return None
-        broken = find_break(states, c.residuals, everything, True, rows=True)
-        return _bent_row(c, broken) if broken else _pointed(c, find_tip(states, c.residuals, everything))
+        outline = outlines.of(c.residuals) if outlines else None
+        if outline and not _broken_row(states, c, outline.nodes, ranked(outline.leaves), outline.leaves):
+            return None
+        return _broken_row(states, c, c.residuals, everything, states.q)
 
-    positions = ranked(states.q)
-    place = ranked([*states.q, states.model.time])
-    rates = ranked([*states.rates, *(speed.symbol for speed in states.model.speeds)])
-    everything = ranked([*place, *rates])
     faults: list[Fault | None] = []
     for constraint in states.model.constraints:
         faults.append(find_in_row(constraint))
@@ -71,6 +78,13 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
     if any(fault.severity == "error" for fault in found):
         raise Refused(found)
     return tuple(found)
+
+
+def _broken_row(
+    states: States, c: Constraint, residuals: Sequence[Node], leaves: Ranks, positions: Sequence[Node]
+) -> Fault | None:
+    broken = find_break(states, residuals, leaves, True, rows=True)
+    return _bent_row(c, broken) if broken else _pointed(c, find_tip(states, residuals, leaves, positions))
 
 
 def jumps_in_time(states: States, energy: Node) -> bool:

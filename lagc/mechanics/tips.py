@@ -30,14 +30,16 @@ _STAYS = 0.5  # from one distance to the next
 _SEEN = 1e-6  # of the steepest slope
 
 
-def find_tip(states: States, residuals: Sequence[Node], leaves: Ranks) -> str | None:
-    """What vanishes, in words, where rows `residuals` = 0 hold and have no gradient in `leaves`; None where
-    no such point is found, with the parameters' own values."""
+def find_tip(
+    states: States, residuals: Sequence[Node], leaves: Ranks, positions: Sequence[Node]
+) -> str | None:
+    """What vanishes, in words, where rows `residuals` = 0 hold and have no gradient in `leaves`, where
+    `positions` reach it; None where no such point is found, with the parameters' own values."""
     nodes = states.in_rates(residuals)
     for switch in switches(states, nodes, leaves, True):
         parts = together(switch.side) if switch.node.op in _ROOTS else []
         present = symbols(parts)
-        moved = [leaf for leaf in states.q if leaf in present] if len(parts) > 1 else []
+        moved = [leaf for leaf in positions if leaf in present] if len(parts) > 1 else []
         if moved and all(_breaks(states, nodes, parts, moved, leaves, state) for state in states.near):
             return where(switch)
     return None
