@@ -21,12 +21,15 @@ import numpy as np
 from lagc.records import dataclass, replace
 from lagc.run.derivatives import ROUNDING, Array, Point, rounded
 from lagc.run.independent import independent
+from lagc.run.problem import OK, Options
 from lagc.run.spectrum import Spectrum, spectrum
 
 if TYPE_CHECKING:
     from lagc.run.backends.numpy import NumpySystem
 
 STILL = 1e-9  # of what moves the state by its size: rates of an equilibrium
+FURTHER = 0.3  # of the size of a state: how far a motion is followed
+CLOSELY, MANY = 1e-10, 1000  # its tolerance and steps
 AT_REST = 1e-8  # of what a mode moves: coordinates that it leaves where they are
 
 
@@ -50,6 +53,7 @@ class Linear:
     linear: bool  # whether they seem to depend on nothing but parameters
     notes: tuple[str, ...] = ()  # where it is one of those of several sides
     free: int = 0  # of an equilibrium: directions in which it seems to be one of many
+    turning: bool = False  # A is another as the motion goes on, though what changes acts on nothing else now
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -73,7 +77,7 @@ class Linear:
     @property
     def steady(self) -> bool:
         """Whether what changes in the motion acts on nothing else, so that in the rest A stays what it is."""
-        return not any(self.changing[k] for k in self._acting[0])
+        return not self.turning and not any(self.changing[k] for k in self._acting[0])
 
     @property
     def idle(self) -> tuple[str, ...]:
@@ -84,12 +88,13 @@ class Linear:
     def _acting(self) -> tuple[list[int], list[int]]:
         """The states that act on others in the end, and those that act on none but ones before them."""
         kept, idle = list(range(len(self.A))), list[int]()
-        while True:
+        while not self.turning:
             found = [k for k in kept if not self.A[kept, k].any()]
             if not found:
                 return kept, idle
             idle += found
             kept = [k for k in kept if k not in found]
+        return kept, idle
 
     @cached_property
     def _own(self) -> Spectrum:
@@ -183,6 +188,8 @@ def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     with np.errstate(all="ignore"):  # what is not finite is refused
         try:
             found = _on_all_sides(system, t, x) if system.interface.switches else _linearized(system, t, x)
+            if found.steady and not found.still and not found.linear and _turns(found):
+                found = replace(found, turning=True)
             found.modes  # noqa: B018  with its eigenvalues
         except np.linalg.LinAlgError:
             raise ArithmeticError("numbers there are too large or too small for a linear model") from None
@@ -278,6 +285,30 @@ def _differs(point: Point, elsewhere: bool) -> bool:
             if not (np.abs(there - here) <= ROUNDING * np.maximum(np.abs(here), np.abs(there))).all():
                 return True
     return False
+
+
+def _turns(now: Linear) -> bool:
+    """Whether other states act, or act otherwise, where one that changes has moved by a share of its size, as
+    of a pendulum that sets out from the horizontal, where gravity has no slope.  False where the motion goes
+    on with other states, or not at all."""
+    system, point = now.system, Point(now.system, now.t, now.x)
+    sizes, once = size_of_states(system), np.array([*point.value("qdot"), *point.a])
+    twice = point.total("rate", "state") @ once + point.total("rate", "time")[:, 0]
+    pace = max((np.abs(once) / sizes).max(), np.sqrt((np.abs(twice) / sizes).max()))
+    end = now.t + FURTHER / pace
+    x = [*now.x, *[0.0] * (system.nx - len(now.x))]
+    run = system.integrate(Options(rtol=CLOSELY, max_steps=MANY), now.t, x, [end])
+    if run.status != OK or not end > now.t:
+        return False
+    later = _linearized(system, end, run.x[: len(now.x)])
+    if later.indices != now.indices:
+        return False
+    kept = now._acting[0]
+    if later._acting[0] != kept:
+        return True
+    one, two = (m.A[np.ix_(kept, kept)] * now.scales[kept] / now.scales[kept][:, None] for m in (now, later))
+    apart = np.abs(two - one).max(initial=0.0)
+    return bool(apart > CLOSELY**0.5 * np.abs(one).max(initial=0.0))
 
 
 def _scales(point: Point, indices: Sequence[int], a: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from lagc.printable import printable
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from lagc.run.linearize import Linear
 
 MOST = 12  # modes of a picture
+WIDE = 120  # letters of a line
 STILL = 1e-9  # of the largest: what a mode leaves where it is
 
 
@@ -29,17 +31,24 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
 
         figure = Figure(layout="constrained")
         figure.set_size_inches(8.0, 1.0 + 1.6 * max(1, len(shown)))
-        figure.suptitle(printable(title), fontsize=9, x=0.01, ha="left")
+        figure.suptitle(fill(printable(title), WIDE), fontsize=9, x=0.01, ha="left")
         axes = figure.subplots(max(1, len(shown)), 1, sharex=True, squeeze=False)[:, 0]
         for axis, k in zip(axes, shown):
             value, mode = complex(linear.eigenvalues[k]), linear.modes[:nq, k]
-            places = range(nq)
+            turned = abs(mode.imag).max(initial=0.0) > STILL
+            aside = 0.2 if turned else 0.0
             axis.axhline(0.0, color="#7f7f7f", linewidth=0.8)
-            axis.bar([i - 0.2 for i in places], mode.real, width=0.4, color=COLORS[0])
-            if abs(mode.imag).max(initial=0.0) > STILL:
-                axis.bar([i + 0.2 for i in places], mode.imag, width=0.4, fill=False, edgecolor=COLORS[1])
-            axis.set_ylim(-1.15, 1.15)
+            axis.bar([i - aside for i in range(nq)], mode.real, width=0.4, color=COLORS[0])
+            if turned:
+                axis.bar(
+                    [i + aside for i in range(nq)], mode.imag, width=0.4, fill=False, edgecolor=COLORS[1]
+                )
+            axis.set_axisbelow(True)
+            axis.set(xlim=(-0.6, nq - 0.4), ylim=(-1.15, 1.15))
             axis.set_title(_caption(value), fontsize=8, loc="left")
+        if not shown:
+            axes[0].set(xlim=(-0.6, nq - 0.4), yticks=[])
+            axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
         axes[-1].set_xticks(range(nq), [printable(label) for label in labels], rotation=45 if nq > 6 else 0)
     if path is not None:
@@ -48,7 +57,7 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
 
 
 def _caption(value: complex) -> str:
-    ratio = damping(value)
+    ratio = (damping(value) or 0.0) + 0.0  # no -0
     if value.imag:
         return f"{frequency(value):.5g} Hz, damping {ratio:.4g}"
     return f"{'grows' if value.real > 0.0 else 'decays'} with {abs(value.real):.5g}/s"

@@ -168,6 +168,17 @@ def test_a_governor_with_a_drive() -> None:
     assert_spectrum(linear, [0.0, *np.linalg.eigvals(matrix)])
 
 
+def test_where_slopes_vanish_for_a_moment_nothing_is_steady() -> None:
+    """Pendulums at rest at the horizontal, where gravity has no slope: A is zero in the angles, but is not
+    for long."""
+    for name, x in (
+        ("course/simple_pendulum", [pi / 2, 0.0]),
+        ("classic/double_pendulum", [pi / 2, pi / 2, 0.0, 0.0]),
+    ):
+        linear = model_of(name).linearize(0.0, x)
+        assert not linear.steady and linear.momentary and linear.stability is None and not linear.idle
+
+
 def test_a_conical_pendulum() -> None:
     """Nutation about the cone: square phi'^2 (1 + 3 cos^2 theta)."""
     theta = 1.1
