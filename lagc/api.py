@@ -11,23 +11,22 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.given import Input, Value, parted, quantities, seconds
 from lagc.limits import running
 from lagc.loaded import Loaded
-from lagc.numerals import number
 from lagc.records import dataclass, names, replace
 from lagc.run.problem import System
-from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, expression, keep_limits
+from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
     from lagc.artifact import Artifact
-    from lagc.meaning.context import Points
     from lagc.meaning.model import Model
     from lagc.meaning.scene import Inputs
     from lagc.mechanics.equations import EquationsOfMotion
@@ -36,8 +35,6 @@ if TYPE_CHECKING:
     from lagc.run.solution import Array
     from lagc.view.matrices import Matrices
 
-Value: TypeAlias = float | tuple[float, str] | Quantity
-Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"
 Progress: TypeAlias = Callable[[float], None]
 
 
@@ -266,7 +263,7 @@ class CompiledModel(Differentiable):
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, quantities(starts or {})),
             sensitivity=(sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity),
-            **{name: _seconds(name, value) for name, value in times.items()},
+            **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
 
@@ -421,65 +418,3 @@ class CompiledModel(Differentiable):
 
         with self.compilation.lock:
             return equations_latex(self.equations)
-
-
-def parted(given: Mapping[str, Input]) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
-    """Inputs that are numbers, and others."""
-    numbers: dict[str, float | Quantity] = {}
-    courses: dict[str, Source | Points] = {}
-    for name, value in given.items():
-        if isinstance(value, str):
-            courses[name] = expression(value)
-        elif isinstance(value, tuple) and value and hasattr(value[0], "__len__"):
-            courses[name] = _points(name, *value)
-        else:
-            numbers[name] = _quantity(name, value)
-    return numbers, courses
-
-
-def _points(name: str, *given: Any) -> Points:
-    try:
-        times, values, *kind = given
-        (way,) = kind or ["linear"]
-        return tuple(map(float, times)), tuple(map(float, values)), str(way)
-    except (TypeError, ValueError, OverflowError):
-        message = f'`{name}` is given by a number, a text, or `(t, values)` or `(t, values, "cubic")`'
-        raise Refused([Fault("LAG0602", message)]) from None
-
-
-def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:
-    return {name: _quantity(name, value) for name, value in given.items()}
-
-
-def _quantity(name: str, value: Value) -> float | Quantity:
-    if isinstance(value, Quantity):
-        return value
-    try:
-        if isinstance(value, tuple):
-            written, unit = value
-            return Quantity(_float(written), unit)
-        return _float(value)
-    except (TypeError, ValueError, OverflowError):
-        raise Refused([Fault("LAG0602", f"`{name}` must be a number, not {value!r}")]) from None
-
-
-def _float(value: object) -> float:
-    """Text is read as strictly as on the command line."""
-    if isinstance(value, SupportsFloat):
-        return float(value)
-    found = number(value) if isinstance(value, str) else None
-    if found is None:
-        raise ValueError
-    return found
-
-
-def _seconds(name: str, value: Value | None) -> float | None:
-    if value is None:
-        return None
-    from lagc.run.request import si
-
-    faults: list[Fault] = []
-    found = si(name, _quantity(name, value), "s", faults)
-    if faults:
-        raise Refused(faults)
-    return found
