@@ -93,6 +93,10 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
     """What the status (one of FAILED) of the equations at the start means, k its culprit."""
     interface = system.interface
     if status == SINGULAR_MASS:
+        if not 0 <= k < system.nv:
+            from lagc.run.inertia import weightless_speed  # where it is asked
+
+            k = weightless_speed(system, 0.0, x)
         message = (
             f"the mass matrix is singular at the start: nothing has inertia along {speed_name(system, k)}"
         )

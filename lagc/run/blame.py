@@ -11,7 +11,7 @@ from lagc.expr.graph import Node
 from lagc.expr.symbol import Symbol
 from lagc.expr.text import text
 from lagc.expr.walk import reachable
-from lagc.meaning.model import Potential
+from lagc.meaning.model import Body, Potential
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
@@ -33,10 +33,11 @@ def placed(equations: EquationsOfMotion, found: NoStart) -> Refused:
         spans = [(where, "here"), *spans] if where is not None else spans
     elif fault.code == "LAG0612":
         light = _light(equations, values)
-        spans += light
+        spans += [(body.span, f"the mass of `{body.name}` is {mass:g} kg") for body, mass in light]
         remedy = "begin in another posture, or choose other coordinates: this one moves nothing there"
         if light:
-            remedy = "give it a positive mass, or inertia"
+            named = " or ".join([f"`{body.name}`" for body, _ in light[:MOST_SHOWN]])
+            remedy = f"give {named} a positive mass, or inertia"
     places = {(span.start, span.end): (span, label) for span, label in reversed(spans)}
     shown = [*reversed(places.values())]
     span = shown[0][0] if shown else None
@@ -80,15 +81,11 @@ def _declared(equations: EquationsOfMotion, state: Symbol) -> Span:
     return next(thing.span for thing in things if thing.name == state.owner)
 
 
-def _light(equations: EquationsOfMotion, values: dict[Node, float]) -> list[tuple[Span, str]]:
+def _light(equations: EquationsOfMotion, values: dict[Node, float]) -> list[tuple[Body, float]]:
     """The bodies without mass."""
     bodies = equations.model.bodies
     masses = evaluate([body.mass for body in bodies], values)
-    return [
-        (body.span, f"the mass of `{body.name}` is {mass:g} kg")
-        for body, mass in zip(bodies, masses)
-        if not mass > 0.0
-    ]
+    return [(body, mass) for body, mass in zip(bodies, masses) if not mass > 0.0]
 
 
 def _strange(

@@ -1,32 +1,29 @@
-"""Whether speeds that the constraints allow have a negative kinetic energy."""
+"""Speeds without kinetic energy, or with a negative one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import sqrt
+from typing import TypeAlias
 
 from lagc.run.problem import System, row_gradients
 
-_MOST = 60  # speeds: beyond, nothing is looked at
+Form: TypeAlias = Callable[[Sequence[float]], float]
+
+
+_MOST = 60  # speeds: beyond, no pairs are looked at
+_MOST_ALONE = 1000
 _ROUNDING = 1e-9  # of the energy of a speed by itself
 
 
 def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
     """A speed, by index, that takes part in a motion of negative kinetic energy at (t, x), beside what the
     frames' own motion brings: by Cholesky's factors of the form on what the constraints allow."""
-    nq, nv = system.nq, system.nv
+    nv = system.nv
     if nv > _MOST:
         return None
-
-    def energy(v: Sequence[float]) -> float:
-        return system.energies(t, [*x[:nq], *v, *x[nq + nv :]])[0]
-
-    rest = energy([0.0] * nv)
-
-    def form(v: Sequence[float]) -> float:
-        return energy(v) + energy([-a for a in v]) - 2.0 * rest
-
-    units = [[float(i == j) for j in range(nv)] for i in range(nv)]
+    form, rest = _form(system, t, x)
+    units = [_unit(k, nv) for k in range(nv)]
     own = [abs(form(unit)) for unit in units]
     sizes = [1.0 / sqrt(a) if a > _ROUNDING * abs(rest) else 1.0 for a in own]
     basis: list[list[float]] = []
@@ -41,7 +38,31 @@ def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
     return None if found is None else max(range(nv), key=lambda j: abs(basis[bound + found][j]))
 
 
-def _negative(ways: Sequence[Sequence[float]], form: Callable[[Sequence[float]], float]) -> int | None:
+def weightless_speed(system: System, t: float, x: Sequence[float]) -> int:
+    """The first speed, by index, that has no kinetic energy of its own at (t, x), or -1."""
+    nv = system.nv
+    if nv > _MOST_ALONE:
+        return -1
+    form, rest = _form(system, t, x)
+    return next((k for k in range(nv) if form(_unit(k, nv)) <= _ROUNDING * abs(rest)), -1)
+
+
+def _form(system: System, t: float, x: Sequence[float]) -> tuple[Form, float]:
+    """v^T M v at (t, x), and the energy of the frames' own motion."""
+    nq, nv = system.nq, system.nv
+
+    def energy(v: Sequence[float]) -> float:
+        return system.energies(t, [*x[:nq], *v, *x[nq + nv :]])[0]
+
+    rest = energy([0.0] * nv)
+    return lambda v: energy(v) + energy([-a for a in v]) - 2.0 * rest, rest
+
+
+def _unit(k: int, n: int) -> list[float]:
+    return [float(i == k) for i in range(n)]
+
+
+def _negative(ways: Sequence[Sequence[float]], form: Form) -> int | None:
     """The first way along which, less what those before share of it, `form` is negative."""
     n, own = len(ways), [form(way) for way in ways]
     table = [[0.0] * n for _ in ways]

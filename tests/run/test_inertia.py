@@ -65,3 +65,24 @@ def test_check_refuses_a_parameter_that_takes_all_inertia_away() -> None:
     text += " body b = Particle(mass = m, at = {x, 0, 0});\nend M;\n"
     (fault,) = lagc.loads(text).check()
     assert fault.code == "LAG0612" and "nothing has inertia along `der(x)`" in fault.message
+
+
+@pytest.mark.parametrize("weight", [0.0, -1.0])
+def test_a_long_chain_names_the_link_without_mass(weight: float) -> None:
+    """Its equations are solved without the mass matrix, by pivots that are no longer those of speeds."""
+    text = """model Chain
+      structural Integer n = 40;
+      parameter Mass m;
+      coordinate Angle a[n](each start = 0.3);
+      point P[0] = {0, 0, 0};
+      for i in 1:n loop
+        point P[i] = P[i-1] + {sin(a[i]), -cos(a[i]), 0}*(1 [m]);
+        body b[i] = Particle(mass = if i == n then m else 1 [kg], at = P[i]);
+      end for;
+    end Chain;"""
+    with pytest.raises(Refused) as caught:
+        lagc.loads(text).compile(backend="numpy").simulate(1.0, parameters={"m": weight})
+    (fault,) = caught.value.faults
+    assert fault.code == ("LAG0612" if weight == 0.0 else "LAG0615"), fault
+    if weight == 0.0:
+        assert "`der(a[40])`" in fault.message and fault.remedy is not None and "`b[40]`" in fault.remedy
