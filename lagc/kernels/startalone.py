@@ -25,12 +25,14 @@ def look(p: Params, t: Real, y: Vec[NU], i: int, j: int, value: Real, at: Place,
     """Condition i where unknown j in y is at `value`."""
     y[j] = value
     meet(p, t, y, w.c, w.J, w.sizes)
-    k = row_begin(i)
-    while column[k] != j:
-        k += 1
     at.value = value
     at.residual = w.c[i]
-    at.slope = w.J[k]
+    at.slope = 0.0
+    first = row_begin(i)
+    end = ends[i]
+    for k in range(first, end):
+        if column[k] == j:
+            at.slope = w.J[k]
 
 
 def rung(k: int, size: Real) -> Real:
