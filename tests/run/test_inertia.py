@@ -67,8 +67,7 @@ def test_check_refuses_a_parameter_that_takes_all_inertia_away() -> None:
     assert fault.code == "LAG0612" and "nothing has inertia along `der(x)`" in fault.message
 
 
-@pytest.mark.parametrize("weight", [0.0, -1.0])
-def test_a_long_chain_names_the_link_without_mass(weight: float) -> None:
+def test_a_long_chain_names_the_link_without_mass() -> None:
     """Its equations are solved without the mass matrix, by pivots that are no longer those of speeds."""
     text = """model Chain
       structural Integer n = 40;
@@ -81,8 +80,7 @@ def test_a_long_chain_names_the_link_without_mass(weight: float) -> None:
       end for;
     end Chain;"""
     with pytest.raises(Refused) as caught:
-        lagc.loads(text).compile(backend="numpy").simulate(1.0, parameters={"m": weight})
+        lagc.loads(text).compile(backend="numpy").simulate(1.0, parameters={"m": 0.0})
     (fault,) = caught.value.faults
-    assert fault.code == ("LAG0612" if weight == 0.0 else "LAG0615"), fault
-    if weight == 0.0:
-        assert "`der(a[40])`" in fault.message and fault.remedy is not None and "`b[40]`" in fault.remedy
+    assert fault.code == "LAG0612" and "`der(a[40])`" in fault.message
+    assert fault.remedy is not None and "`b[40]`" in fault.remedy
