@@ -57,7 +57,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         for i in range(NX):
             s.jolts[i] = 0.0
         s.fresh = False
-        s.divided = False
+        s.halved = False
+        s.little = 0.0
     if NWHEN > 0:
         s.acquainted = False
         s.jumps = 0
@@ -72,7 +73,6 @@ def enter(s: State, w: Work) -> None:
         w.lost = s.lost
     if NMODE > 0:
         w.held = True
-        w.divides = False
 
 
 def leave(s: State, status: Status, w: Work) -> Status:

@@ -82,7 +82,7 @@ def adapt(s: State, a: Trial, o: Options) -> None:
     if a.rejected > 0 and following > a.size:
         following = a.size
     if NMODE > 0:
-        if (a.meets or a.parts) and a.rejected == 0 and following < s.h:
+        if (a.meets or a.half) and a.rejected == 0 and following < s.h:
             following = s.h
     if a.lands and a.rejected == 0 and following < s.h:
         following = s.h  # the step was short only to land

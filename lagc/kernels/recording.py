@@ -166,7 +166,6 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     count: Count = 0
     if NMODE > 0:
         ended = OK
-        w.divides = True
     while status == OK:
         while status == OK and done[0] < n and (times[done[0]] - s.t) * direction <= 0.0:
             status = dense_at(s, times[done[0]], o, states[done[0]], w)

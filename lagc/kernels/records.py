@@ -70,6 +70,7 @@ class Options:
         report: (
             int  # 1: advance and record return INTERRUPTED at each time at which switches change: s->changed
         )
+        halves: bool  # 1: steps that end where switches change, or with the call, are made in two
 
 
 @record
@@ -149,7 +150,6 @@ class Work:
         entries: Vec[NWORK]
     if NMODE > 0:
         held: bool  # the modes are those of a step
-        divides: bool  # steps that end where a switch changes are made in two
         modes: Vec[NMODE]
         sides: Vec[NMODE]  # what each switch changes at
         beside: Vec[NMODE]
@@ -247,7 +247,8 @@ class State:
         modes_old: Vec[NMODE]  # of the last
         slack: Vec[NMODE]  # how far a side is beyond its change
         fresh: bool  # the last step ended with one
-        divided: bool  # it was the first part of one that would
+        little: Real  # time, beside the last step: what is of second order in it is less than its error
+        halved: bool  # it was the first half of one that would
         changes_here: Count  # changes at the time t_changed
         t_changed: Real
     if NWHEN > 0:
@@ -273,5 +274,5 @@ class Trial:
     heard: bool  # the error was judged with its rounding
     if NMODE > 0:
         meets: bool  # it ends where a switch changes
-        parts: bool  # it is the first part of one that would
+        half: bool  # it is the first of one that would
     rejected: int  # attempts before

@@ -23,6 +23,7 @@ from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
 MOST_SHRUNK = 40  # times
+LITTLE = 0.1  # of a step, times the root of the tolerance
 SHORT = 1e6  # last places of the time: of a step that has no error
 FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
 
@@ -120,7 +121,8 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None
     if NMODE > 0:
         s.modes_old[:] = w.modes
         s.fresh = False
-        s.divided = a.parts
+        s.halved = a.half
+        s.little = LITTLE * raised(o.rtol, 0.5) * fabs(a.h)
 
 
 def size_up(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
@@ -150,17 +152,16 @@ def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     return False
 
 
-def is_divided(s: State, t1: Real, o: Options, a: Trial, w: Work) -> bool:
-    """Whether a step that ends where switches change, or where the run does, is to be made in two, of lengths
-    that go with the tolerance: runs at two tolerances would have the same steps there, and their difference
-    tell nothing of the error."""
+def is_halved(s: State, t1: Real, o: Options, a: Trial) -> bool:
+    """Whether a step that ends where switches change, or where the call does, is to be made in two: of two
+    runs that have the same steps there one errs by much less, else their difference would tell nothing."""
     ends = a.lands or a.meets
-    if not (w.divides and ends and a.error > 0.0 and o.step == 0.0) or s.divided or a.parts:
+    if not (o.halves and ends and a.error > 0.0 and o.step == 0.0) or s.halved or a.half:
         return False
     if a.size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t)):
         return False
-    a.size *= 0.5 + 0.5 * raised(o.rtol, 0.0625)
-    a.parts = True
+    a.size *= 0.5
+    a.half = True
     a.meets = False
     return True
 
@@ -229,7 +230,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             a.size *= 0.25
         elif a.error <= 1.0:
             if NMODE > 0:
-                if is_divided(s, t1, o, a, w):
+                if is_halved(s, t1, o, a):
                     s.rejected += 1
                     continue
             break

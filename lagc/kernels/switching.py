@@ -16,7 +16,6 @@ from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status
 
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
-LITTLE = 1e-6  # of a step
 TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
 STILL = 1e-12  # of the rates on both sides: less than that is rest between them
 
@@ -76,8 +75,8 @@ def late(k: int, direction: Real, w: Work) -> Real:
 
 
 def is_little(time: Real, s: State) -> bool:
-    """Of a step, or last places of the time."""
-    return fabs(time) <= LITTLE * fabs(s.h_old) + NEARLY_THERE * SPACING * fabs(s.t)
+    """Of the last step, or last places of the time."""
+    return fabs(time) <= s.little + NEARLY_THERE * SPACING * fabs(s.t)
 
 
 def put_right(p: Params, s: State, direction: Real, w: Work) -> None:

@@ -19,7 +19,7 @@ from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays
-from lagc.run.truncation import FINEST, SAFETY, Truncation, plain
+from lagc.run.truncation import FEW, FINEST, SAFETY, Truncation, plain
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
@@ -111,6 +111,7 @@ class _Search:
         self.accuracy, self.progress, self.max_step = accuracy, progress, max_step
         self.tried: list[Trajectory] = []
         self.runs: dict[float, Trajectory] = {}  # by tolerance
+        self.whole: set[float] = set()  # tolerances of runs whose steps that end at a change are not halved
         self.rounded: dict[float, float] = {}  # by tolerance
         self.scales: dict[float, Sizes] = {}  # by tolerance
         self.truncation = Truncation(self.runs, self._sizes, order(self.method))
@@ -131,7 +132,7 @@ class _Search:
         limit = 100 * before + 10_000 if before else 0
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
         return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(),
-                       report=True)  # fmt: skip
+                       report=True, halves=tol not in self.whole)  # fmt: skip
 
     def _watch(self) -> Callable[[Trajectory], bool]:
         looks = [(self.times[0], 0, 0.0)]
@@ -143,7 +144,11 @@ class _Search:
 
         return watch
 
-    def run(self, tol: float) -> Trajectory:
+    def run(self, tol: float, whole: bool = False) -> Trajectory:
+        (self.whole.add if whole else self.whole.discard)(tol)
+        self.truncation.forget(tol)
+        self.rounded.pop(tol, None)
+        self.scales.pop(tol, None)
         self.runs[tol] = done = self._integrate(tol, self.x0)
         return done
 
@@ -163,9 +168,11 @@ class _Search:
                 return self._kept()
             if settled or min(self.runs) <= FINEST:
                 break
-            for tol in self.truncation.following(self.accuracy, self.balance is not None):
-                if tol not in self.runs and stopped is None:
-                    stopped = self._stopped(tol)
+            coarse, fine = self.truncation.following(self.accuracy, self.balance is not None)
+            if coarse not in self.runs or self._is_alike(coarse):
+                stopped = self._stopped(coarse, whole=True)
+            if fine not in self.runs and stopped is None:
+                stopped = self._stopped(fine)
         return stopped or self._result()
 
     def _pilots(self) -> Verified | None:
@@ -182,30 +189,36 @@ class _Search:
         look = quick_look(system, run, groups)
         self.still = still_kinds(system, run, groups, look)
         self.scales.clear()
+        self.whole.add(COARSE)
         self.along = Rounding(system, run, self._sizes(tol), look, COARSE, self._integrate)
         if self._interrupted:
             return self._kept()
         if not self.along.hides(self.accuracy / SAFETY):
             self.runs[COARSE] = self.along.beside
             return None
-        stopped = self._stopped(COARSE)
+        stopped = self._stopped(COARSE, whole=True)
         if stopped is None and len(self.runs) == 1:  # both failed, and the same finer one did not
             stopped = self._stopped(plain(RETRY / 10.0))
         if stopped is None:
             self.along.bound = self.along.bounded(self.runs[max(self.runs)])
         return stopped
 
-    def _stopped(self, tol: float) -> Verified | None:
+    def _is_alike(self, tol: float) -> bool:
+        """Whether most steps of this run are those of a finer one, as they end where switches change."""
+        run = self.runs[tol]
+        return tol not in self.whole and run.steps < FEW * run.changes
+
+    def _stopped(self, tol: float, whole: bool = False) -> Verified | None:
         """Integrate; a result where that ended before its time, at this and at a finer tolerance.
 
         It is the finest of the complete runs, where there is one: too fine a tolerance may fail by
         rounding alone.
         """
-        done = self.run(tol)
+        done = self.run(tol, whole)
         if not arrived(done) and done.status != INTERRUPTED and tol > RETRY:
             del self.runs[tol]
             tol = RETRY
-            done = self.run(tol)  # what fails coarsely may go well finely
+            done = self.run(tol, whole)  # what fails coarsely may go well finely
         if arrived(done):
             return None
         del self.runs[tol]

@@ -17,7 +17,7 @@ from lagc.run.problem import Options
 from lagc.run.request import Request
 from lagc.run.simulate import by_hand
 from lagc.run.startslopes import start_slopes
-from lagc.run.truncation import FINEST
+from lagc.run.truncation import FEW, FINEST
 from lagc.run.variation import Followed, Variation
 from lagc.run.varied import Direction
 
@@ -198,9 +198,9 @@ def _verified(
         found.interrupted = found.interrupted or done.interrupted
         return done
 
-    def at(tol: float) -> Followed:
+    def at(tol: float, halves: bool) -> Followed:
         longest = longest_step(found.system, run.method, tol, run.times[-1], request.max_step)
-        return follow(Options(method=run.method, rtol=tol, max_step=longest))
+        return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves))
 
     if request.by_hand:
         done = follow(by_hand(request))
@@ -208,12 +208,14 @@ def _verified(
         return [kept[k] for k in done.lost]
     assert request.accuracy is not None
     tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
-    done = at(tol)
+    done = at(tol, False)
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
             break
+        if found.estimated is not None and done.steps < FEW * done.passed[-1]:
+            done = at(tol, False)  # most of its steps are those of a finer one
         before, tol = done, max(0.1 * tol, FINEST)
-        finer = at(tol)
+        finer = at(tol, True)
         if finer.message and done.reached >= finer.reached:
             done.message = finer.message if finer.interrupted else f"at a finer tolerance, {finer.message}"
             done.lost = finer.lost

@@ -51,10 +51,11 @@ class Truncation:
         return SAFETY * max(difference, before * step) * max(self._gain(), alike)
 
     def _gain(self) -> float:
-        """The error of the finest run over that of the next.  Errors of few steps follow no law: the slope is
-        believed in part."""
+        """The error of the finest run over that of the next.  Errors of few steps between changes follow no
+        law: the slope is believed in part."""
         tols = sorted(self.runs)[:2]
-        steps = self.runs[tols[0]].steps
+        fine = self.runs[tols[0]]
+        steps = fine.steps / (fine.changes + 1)
         believed = CAUTION * steps / (steps + FEW)
         gain: float = (tols[0] / tols[1]) ** (believed * (self._slope() or 1.0))
         return gain
@@ -97,6 +98,10 @@ class Truncation:
             tol = max(tol, tols[0] / 100.0)
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return max(FINEST, fine)
+
+    def forget(self, tol: float) -> None:
+        """The run of this tolerance is another."""
+        self.found = {pair: apart for pair, apart in self.found.items() if tol not in pair}
 
     def _difference(self, fine: float, coarse: float) -> float:
         if (fine, coarse) not in self.found:

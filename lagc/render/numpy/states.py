@@ -82,7 +82,10 @@ STATES = '''\
 class Asked:
     """Options as kernels read them."""
 
-    __slots__ = ("atol", "first_step", "max_step", "max_steps", "method", "project", "report", "rtol", "step")
+    __slots__ = (
+        "atol", "first_step", "halves", "max_step", "max_steps", "method", "project", "report", "rtol",
+        "step",
+    )  # fmt: skip
 
     def __init__(self, options):
         for name in self.__slots__:
@@ -183,7 +186,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:], jolts=run.jolts[:] if NMODE else (),
-            events=events, jumps=jumps,
+            events=events, jumps=jumps, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress, clock)

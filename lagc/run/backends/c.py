@@ -23,7 +23,7 @@ class _Options(ctypes.Structure):
     _fields_ = (
         ("method", c_int), ("project", c_int), ("max_steps", c_long), ("rtol", c_double),
         ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
-        ("report", c_int),
+        ("report", c_int), ("halves", c_int),
     )  # fmt: skip
 
 
@@ -182,7 +182,7 @@ class CSystem(CompiledSystem):
         call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
         asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
                          options.atol, options.step, options.first_step, options.max_step,
-                         options.report)  # fmt: skip
+                         options.report, options.halves)  # fmt: skip
         events: list[tuple[float, int]] = []
         jumps: list[float] = []
         switches, whens, noted = len(self.interface.switches), len(self.interface.whens), self.interface.noted
@@ -222,7 +222,7 @@ class CSystem(CompiledSystem):
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
                 sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
-                events=events, jumps=jumps,
+                events=events, jumps=jumps, changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
 
         return recorded(state, options, record, told, progress, None if way else perf_counter)

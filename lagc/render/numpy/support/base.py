@@ -24,8 +24,8 @@ class Options:
     `first_step` 0: chosen; `max_step` 0: no limit; `max_steps`, of one call: accepted and rejected, 0: no
     limit.  `watch` is asked after 1024, 2048, 4096, ... accepted steps, with the trajectory so far: where
     it says True, the run ends as at `max_steps`.  `report`: the changes of switches are in the trajectory's
-    `events`.  `project` False leaves the constraints to drift (for
-    tests).
+    `events`.  `halves`: steps that end where switches change, or at the last time, are made in two.
+    `project` False leaves the constraints to drift (for tests).
     """
 
     def __init__(
@@ -40,12 +40,13 @@ class Options:
         project: bool = True,
         watch: Callable[[Trajectory], bool] | None = None,
         report: bool = False,
+        halves: bool = False,
     ):
         self.method = method
         self.rtol, self.atol = rtol, atol
         self.step, self.first_step, self.max_step = step, first_step, max_step
         self.max_steps = max_steps
-        self.project, self.watch, self.report = project, watch, report
+        self.project, self.watch, self.report, self.halves = project, watch, report, halves
 
     def check(self) -> None:
         """Raises ValueError, naming the option that makes no sense."""
@@ -74,6 +75,7 @@ class Trajectory:
     `events`: (time, switch) of changes of switches, and (time, number of switches + clause) of clauses `when`
     that acted, the first MOST_EVENTS of them, where they were asked for; `jumps` their times at which states
     took new values.  Where a clause ended the run, its time and state are the last of `times`, `states`.
+    `changes`: how often switches changed.
     `jolts`: what the last place of the times at which switches changed is worth in each state, in all.
     """
 
@@ -97,6 +99,7 @@ class Trajectory:
         jolts: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
         jumps: Sequence[float] = (),
+        changes: int = 0,
     ):
         self.times, self.states = times, states
         self.t, self.x = t, x
@@ -106,6 +109,7 @@ class Trajectory:
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
         self.sizes, self.jolts, self.events, self.jumps = sizes, jolts, events, jumps
+        self.changes = changes
         if status == TERMINATED and (not times or times[-1] != t):
             self.times, self.states = [*times, t], [*states, list(x)]
 
