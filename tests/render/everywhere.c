@@ -18,7 +18,7 @@ static void show(const char *name, model_status status, const double *x, int n)
 
 static void functions(const model_params *p, double t, const double *x)
 {
-    double xdot[MODEL_NX], M[MODEL_NV * MODEL_NV], r[MODEL_NV], e[3];
+    double xdot[MODEL_NX], e[3];
 #ifdef CONSTRAINED
     double lambda[MODEL_NC], phi[MODEL_NC], psi[MODEL_NC], G[MODEL_NC * MODEL_NV], gamma[MODEL_NC];
     show("rhs", model_rhs(p, t, x, xdot, lambda, &work), xdot, MODEL_NX);
@@ -46,10 +46,15 @@ static void functions(const model_params *p, double t, const double *x)
     }
 #endif
     show("rhs", model_rhs(p, t, x, xdot, NULL, &work), xdot, MODEL_NX);
-    model_mass_matrix(p, t, x, M, &work);
-    show("M", MODEL_OK, M, MODEL_NV * MODEL_NV);
-    model_forces(p, t, x, r, &work);
-    show("r", MODEL_OK, r, MODEL_NV);
+#ifdef FORMED
+    {
+        double M[MODEL_NV * MODEL_NV], r[MODEL_NV];
+        model_mass_matrix(p, t, x, M, &work);
+        show("M", MODEL_OK, M, MODEL_NV * MODEL_NV);
+        model_forces(p, t, x, r, &work);
+        show("r", MODEL_OK, r, MODEL_NV);
+    }
+#endif
     model_energies(p, t, x, e);
     show("e", MODEL_OK, e, 3);
 #ifdef CONDITIONED
