@@ -10,13 +10,16 @@ from lagc.expr.operators import VALUES
 from lagc.expr.walk import missing, reachable
 
 
-def evaluate(nodes: Sequence[Node], values: Mapping[Node, float]) -> list[float]:
+def evaluate(
+    nodes: Sequence[Node], values: Mapping[Node, float], within: Sequence[Node] | None = None
+) -> list[float]:
     """The values of `nodes`, given those of their symbols.
 
-    Outside a function's domain the value is NaN, as in C; KeyError for a symbol without value.
+    `within`: all below `nodes`, arguments before users, where these are known already.  Outside a function's
+    domain the value is NaN, as in C; KeyError for a symbol without value.
     """
     known: dict[Node, float] = dict(values)
-    for node in reachable(nodes):
+    for node in reachable(nodes) if within is None else within:
         if node not in known:
             known[node] = value_of(node, known)
     return [known[node] for node in nodes]

@@ -14,8 +14,8 @@ FILES = (
     "records", "binding", "kinds", "modes", "dense", "fallback", "damped", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening",
     "enclosing", "branches", "locating", "switching", "events", "narrow", "calls", "step", "recording",
-    "startrecords", "leastnorm", "startrows", "startpairs", "startsizes", "starttable", "startalone",
-    "startsteps", "startfind", "startchoice", "startsearch", "start",
+    "startrecords", "leastnorm", "startparts", "startrows", "startpairs", "startsizes", "starttable",
+    "startalone", "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip
 WORDS = ("words", "sizes", "tables", "model", "tableau")  # what kernels may name
 METHODS = (

@@ -12,7 +12,8 @@ from math import fabs, inf, sqrt
 from lagc.kernels.limits import NEARLY
 from lagc.kernels.model import fn_conditions
 from lagc.kernels.quaternions import square_at
-from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NU, NV
+from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NSUM, NU, NV
+from lagc.kernels.startparts import put_together
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.tables import column, ends, level, quaternion
 from lagc.kernels.words import IVec, Params, Real, Size, Vec, present
@@ -34,6 +35,8 @@ def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE])
     """Residuals, derivatives and sizes of the terms of all conditions."""
     if NCOND > 0:
         fn_conditions(p, t, y, c, J, sizes)
+    if NSUM > 0:
+        put_together(J)
     if NRATE > 0:
         for k in range(NRATE):
             c[NCOND - NRATE + k] -= y[NQ + NV + k]

@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
-from lagc.kernels.sizes import NBOUNDED, NE, NJ, NJUMP, NLIMITS, NMODE, NQUAT, NREAD, NU, NWHEN, NX, TWO
+from lagc.kernels.sizes import (
+    NBOUNDED,
+    NE,
+    NJ,
+    NJUMP,
+    NLIMITS,
+    NMODE,
+    NPARTED,
+    NPARTS,
+    NQUAT,
+    NREAD,
+    NU,
+    NWHEN,
+    NX,
+    TWO,
+)
 from lagc.kernels.words import IVec, Mat
 
 kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
@@ -12,6 +27,8 @@ unit: IVec[NU]
 angle: IVec[NU]  # 1: of an angle
 ends: IVec[NE]  # where the derivatives of each condition end
 column: IVec[NJ]  # the unknown of each derivative
+part_ends: IVec[NPARTED]  # the same by unknowns and sums: of each condition, then of each sum
+part_column: IVec[NPARTS]  # an unknown, or behind these a sum
 sources: IVec[NREAD]  # the places of parameters that `bind` reads
 bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # least and largest

@@ -10,7 +10,7 @@ depend on others but can never hold with them are refused.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
@@ -131,7 +131,11 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     """The rows whose Jacobian depends on those before, on every state tried."""
     tables = list(_tables(states, rows))
     found: list[Redundant] = []
-    for k in range(len(rows) if tables else 0):
+    seen = [
+        {j: all([abs(t.entries[k][j]) > VANISHES * t.sizes[k] for t in tables]) for j in row.jacobian}
+        for k, row in enumerate(rows)
+    ]
+    for k in entangled(seen) if tables else ():
         reduced = [table.reduce(k) for table in tables]
         if all(table.depends(k, row) for table, (row, _) in zip(tables, reduced)):
             made = reduced[0][1]
@@ -143,6 +147,26 @@ def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
             if not table.depends(k, row):
                 table.add(row, made)
     return found
+
+
+def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
+    """The rows that may depend on each other, each given by column -> whether the entry is surely not zero:
+    no sum of rows that vanishes has one in it that is alone in a column, nor those that then are alone."""
+    users: dict[int, set[int]] = {}
+    for k, row in enumerate(rows):
+        for j in row:
+            users.setdefault(j, set()).add(k)
+    left = set(range(len(rows)))
+    alone = [j for j, found in users.items() if len(found) == 1]
+    while alone:
+        j = alone.pop()
+        for k in [k for k in users[j] if rows[k][j]]:
+            left.discard(k)
+            for other in rows[k]:
+                users[other].discard(k)
+                if len(users[other]) == 1:
+                    alone.append(other)
+    return sorted(left)
 
 
 def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[bool]:

@@ -18,7 +18,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.text import text
-from lagc.expr.walk import symbols
+from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.held import held
@@ -159,20 +159,24 @@ class _Search:
 
     def zeros(self, node: Node, slopes: Slopes, tries: Sequence[State]) -> Iterator[_Zero]:
         """Those that are found; `slopes` are the derivatives of the rate of `node` by speeds."""
-        found = (self._zero(node, slopes, state) for state in tries)
+        rates = {q: rate for v in slopes for q, rate in self.carried.get(v, {}).items()}
+        below = reachable([node, *slopes.values()])
+        found = (self._zero(node, slopes, rates, below, state) for state in tries)
         return (zero for zero in found if zero is not None)
 
-    def _zero(self, node: Node, slopes: Slopes, sample: State) -> _Zero | None:
+    def _zero(
+        self, node: Node, slopes: Slopes, rates: Slopes, below: Sequence[Node], sample: State
+    ) -> _Zero | None:
+        """`below` is all that `node` and `slopes` are made of."""
         moving = self.moving(slopes)
-        rates = {q: rate for v in slopes for q, rate in self.carried.get(v, {}).items()}
-        needed = symbols([node, *slopes.values(), *rates.values()]) | set(moving)
+        needed = {x for x in below if x.op == "symbol"} | symbols(rates.values()) | set(moving)
         state = {x: sample[x] for x in needed}
         rooted = _bare(node).op == "sqrt"
         lengths: list[float] = []
         steepness: list[float] = []
-        first = abs(evaluate([node], state)[0])
+        first = abs(evaluate([node, *slopes.values()], state, below)[0])
         for _ in range(_STEPS):
-            value, *gradients = evaluate([node, *slopes.values()], state)
+            value, *gradients = evaluate([node, *slopes.values()], state, below)
             slope = {v: g * self.sizes[v] for v, g in zip(slopes, gradients)}
             steep = math.hypot(*slope.values())
             if value == 0.0 or not 0.0 < steep < math.inf:

@@ -10,7 +10,7 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
-from lagc.optimize.conditions import condition_rows, start_units
+from lagc.optimize.conditions import Slopes, condition_rows, start_units
 from lagc.optimize.kinds import kinds, rates
 from lagc.optimize.kkt import row_comments
 from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms
@@ -145,9 +145,11 @@ def gradient_sizes(places: Places) -> Function:
 
 
 def gradients(places: Places) -> Function:
-    """The sum of the absolute values of the entries of each row's gradient."""
-    graph = places.graph
-    sums = [graph.sum(graph.unary("abs", a) for a in row.jacobian.values()) for row in places.equations.rows]
+    """The sum of the absolute values of the entries of each row's gradient, or what it is at most."""
+    graph, rows = places.graph, places.equations.rows
+    sums = gradient_bounds(graph, [row.rate for row in rows], dict.fromkeys(places.equations.v, graph.one))
+    if sums is None:
+        sums = [graph.sum(graph.unary("abs", a) for a in row.jacobian.values()) for row in rows]
     return made(places, "gradients", STATE, (("s", sums),), "size of each row's gradient", seldom=True)
 
 
@@ -260,15 +262,16 @@ def limits(places: Places) -> Function | None:
     return made(places, "limits", ("p",), parts, described, seldom=True) if found else None
 
 
-def conditions(places: Places, slopes: Sequence[Mapping[int, Node]]) -> Function | None:
+def conditions(places: Places, slopes: Slopes) -> Function | None:
     """What a consistent start satisfies, c = 0: phi, psi, the `initial` section, and the rates that were
     stated (less their values, which are unknowns too); with the derivatives by q and v that are not
-    identically zero, `slopes` row by row, and the sum of the absolute values of each row's terms."""
+    identically zero, `slopes` row by row, then those of sums, and the sum of the absolute values of each
+    row's terms."""
     equations, graph = places.equations, places.graph
     rows = condition_rows(equations)
     if not rows:
         return None
-    jacobian = [slope for row in slopes for slope in row.values()]
+    jacobian = [slope for row in (*slopes.rows, *slopes.sums) for slope in row.values()]
     sizes = [graph.sum([graph.unary("abs", part) for part in terms(graph, row)]) for row in rows]
     parts = (("c", rows), ("J", jacobian), ("sizes", sizes))
     return made(places, "conditions", STATE, parts, "conditions of a consistent start", seldom=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from itertools import accumulate
 
 from lagc import cache
@@ -11,6 +11,7 @@ from lagc.expr.graph import Node
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.optimize.conditions import Slopes
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface
@@ -20,6 +21,7 @@ from lagc.records import names, replace
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
+    "part_ends", "part_columns",
 )  # fmt: skip
 
 
@@ -33,7 +35,7 @@ def interface(
     equations: EquationsOfMotion,
     parameters: tuple[Parameter, ...],
     functions: Mapping[str, Function],
-    slopes: Sequence[Mapping[int, Node]],
+    slopes: Slopes,
     *,
     read: tuple[int, ...] = (),
     work: bool,
@@ -54,6 +56,8 @@ def interface(
     notes = [f"parameter `{p.name}` reaches nothing" for p in model.parameters if p.name not in kept]
     places = [span for _, span in equations.initial_conditions]
     bind = functions.get("bind")
+    columns = slopes.columns
+    parts = (*slopes.rows, *slopes.sums) if slopes.sums else ()
     flowing = _timed(functions["system" if "system" in functions else "rhs"])
     found = Interface(
         model=model.name,
@@ -83,8 +87,10 @@ def interface(
         start_places=tuple([place(s.stated.span) for s in equations.starts]),
         row_places=tuple([place(row.span) for row in equations.rows]),
         initial_places=tuple([place(span) for span in places]),
-        condition_ends=tuple(accumulate([len(columns) for columns in slopes])),
-        condition_columns=tuple([k for columns in slopes for k in columns]),
+        condition_ends=tuple(accumulate([len(own) for own in columns])),
+        condition_columns=tuple([k for own in columns for k in own]),
+        part_ends=tuple(accumulate([len(own) for own in parts])),
+        part_columns=tuple([k for own in parts for k in own]),
         solve="straight" if straight else "looped",
         work_size=work_size,
         operations=operations,
@@ -195,6 +201,8 @@ def _digest(interface: Interface, functions: Mapping[str, Function]) -> str:
             elif name == "simulate":
                 value = sorted(value.items())
             texts.append(f"{name}={value!r}")
+    if interface.part_ends:
+        texts.append(f"parts={interface.part_ends}{interface.part_columns}")
     for name, function in functions.items():
         texts.append(f"{name} {function.inputs} {function.outputs}{function.cleared or ''}")
         texts.append("\n".join([f"{o.op}{o.operands}{o.payload!r}" for o in function.operations]))

@@ -8,7 +8,7 @@ from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
-from lagc.optimize.conditions import condition_slopes
+from lagc.optimize.conditions import Slopes, condition_slopes
 from lagc.optimize.derivatives import derivatives
 from lagc.optimize.features import features, narrow
 from lagc.optimize.forms import forms_matrix, solvers
@@ -102,7 +102,7 @@ def _functions(
     work: bool,
     dense: bool,
     preparation: Preparation,
-) -> tuple[dict[str, Function], list[dict[int, Node]]]:
+) -> tuple[dict[str, Function], Slopes]:
     """`at` the state alone; `along` the branches of a run, which differ where there are switches.  With the
     functions, the slopes of the conditions of a start."""
     constrained = bool(at.equations.rows)

@@ -216,6 +216,8 @@ class Interface:
     preparation: int = 0  # operations of `bind`
     prepared: int = 0  # numbers that it makes
     read: tuple[int, ...] = ()  # the parameters that it reads: copies of them are the last of these
+    part_ends: tuple[int, ...] = ()  # where in J those by sums too of each condition, then each sum, end
+    part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries
@@ -301,7 +303,8 @@ class Program:
       outputs     (p,t,x,e,a,lam) -> y[ny]      e: of `energies`, where they are read
       start       (p)             -> x[nx]      start values and guesses
       conditions  (p,t,x)         -> c[n], J[], sizes[n]   of a consistent start: phi, psi, initial section,
-                                     stated rates; J sparse by rows (`condition_ends`, `condition_columns`);
+                                     stated rates; J sparse by rows (`condition_ends`, `condition_columns`),
+                                     where there are sums by their parts (`part_ends`, `part_columns`);
                                      `sizes` those of the terms
       limits      (p)             -> b[]   those of `limits`
       features    (p,t,x)         -> e[]    terms that may be narrow

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
-from lagc.records import dataclass
+from lagc.records import dataclass, replace
 from lagc.render.c.header import members
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.statements import loads
@@ -48,7 +48,8 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     found.append(_rhs(interface))
     if "system" in functions:
         found += _system(interface)
-    found += [verb for name, verb in _DIRECT.items() if name in functions]
+    direct = {**_DIRECT, **(_BY_PARTS if interface.part_ends else {})}
+    found += [verb for name, verb in direct.items() if name in functions]
     if "outputs" in functions:
         found.append(_outputs(program))
     if "power" in functions:
@@ -106,6 +107,11 @@ _DIRECT = {
     ),
 }
 
+_BY_PARTS = {
+    "conditions": replace(
+        _DIRECT["conditions"], body=_DIRECT["conditions"].body + "    lagc_put_together(J);\n"
+    )
+}
 
 _AFRESH = "    w->lost = 0; /* whatever was found before */\n"
 

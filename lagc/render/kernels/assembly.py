@@ -16,6 +16,7 @@ CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
     "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"], "NROW": lambda n: n["NU"] + 1,
+    "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"], "NSETU": lambda n: n["NSETS"] * n["NU"],
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
@@ -116,6 +117,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions)  # fmt: skip
+    sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
@@ -129,6 +131,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,
         "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
+        "NSUM": sums, "NPARTS": len(interface.part_columns),
     }  # fmt: skip
     found = _derived({**own, **start, **own})  # work integrals are no part of a start
     if "system" not in interface.functions:
@@ -144,7 +147,7 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
         "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
-        "NJ": max(len(columns) + 4 * len(quaternions), 1), **CONSTANT_SIZES,
+        "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0, **CONSTANT_SIZES,
     })  # fmt: skip
 
 
@@ -180,6 +183,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "level": interface.start_levels, "unit": interface.start_units,
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "column": columns or [0],
+        "part_ends": interface.part_ends, "part_column": interface.part_columns,
         "counted": interface.counted_switches,
         "ending": [int(c.reason is not None) for c in interface.whens],
         "clause": [k for k, c in enumerate(interface.whens) for _ in c.states],

@@ -29,5 +29,5 @@ def text(switches: dict[str, bool]) -> str:
     from lagc.render.numpy.runtime import kernels, numbers
 
     # conditions are asked with parameters alone
-    use = chosen(parts(), {**switches, "NPREPARED": False}, ROOTS)
+    use = chosen(parts(), {**switches, "NPREPARED": False, "NSUM": False}, ROOTS)
     return "\n\n".join([ARITHMETIC, numbers(use.names), *kernels(use)])

@@ -209,6 +209,12 @@ class NumpySystem(CompiledSystem):
             function(*(given[n] for n in names), result)
         return result
 
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        found = super().conditions(t, x)
+        if self.interface.part_ends:
+            self.model.module["put_together"](found[1])
+        return found
+
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [[0.0] * length for length in lengths]
         if name in self.interface.functions:

@@ -1,0 +1,42 @@
+"""The derivatives of conditions that build on sums: those by unknowns, from those by unknowns and sums."""
+
+from __future__ import annotations
+
+from lagc.kernels.sizes import NCOND, NJ, NPARTS, NSUM, NU, NWHOLE
+from lagc.kernels.tables import column, ends, part_column, part_ends
+from lagc.kernels.words import Vec, vector
+
+
+def part_begin(i: int) -> int:
+    """Where the parts of condition i begin, behind the conditions those of sums."""
+    return part_ends[i - 1] if i > 0 else 0
+
+
+def put_together(J: Vec[NJ]) -> None:
+    """J from its parts, which stand first in it: a derivative by a sum goes to what that is made of, the last
+    sum first."""
+    parts = vector(NPARTS)
+    for k in range(NPARTS):
+        parts[k] = J[k]
+    total = vector(NWHOLE)
+    for j in range(NWHOLE):
+        total[j] = 0.0
+    for i in range(NCOND):
+        first = part_begin(i)
+        end = part_ends[i]
+        for k in range(first, end):
+            total[part_column[k]] = parts[k]
+        for n in range(NSUM):
+            at = NSUM - 1 - n
+            slope = total[NU + at]
+            total[NU + at] = 0.0
+            if slope != 0.0:
+                first = part_begin(NCOND + at)
+                end = part_ends[NCOND + at]
+                for k in range(first, end):
+                    total[part_column[k]] += slope * parts[k]
+        first = ends[i - 1] if i > 0 else 0
+        end = ends[i]
+        for k in range(first, end):
+            J[k] = total[column[k]]
+            total[column[k]] = 0.0
