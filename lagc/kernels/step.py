@@ -74,6 +74,7 @@ def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         a.meets = False
         return OK
     a.meets = True
+    a.half = False
     whole_size = a.size
     a.size *= part
     a.h *= part
@@ -152,13 +153,26 @@ def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     return False
 
 
-def is_halved(s: State, t1: Real, o: Options, a: Trial) -> bool:
-    """Whether a step that ends where switches change, or where the call does, is to be made in two: of two
+def is_short(s: State, t1: Real, size: Real) -> bool:
+    return size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t))
+
+
+def halve_to(s: State, goal: Real, t1: Real, o: Options, a: Trial) -> None:
+    """A step that would end at a given time, or leave less than itself to it, is made in two halves: of two
     runs that have the same steps there one errs by much less, else their difference would tell nothing."""
-    ends = a.lands or a.meets
-    if not (o.halves and ends and a.error > 0.0 and o.step == 0.0) or s.halved or a.half:
-        return False
-    if a.size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t)):
+    rest = fabs(goal - s.t)
+    if not o.halves or o.step > 0.0 or s.halved or a.half or 2.0 * a.size < rest or is_short(s, t1, rest):
+        return
+    a.size = 0.5 * rest
+    a.half = True
+    a.lands = False
+    a.h = a.size * a.direction
+    a.t_new = s.t + a.h
+
+
+def is_halved(s: State, t1: Real, o: Options, a: Trial) -> bool:
+    """Whether a step that ends where switches change is to be made in two."""
+    if not (o.halves and a.meets and a.error > 0.0 and o.step == 0.0) or s.halved or is_short(s, t1, a.size):
         return False
     a.size *= 0.5
     a.half = True
@@ -200,6 +214,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                 s.h = a.size
             return MAX_STEPS
         plan(s, goal, o, a)
+        if NMODE > 0:
+            halve_to(s, goal, t1, o, a)
         if a.rejected == 0 and a.size > s.longest:
             s.longest = a.size
         w.longest = s.longest if a.rejected > 0 else 0.0

@@ -214,6 +214,7 @@ class _Search:
         It is the finest of the complete runs, where there is one: too fine a tolerance may fail by
         rounding alone.
         """
+        before = {tol: self.runs[tol]} if tol in self.runs else {}
         done = self.run(tol, whole)
         if not arrived(done) and done.status != INTERRUPTED and tol > RETRY:
             del self.runs[tol]
@@ -222,6 +223,8 @@ class _Search:
         if arrived(done):
             return None
         del self.runs[tol]
+        self.runs.update(before)
+        self.whole -= before.keys()
         if done.status == INTERRUPTED and self.runs:
             return self._kept()
         if self.runs:

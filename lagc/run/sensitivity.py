@@ -213,7 +213,10 @@ def _verified(
         if done.message or tol <= FINEST:
             break
         if found.estimated is not None and done.steps < FEW * done.passed[-1]:
-            done = at(tol, False)  # most of its steps are those of a finer one
+            again = at(tol, False)  # most steps are those of a finer one
+            if again.message:
+                break
+            done = again
         before, tol = done, max(0.1 * tol, FINEST)
         finer = at(tol, True)
         if finer.message and done.reached >= finer.reached:

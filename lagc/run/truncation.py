@@ -95,9 +95,16 @@ class Truncation:
         tol: float = tols[0] * (0.5 * accuracy / error) ** (1.0 / slope)
         tol = max(min(tol, tols[0] / 2.0), FINEST)
         if len(tols) > 2:  # one prediction has missed: where errors do not follow the law, go slowly
-            tol = max(tol, tols[0] / 100.0)
+            most = tols[0] / 100.0
+            tol = most if self._is_flat(tols) else max(tol, most)
         fine: float = 10.0 ** (0.25 * floor(4.0 * log10(tol)))
         return max(FINEST, fine)
+
+    def _is_flat(self, tols: Sequence[float]) -> bool:
+        """Whether changes, not yet the tolerance, tell where steps end."""
+        fine = self.runs[tols[0]]
+        falls = self._difference(tols[0], tols[1]) < 0.5 * self._difference(tols[0], tols[2])
+        return fine.steps < FEW * fine.changes and not falls
 
     def forget(self, tol: float) -> None:
         """The run of this tolerance is another."""
