@@ -17,7 +17,7 @@ from lagc.run.problem import Options
 from lagc.run.request import Request
 from lagc.run.simulate import by_hand
 from lagc.run.startslopes import start_slopes
-from lagc.run.truncation import FEW, FINEST
+from lagc.run.truncation import FEW, FINEST, SAFETY
 from lagc.run.variation import Followed, Variation
 from lagc.run.varied import Direction
 
@@ -224,7 +224,8 @@ def _verified(
             done.lost = finer.lost
             break
         done = finer
-        apart, found.estimated = found.estimated, _apart(before, done, found.system.interface.kinds)
+        apart = found.estimated
+        found.estimated = SAFETY * _apart(before, done, found.system.interface.kinds)
         if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
     found.values[:, :, kept], found.message = done.values, done.message
