@@ -55,7 +55,7 @@ def test_what_is_read_of_structs_is_where_they_have_it() -> None:
 def test_options_are_those_of_the_kernels() -> None:
     names = [name for name, _ in described("Options")]
     assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
-    slots = re.search(r"__slots__ = \((.*)\)", STATES)
+    slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
     assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
     bad = [part["name"] for part in codes(parts(), "records")]
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
