@@ -13,7 +13,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from functools import cached_property
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -294,8 +294,10 @@ def _turns(now: Linear) -> bool:
     system, point = now.system, Point(now.system, now.t, now.x)
     sizes, once = size_of_states(system), np.array([*point.value("qdot"), *point.a])
     twice = point.total("rate", "state") @ once + point.total("rate", "time")[:, 0]
-    pace = max((np.abs(once) / sizes).max(), np.sqrt((np.abs(twice) / sizes).max()))
-    end = now.t + FURTHER / pace
+    pace = float(max((np.abs(once) / sizes).max(), np.sqrt((np.abs(twice) / sizes).max())))
+    end = now.t + FURTHER / pace if pace > 0.0 else inf
+    if end == inf:
+        return False
     x = [*now.x, *[0.0] * (system.nx - len(now.x))]
     run = system.integrate(Options(rtol=CLOSELY, max_steps=MANY), now.t, x, [end])
     if run.status != OK or not end > now.t:
