@@ -161,3 +161,18 @@ def test_a_motion_that_ends_before_is_not_linearised_behind_its_end(tmp_path: Pa
     for at in ("-1", "nan", "inf"):
         assert main(["linearize", str(path), f"--at={at}"]) == 2
         assert "linearised" in capsys.readouterr().err
+
+
+def test_a_motion_that_gets_nowhere_in_any_finite_time(tmp_path: Path, capsys: Capture) -> None:
+    """It is not followed to see whether slopes change: a free body has none."""
+    path = tmp_path / "m.lag"
+    path.write_text(
+        "model M\n  coordinate Length k(start = 2 [m], rate = 5e-324 [m/s]);\n"
+        "  coordinate Orientation turned(start = {1, 2, 0, 0});\n"
+        "  frame own = rotate(world, turned);\n"
+        "  body b = Solid(frame = own, com = {k, 0, 0}, inertia = 0.5 [kg.m2]*{1, 1, 1}, mass = 1 [kg]);\n"
+        "end M;\n"
+    )
+    assert main(["linearize", str(path), "--json"]) == 0
+    (linear,) = json.loads(capsys.readouterr().out)["linear"]
+    assert {abs(value["real"]) + abs(value["imag"]) for value in linear["eigenvalues"]} == {0.0}
