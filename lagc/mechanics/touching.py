@@ -174,9 +174,10 @@ class _Search:
         rooted = _bare(node).op == "sqrt"
         lengths: list[float] = []
         steepness: list[float] = []
-        first = abs(evaluate([node, *slopes.values()], state, below)[0])
+        values: list[float] = []
         for _ in range(_STEPS):
             value, *gradients = evaluate([node, *slopes.values()], state, below)
+            values.append(abs(value))
             slope = {v: g * self.sizes[v] for v, g in zip(slopes, gradients)}
             steep = math.hypot(*slope.values())
             if value == 0.0 or not 0.0 < steep < math.inf:
@@ -195,7 +196,7 @@ class _Search:
                 break
         else:
             return None
-        if not abs(value) <= _FOUND * first:
+        if not values[-1] <= _FOUND * values[0]:
             return None
         slow = len(lengths) > _LAST and lengths[-1] > _SLOW**_LAST * lengths[-1 - _LAST]
         multiple = slow and lengths[-1] > _SLOW * lengths[-2] and steepness[-1] < _FLAT * max(steepness)

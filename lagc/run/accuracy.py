@@ -19,7 +19,7 @@ from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays
-from lagc.run.truncation import FEW, FINEST, SAFETY, Truncation, plain
+from lagc.run.truncation import FINEST, SAFETY, Truncation, is_tied, plain
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance
@@ -206,7 +206,7 @@ class _Search:
     def _is_alike(self, tol: float) -> bool:
         """Whether most steps of this run are those of a finer one, as they end where switches change."""
         run = self.runs[tol]
-        return tol not in self.whole and run.steps < FEW * run.changes
+        return tol not in self.whole and is_tied(run.steps, run.changes)
 
     def _stopped(self, tol: float, whole: bool = False) -> Verified | None:
         """Integrate; a result where that ended before its time, at this and at a finer tolerance.

@@ -17,7 +17,7 @@ from lagc.run.problem import Options
 from lagc.run.request import Request
 from lagc.run.simulate import by_hand
 from lagc.run.startslopes import start_slopes
-from lagc.run.truncation import FEW, FINEST, SAFETY
+from lagc.run.truncation import FINEST, SAFETY, is_tied
 from lagc.run.variation import Followed, Variation
 from lagc.run.varied import Direction
 
@@ -212,7 +212,7 @@ def _verified(
     for _ in range(ATTEMPTS):
         if done.message or tol <= FINEST:
             break
-        if found.estimated is not None and done.steps < FEW * done.passed[-1]:
+        if found.estimated is not None and is_tied(done.steps, done.passed[-1]):
             again = at(tol, False)  # most steps are those of a finer one
             if again.message:
                 break

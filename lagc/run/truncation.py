@@ -20,6 +20,12 @@ SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller er
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed
 
 
+def is_tied(steps: int, changes: int) -> bool:
+    """Whether changes, more than the tolerance, tell where the steps of a run end: one at another tolerance
+    has most of them too."""
+    return steps < FEW * changes
+
+
 class Truncation:
     """Of `runs`, by tolerance, to which more are added, by a method of this order; `sizes` of each by its
     tolerance."""
@@ -104,7 +110,7 @@ class Truncation:
         """Whether changes, not yet the tolerance, tell where steps end."""
         fine = self.runs[tols[0]]
         falls = self._difference(tols[0], tols[1]) < 0.5 * self._difference(tols[0], tols[2])
-        return fine.steps < FEW * fine.changes and not falls
+        return is_tied(fine.steps, fine.changes) and not falls
 
     def forget(self, tol: float) -> None:
         """The run of this tolerance is another."""
