@@ -68,6 +68,26 @@ def depends(nodes: Iterable[Node], leaves: Iterable[Node]) -> set[Node]:
     return found
 
 
+def leaves_below(nodes: Iterable[Node], leaves: Iterable[Node]) -> dict[Node, int]:
+    """Which of `leaves` each of `nodes` is made of, arguments before users, as bits of a number; none: left
+    out."""
+    found = {leaf: 1 << k for k, leaf in enumerate(leaves)}
+    for node in nodes:
+        if node not in found:
+            bits = union(found.get(a, 0) for a in node.args)
+            if bits:
+                found[node] = bits
+    return found
+
+
+def union(sets: Iterable[int]) -> int:
+    """Of sets given as bits."""
+    found = 0
+    for bits in sets:
+        found |= bits
+    return found
+
+
 def substitute(graph: Graph, nodes: Sequence[Node], mapping: Mapping[Node, Node]) -> list[Node]:
     """`nodes` with every key of `mapping` replaced by its value, all at once."""
     replaced: dict[Node, Node] = dict(mapping)

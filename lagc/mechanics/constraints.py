@@ -17,6 +17,7 @@ from lagc.expr.text import text
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
+from lagc.mechanics.jacobian import formed_of, jacobian
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -47,11 +48,14 @@ def classify(states: States) -> list[Classified]:
     rates = [rate_of.get(x, x) for x in residuals]
     gammas = tangent(states.graph, rates, states.drift)
     in_time = depends(residuals, [model.time])
+    jacobians = jacobian(states.graph, rates, states.place_of_v)
+    bent = depends(formed_of(jacobians), states.v)
+    affine = [
+        residual in rate_of or not bent or not depends(own.values(), states.v)
+        for residual, own in zip(residuals, jacobians)
+    ]
     found: list[Classified] = []
     for n, (c, k) in enumerate(labels):
-        slopes = gradient(states.graph, {rates[n]: states.graph.one}, states.place_of_v)
-        jacobian = {states.place_of_v[v]: slope for v, slope in slopes.items()}
-        linear = not depends(jacobian.values(), states.v)
         row = Row(
             label=c.labels[k],
             constraint=c.name,
@@ -62,11 +66,11 @@ def classify(states: States) -> list[Classified]:
             multiplier=states.graph.symbol("multiplier", c.labels[k]),
             residual=residuals[n],
             rate=rates[n],
-            jacobian=jacobian,
+            jacobian=jacobians[n],
             gamma=-gammas[n],
             unit=c.units[k],
             time_dependent=residuals[n] in in_time,
-            linear=linear,
+            linear=affine[n],
             span=c.span,
             effect=c.effect,
         )
@@ -84,7 +88,8 @@ def _drive(states: States, row: Row, raw: Node) -> Node:
     """
     graph = states.graph
     if row.holonomic:
-        return -tangent(graph, [row.residual], {states.model.time: graph.one})[0]
+        moved = row.time_dependent
+        return -tangent(graph, [row.residual], {states.model.time: graph.one})[0] if moved else graph.zero
     if row.linear:
         return -states.at_rest([raw])[0]
     raw = states.in_rates([raw])[0]

@@ -10,6 +10,7 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from enum import Enum
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement, When
+from lagc.mechanics.jacobian import formed_of
 from lagc.mechanics.moving import Moving, mass_matrix
 from lagc.records import dataclass
 
@@ -64,7 +66,7 @@ class Row:
     multiplier: Node  # a symbol
     residual: Node
     rate: Node
-    jacobian: dict[int, Node]
+    jacobian: Mapping[int, Node]
     gamma: Node
     unit: str
     time_dependent: bool
@@ -247,7 +249,8 @@ class EquationsOfMotion:
         state = position | set(self.v)
         late = state | set(self.a) | set(self.lam)
         phi = [row.residual for row in self.rows if row.holonomic]
-        rows = [x for row in self.rows for x in (row.rate, row.gamma, *row.jacobian.values())]
+        rows = [x for row in self.rows for x in (row.rate, row.gamma)]
+        rows += formed_of([row.jacobian for row in self.rows])
         works = [x for c in self.contributions for x in (c.power, *c.forces.values())]
         balance = [self.kinetic, self.energy, *self.rates.values()]
         forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]

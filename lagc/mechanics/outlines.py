@@ -13,7 +13,7 @@ from functools import cached_property
 
 from lagc.expr.evaluate import extend
 from lagc.expr.graph import Node
-from lagc.expr.walk import missing
+from lagc.expr.walk import leaves_below, missing
 from lagc.mechanics.linear import dimension
 from lagc.mechanics.samples import Chance
 from lagc.mechanics.states import States
@@ -41,13 +41,7 @@ class Outlines:
     def __init__(self, states: States, leaves: Sequence[Node]):
         self._states, self._leaves = states, frozenset(leaves)
         nodes = states.graph.nodes
-        self._bits = {leaf: 1 << k for k, leaf in enumerate(leaves)}
-        for node in nodes:
-            bits = 0
-            for a in node.args:
-                bits |= self._bits.get(a, 0)
-            if bits:
-                self._bits[node] = bits
+        self._bits = leaves_below(nodes, leaves)
         self._free = _free(nodes, self._bits)
         self._users = Counter([a for node in nodes for a in set(node.args)])
 

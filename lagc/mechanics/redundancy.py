@@ -9,8 +9,7 @@ depend on others but can never hold with them are refused.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
@@ -18,55 +17,13 @@ from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import onto
+from lagc.mechanics.reduced import Reduced, tables
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
-from lagc.records import dataclass, field
+from lagc.records import dataclass
 
 _STATES = 3
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
-
-
-@dataclass
-class _Reduced:
-    """The rows on one state; `bases`: pivot column, entries, and the rows they are made of."""
-
-    entries: list[dict[int, float]]
-    sizes: list[float]  # of each row's entries, before anything in them cancels
-    bases: list[tuple[int, dict[int, float], dict[int, float]]] = field(default_factory=list)
-
-    def reduce(self, k: int) -> tuple[dict[int, float], dict[int, float]]:
-        """Row k less its part along the rows before, and the rows that part is made of."""
-        row, made = dict(self.entries[k]), {k: 1.0}
-        for pivot, base, combination in self.bases:
-            if pivot in row:
-                factor = row[pivot] / base[pivot]
-                for j, x in base.items():
-                    row[j] = row.get(j, 0.0) - factor * x
-                del row[pivot]
-                for i, x in combination.items():
-                    made[i] = made.get(i, 0.0) - factor * x
-        return row, made
-
-    def depends(self, k: int, row: dict[int, float]) -> bool:
-        return max(map(abs, row.values()), default=0.0) <= VANISHES * self.sizes[k]
-
-    def add(self, row: dict[int, float], made: dict[int, float]) -> None:
-        """Row `row`, where it is more than nothing, for the rows to come."""
-        pivot = max(row, key=lambda j: abs(row[j]))
-        if row[pivot]:
-            self.bases.append((pivot, row, made))
-
-
-def _tables(states: States, rows: Sequence[Row], vary: bool = True) -> Iterator[_Reduced]:
-    """The Jacobian of the rows on states chosen at random, as `samples` does."""
-    flat = [node for row in rows for node in row.jacobian.values()]
-    for sample in samples(states.model, _STATES, vary) if rows else ():
-        entries = magnitudes(flat, sample)
-        if all(math.isfinite(size) for _, size in entries):
-            entry = iter(entries)
-            jacobians = [{j: next(entry) for j in row.jacobian} for row in rows]
-            sizes = [max([size for _, size in row.values()], default=0.0) for row in jacobians]
-            yield _Reduced([{j: x for j, (x, _) in row.items()} for row in jacobians], sizes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,11 +74,11 @@ def _steady(states: States, classified: Sequence[Classified], redundant: Redunda
     """
     rows = [classified[k].row for k in (*redundant.others, redundant.row)]
     known: dict[int, float] = {}
-    for reduced in _tables(states, rows, vary=False):
-        for k in range(len(rows) - 1):
-            reduced.add(*reduced.reduce(k))
-        made = reduced.reduce(len(rows) - 1)[1]
-        for k, x in made.items():
+    for table in tables(states, rows, _STATES, vary=False):
+        *before, last = range(len(table.rows))
+        for line in before:
+            table.add(line, *table.reduce(line))
+        for k, x in table.made_of(table.reduce(last)[1]).items():
             if abs(x - known.setdefault(k, x)) > _KEPT * abs(x):
                 return False
     return True
@@ -129,24 +86,35 @@ def _steady(states: States, classified: Sequence[Classified], redundant: Redunda
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
     """The rows whose Jacobian depends on those before, on every state tried."""
-    tables = list(_tables(states, rows))
+    tried = list(tables(states, rows, _STATES))
     found: list[Redundant] = []
-    seen = [
-        {j: all([abs(t.entries[k][j]) > VANISHES * t.sizes[k] for t in tables]) for j in row.jacobian}
-        for k, row in enumerate(rows)
-    ]
-    for k in entangled(seen) if tables else ():
-        reduced = [table.reduce(k) for table in tables]
-        if all(table.depends(k, row) for table, (row, _) in zip(tables, reduced)):
-            made = reduced[0][1]
-            sizes = tables[0].sizes
-            others = [i for i, c in made.items() if abs(c) * sizes[i] > VANISHES * sizes[k] and i != k]
-            found.append(Redundant(k, tuple(sorted(others))))
+    for line in _entangled(tried):
+        reduced = [table.reduce(line) for table in tried]
+        depends = [table.depends(line, left) for table, (left, _) in zip(tried, reduced)]
+        row = tried[0].rows[line]
+        if row is not None and all(depends):
+            found.append(Redundant(row, _others(tried[0], line, reduced[0][1])))
             continue
-        for table, (row, made) in zip(tables, reduced):
-            if not table.depends(k, row):
-                table.add(row, made)
+        for table, settled, (left, factors) in zip(tried, depends, reduced):
+            if not settled:
+                table.add(line, left, factors)
     return found
+
+
+def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
+    """The rows that a line is made of, where it is more than rounding."""
+    size = dict(zip(table.rows, table.sizes))
+    made = table.made_of(factors).items()
+    return tuple(sorted([k for k, x in made if abs(x) * size[k] > VANISHES * table.sizes[line]]))
+
+
+def _entangled(tried: Sequence[Reduced]) -> list[int]:
+    """The lines that may depend on each other."""
+    if not tried:
+        return []
+    lines = range(len(tried[0].rows))
+    sure = [[table.surely(line) for table in tried] for line in lines]
+    return entangled([{j: all([own[j] for own in each]) for j in each[0]} for each in sure])
 
 
 def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:

@@ -18,7 +18,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.text import text
-from lagc.expr.walk import reachable, symbols
+from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.held import held
@@ -26,6 +26,7 @@ from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.manifold import onto, scales
 from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.samples import Chance, samples
+from lagc.mechanics.sections import Section, Sections
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -63,8 +64,14 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     start = list(samples(model, 1, vary=False, spread=0.0))
     asked = [x for x in classified if x.row.holonomic or not x.row.linear]
     given, carried, sizes = {p.symbol for p in model.parameters}, _carried(states), scales(states)
-    searches = [(x, _Search(states, not x.row.holonomic, sizes, carried, given)) for x in asked]
-    suspects = [s for s in (_suspect(x, search, start, tries) for x, search in searches) if s is not None]
+    sections = Sections(states, [x.row for x in asked], start[0], carried) if start else None
+    residuals = [x.row.residual for x in asked]
+    moving = depends(residuals, symbols(residuals) - given)
+    suspects: list[_Suspect] = []
+    for x in asked:
+        search = _Search(states, not x.row.holonomic, sizes, carried, given, moving)
+        section = sections.of(x.row, tries[:_STATES]) if sections else None
+        suspects += _suspect(x, search, section, start, tries)
     if not suspects:
         return
     seen = [s.found for s in suspects]
@@ -84,18 +91,21 @@ def _follows(row: Row, met: Sequence[State]) -> bool:
 
 
 def _suspect(
-    x: Classified, search: _Search, start: Sequence[State], tries: Sequence[State]
-) -> _Suspect | None:
+    x: Classified, search: _Search, section: Section | None, start: Sequence[State], tries: Sequence[State]
+) -> list[_Suspect]:
+    """The row, or nothing."""
     states = search.states
-    moving, repeated = _factors(x.row.residual, search.given)
-    vanishing = [f for f in repeated if _touches(f, search.given) or search.finds(f, tries)]
+    moving, repeated = _factors(x.row.residual, search.moves)
+    vanishing = [f for f in repeated if _touches(f, search.moves) or search.finds(f, tries)]
     if vanishing:
         regular = any(search.finds(f, tries) for f in moving if f not in repeated)
-        return _Suspect(x, factor=vanishing[0]) if regular else _Suspect(x, everywhere=True)
+        return [_Suspect(x, factor=vanishing[0]) if regular else _Suspect(x, everywhere=True)]
+    if section is not None and search.is_plain(section):
+        return []
     slopes = {states.v[j]: node for j, node in x.row.jacobian.items()}
     node = x.row.residual
     beside = any(_is_branch(search, node, slopes, z, tries) for z in search.zeros(node, slopes, start))
-    return _Suspect(x) if beside or search.all_multiple(node, slopes, tries) else None
+    return [_Suspect(x)] if beside or search.all_multiple(node, slopes, tries) else []
 
 
 def _is_branch(search: _Search, node: Node, slopes: Slopes, zero: _Zero, tries: Sequence[State]) -> bool:
@@ -127,19 +137,25 @@ class _Zero:
 @dataclass(frozen=True, slots=True)
 class _Search:
     """Newton's method in the positions, or in the speeds of a velocity row, each over its size; `carried`
-    are the coordinates that each speed moves, and `given` the parameters."""
+    are the coordinates that each speed moves, `given` the parameters, `moves` what is made of more."""
 
     states: States
     velocity: bool
     sizes: Mapping[Node, float]
     carried: Mapping[Node, Mapping[Node, Node]]
     given: set[Node]
+    moves: set[Node]
 
     def moving(self, slopes: Slopes) -> list[Node]:
         """The unknowns of a row with such slopes."""
         if self.velocity:
             return list(slopes)
         return list(dict.fromkeys(q for v in slopes for q in self.carried.get(v, ())))
+
+    def is_plain(self, section: Section) -> bool:
+        """Whether a zero next to its states is found, and is no multiple one."""
+        zero = next(self.zeros(section.node, section.slopes, section.states), None)
+        return zero is not None and not zero.multiple
 
     def finds(self, node: Node, tries: Sequence[State]) -> bool:
         """Whether `node` is zero anywhere near the states."""
@@ -214,40 +230,40 @@ def _bare(node: Node) -> Node:
     return node.args[0] if node.op == "scale" else node
 
 
-def _factors(node: Node, given: set[Node]) -> tuple[list[Node], list[Node]]:
+def _factors(node: Node, moves: set[Node]) -> tuple[list[Node], list[Node]]:
     """The factors of a row that move, and those of them on whose zeros its gradient vanishes."""
     node = _bare(node)
     powers = list(zip(node.args, node.value)) if node.op == "mul" else [(node, 1)]
-    moving = [(base, e) for base, e in powers if e > 0 and not symbols([base]) <= given]
-    return [b for b, _ in moving], [b for b, e in moving if e > 1 or _touches(b, given)]
+    moving = [(base, e) for base, e in powers if e > 0 and base in moves]
+    return [b for b, _ in moving], [b for b, e in moving if e > 1 or _touches(b, moves)]
 
 
-def _touches(node: Node, given: set[Node]) -> bool:
+def _touches(node: Node, moves: set[Node]) -> bool:
     """Whether it is a sum of terms of one sign, each of which is zero with its gradient, or without one."""
     pending, signs = [node], set[bool]()
     while pending:
         term = pending.pop()
         if term.op == "add":
             pending.extend(term.args)
-        elif _is_square(_bare(term), given):
+        elif _is_square(_bare(term), moves):
             signs.add(term.op == "scale" and term.value < 0.0)
         else:
             return False
     return len(signs) == 1
 
 
-def _is_square(term: Node, given: set[Node]) -> bool:
+def _is_square(term: Node, moves: set[Node]) -> bool:
     """Whether a term is nowhere negative, as a product of even powers and roots, and moves."""
     if term.op == "sqrt":
-        return _touches(term.args[0], given)
+        return _touches(term.args[0], moves)
     if term.op != "mul":
         return False
     for base, exponent in zip(term.args, term.value):
         if exponent % 2 and not (base.op == "sqrt" and exponent > 0):
             return False
-        if exponent < 0 and not symbols([base]) <= given:
+        if exponent < 0 and base in moves:
             return False
-    return not symbols([term]) <= given
+    return term in moves
 
 
 def _carried(states: States) -> dict[Node, dict[Node, Node]]:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from heapq import heapify, heappop, heappush
+from math import inf
 
 from lagc.records import dataclass, field
 
@@ -78,6 +79,14 @@ class Step:
     definition: tuple[int, ...]
     massive: bool  # it has an entry on the diagonal
 
+    @property
+    def flops(self) -> int:
+        """Operations of its part in the factorisation and in one solve, about."""
+        d, c = len(self.near), len(self.definition)
+        if c:
+            return 2 * c * d + 3 * c * (c + 1) // 2 + (2 * c if self.massive else 0) + 4 * c
+        return d * (d + 1) + 5 * d + 2
+
 
 @dataclass(frozen=True)
 class Elimination:
@@ -99,6 +108,11 @@ class Elimination:
         return self.structure.size
 
     @property
+    def flops(self) -> int:
+        """Operations of the factorisation and one solve, about."""
+        return sum([step.flops for step in self.steps])
+
+    @property
     def pivots(self) -> tuple[Step, ...]:
         return tuple([step for step in self.steps if not step.definition])
 
@@ -108,11 +122,11 @@ class Elimination:
         return tuple([(i, step.unknown) for step in self.pivots for i in step.near])
 
 
-def eliminate(structure: Structure) -> Elimination | None:
+def eliminate(structure: Structure, most: float = inf) -> Elimination | None:
     """Choose the order; None where no order without pivoting exists (a massless speed that no
-    constraint gives a mass, a row that touches no speed)."""
+    constraint gives a mass, a row that touches no speed), or where it takes more than `most` operations."""
     search = _Search(structure)
-    steps = tuple(search.steps())
+    steps = tuple(search.steps(most))
     return Elimination(structure, steps) if len(steps) == structure.unknowns else None
 
 
@@ -140,7 +154,8 @@ class _Search:
                 self.waits[u] += 1
         self.gone = [False] * count
 
-    def steps(self) -> Sequence[Step]:
+    def steps(self, most: float) -> Sequence[Step]:
+        """Those of the first `most` operations."""
         found: list[Step] = []
         heap = [rank for k in range(len(self.near)) if (rank := self._rank(k)) is not None]
         heapify(heap)
@@ -150,6 +165,9 @@ class _Search:
             if rank != self._rank(k):
                 continue  # it has another by now, or is gone
             step = Step(k, tuple(sorted(self.near[k])), self.definitions.pop(k, ()), self.massive[k])
+            most -= step.flops
+            if most < 0:
+                break
             found.append(step)
             self.gone[k] = True
             for j in self._without(step):
@@ -247,15 +265,3 @@ def _nearest_speeds(structure: Structure, unknowns: Iterable[int]) -> set[int]:
             left = {u for k in left for u in structure.definitions.get(k, ())}
         found |= own
     return found
-
-
-def flops(plan: Elimination) -> int:
-    """Operations of the factorisation and one solve, about."""
-    total = 0
-    for step in plan.steps:
-        d, c = len(step.near), len(step.definition)
-        if c:
-            total += 2 * c * d + 3 * c * (c + 1) // 2 + (2 * c if step.massive else 0) + 4 * c
-        else:
-            total += d * (d + 1) + 5 * d + 2
-    return total

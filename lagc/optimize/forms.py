@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.optimize.elimination import Elimination, Structure, eliminate, flops
+from lagc.optimize.elimination import Elimination, Structure, eliminate
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
 from lagc.optimize.prune import sources
@@ -32,7 +32,7 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
     """Those that straight-line code is made of."""
     for system in _forms(equations):
         plan = _plan(system)
-        if plan is not None and flops(plan) <= _most(system.structure):
+        if plan is not None:
             yield Solver(system, plan)
             if not forms_matrix(equations):
                 return
@@ -41,11 +41,12 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
 def _plan(system: Lifted) -> Elimination | None:
     """All lifted velocities substituted, which loses no digits, or bodies' own kept where that is cheaper
     by far, as with many loops."""
-    plan = eliminate(system.structure)
-    if plan is None or not (system.heavy and system.structure.multipliers):
-        return plan
-    other = eliminate(replace(system.structure, kept=system.heavy))
-    return other if other is not None and flops(other) < _WORTH * flops(plan) else plan
+    structure, kept = system.structure, None
+    most: float = _most(structure)
+    if system.heavy and structure.multipliers:
+        kept = eliminate(replace(structure, kept=system.heavy), most)
+        most = most if kept is None else min(most, kept.flops / _WORTH)
+    return eliminate(structure, most) or kept
 
 
 def _most(structure: Structure) -> int:

@@ -18,6 +18,7 @@ from lagc.expr.vectors import Matrix, Vector
 from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.intervals import intervals
+from lagc.mechanics.jacobian import formed_of, with_values
 from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
@@ -171,7 +172,8 @@ def deciding(equations: EquationsOfMotion) -> list[Node]:
         found += [*part.velocity, *part.at_rest, *part.explicit]
         found += [x for row in part.mass for x in row] if isinstance(part.mass, tuple) else [part.mass]
     for row in equations.rows:
-        found += [row.rate, row.gamma, *row.jacobian.values()]
+        found += [row.rate, row.gamma]
+    found += formed_of([row.jacobian for row in equations.rows])
     return [*found, *equations.further_inertia.values()]
 
 
@@ -188,13 +190,9 @@ def _with(equations: EquationsOfMotion, f: _Freezing) -> EquationsOfMotion:
         )
         for part in equations.inertias
     ]  # fmt: skip
-    rows = [
-        replace(
-            row, rate=f.one(row.rate), gamma=f.one(row.gamma),
-            jacobian=dict(zip(row.jacobian, f.all(list(row.jacobian.values())))),
-        )
-        for row in equations.rows
-    ]  # fmt: skip
+    rows = [replace(row, rate=f.one(row.rate), gamma=f.one(row.gamma)) for row in equations.rows]
+    jacobians = with_values([row.jacobian for row in rows], f.all)
+    rows = [replace(row, jacobian=own) for row, own in zip(rows, jacobians)]
     loads: dict[Node, Node] = {}
     for velocity, weight in zip(f.all(list(equations.loads)), f.all(list(equations.loads.values()))):
         loads[velocity] = loads[velocity] + weight if velocity in loads else weight

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
+from lagc.expr.slopes import Slopes
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
-from lagc.optimize.conditions import Slopes, condition_rows, start_units
+from lagc.optimize.conditions import condition_rows, start_units
 from lagc.optimize.kinds import kinds, rates
 from lagc.optimize.kkt import row_comments
 from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms

@@ -8,10 +8,10 @@ from itertools import accumulate
 from lagc import cache
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
+from lagc.expr.slopes import Slopes
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.optimize.conditions import Slopes
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface

@@ -6,11 +6,11 @@ pairs of a row and a leaf.  How long such a gradient is follows along the graph,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.derivative import partial
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable
+from lagc.expr.walk import leaves_below, reachable
 
 _MOST_TERMS = 1000
 _ROOT = 3  # products that a root costs, with what stands about it
@@ -51,26 +51,15 @@ def magnitudes(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     return [found[node] for node in nodes]
 
 
-def _bits(nodes: Sequence[Node], leaves: Iterable[Node]) -> dict[Node, int]:
-    """The leaves below each node, as bits of a number."""
-    found = {leaf: 1 << k for k, leaf in enumerate(leaves)}
-    for node in reachable(nodes):
-        if node not in found:
-            bits = 0
-            for a in node.args:
-                bits |= found[a]
-            found[node] = bits
-    return found
-
-
 def gradient_magnitudes(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, Node]) -> list[Node]:
     """Of each of `nodes` the sum over leaves w of |weights[w] d(node)/dw| before anything in it cancels.
 
     Each product on the way to a leaf adds the same in any order: no gradient is formed.
     """
-    bits = _bits(nodes, weights)
-    moving = [node for node in reachable(nodes) if bits[node] and node not in weights]
-    steps = [(node, k) for node in moving for k, a in enumerate(node.args) if bits[a]]
+    order = reachable(nodes)
+    bits = leaves_below(order, weights)
+    moving = [node for node in order if node in bits and node not in weights]
+    steps = [(node, k) for node in moving for k, a in enumerate(node.args) if a in bits]
     slopes = magnitudes(graph, [partial(graph, node, k) for node, k in steps])
     found = dict(zip(weights, magnitudes(graph, list(weights.values()))))
     for (node, k), slope in zip(steps, slopes):
@@ -86,16 +75,16 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
 
     The product of two gradients is that of the arguments' of the later node, each times its slope.
     """
-    bits = _bits(nodes, weights)
-    most = sum([2 * bits[node].bit_count() - _ROOT for node in nodes])
-    seen = {(node, node) for node in nodes if bits[node]}
+    bits = leaves_below(reachable(nodes), weights)
+    most = sum([2 * bits.get(node, 0).bit_count() - _ROOT for node in nodes])
+    seen = {(node, node) for node in nodes if node in bits}
     stack = list(seen)
     while stack:
         if len(seen) > most:
             return None
         later, other = stack.pop()
         for a in later.args:
-            if bits[a] & bits[other]:
+            if bits.get(a, 0) & bits[other]:
                 pair = (a, other) if a.index >= other.index else (other, a)
                 if pair not in seen:
                     seen.add(pair)
@@ -108,14 +97,16 @@ def gradient_bounds(graph: Graph, nodes: Sequence[Node], weights: Mapping[Node, 
             found[pair] = weights[later] * weights[later] if later is other else graph.zero
             continue
         if later not in slopes:
-            slopes[later] = [partial(graph, later, k) if bits[a] else None for k, a in enumerate(later.args)]
+            arguments = enumerate(later.args)
+            slopes[later] = [partial(graph, later, k) if a in bits else None for k, a in arguments]
         total = graph.zero
         for a, slope in zip(later.args, slopes[later]):
             known = found.get((a, other) if a.index >= other.index else (other, a))
             if slope is not None and known is not None:
                 total = total + slope * known
         found[pair] = total
-    squares = [graph.scale(bits[node].bit_count(), found.get((node, node), graph.zero)) for node in nodes]
+    counts = [bits.get(node, 0).bit_count() for node in nodes]
+    squares = [graph.scale(n, found.get((node, node), graph.zero)) for n, node in zip(counts, nodes)]
     return [graph.unary("sqrt", graph.unary("abs", square)) for square in squares]  # which rounding may turn
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.expr.graph import Node
+from lagc.expr.slopes import Slopes
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
-from lagc.optimize.conditions import Slopes, condition_slopes
+from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.derivatives import derivatives
 from lagc.optimize.features import features, narrow
 from lagc.optimize.forms import forms_matrix, solvers

@@ -9,6 +9,7 @@ from itertools import chain
 from lagc.expr.graph import Node
 from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.jacobian import with_places
 from lagc.mechanics.states import position_symbols
 from lagc.optimize.lift import Lifted
 from lagc.records import replace
@@ -75,7 +76,7 @@ def sources(equations: EquationsOfMotion) -> list[Node]:
         *(o.expression for o in equations.outputs),
     ]  # fmt: skip
     for row in equations.rows:
-        found += [row.residual, row.rate, row.gamma, *row.jacobian.values()]
+        found += [row.residual, row.rate, row.gamma]
     return found
 
 
@@ -94,9 +95,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     gone = {s for i, s in enumerate(equations.q) if i not in new_q}
     gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
-    def columns(table: dict[int, Node]) -> dict[int, Node]:
-        return {new_v[j]: node for j, node in table.items()}
-
+    jacobians = with_places([row.jacobian for row in equations.rows], new_v, len(v))
     return replace(
         equations,
         q=tuple([equations.q[i] for i in q]),
@@ -112,7 +111,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         bias_forces=tuple([equations.bias_forces[j] for j in v]),
         given_forces=tuple([equations.given_forces[j] for j in v]),
         further_inertia={(new_v[i], new_v[j]): node for (i, j), node in equations.further_inertia.items()},
-        rows=tuple([replace(row, jacobian=columns(row.jacobian)) for row in equations.rows]),
+        rows=tuple([replace(row, jacobian=own) for row, own in zip(equations.rows, jacobians)]),
         contributions=tuple(
             [
                 replace(c, forces={new_v[j]: node for j, node in c.forces.items() if j in new_v})

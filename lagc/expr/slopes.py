@@ -1,0 +1,136 @@
+"""Derivatives of many expressions by many leaves, by the sums that they share where these are fewer.
+
+Expressions that build on shared sums, as the places of points along a chain, have as many derivatives as
+there are pairs of an expression and a leaf before it.  Where these are far more than the expressions are made
+of, the derivatives are given by leaves *and* sums, and those of each sum likewise.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+from lagc.expr.derivative import gradient
+from lagc.expr.graph import Graph, Node
+from lagc.expr.walk import reachable, substitute, union
+from lagc.records import dataclass, replace
+
+_WORTH = 2  # times as many derivatives as by sums
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """The derivatives of each expression, and of each sum by what comes before it: column -> derivative,
+    zeros left out.  The columns are the `leaves`, then the sums."""
+
+    graph: Graph
+    rows: list[dict[int, Node]]
+    sums: list[dict[int, Node]]
+    leaves: int
+
+    @property
+    def nodes(self) -> list[Node]:
+        """All that derivatives are made of."""
+        return [node for own in (*self.rows, *self.sums) for node in own.values()]
+
+    @cached_property
+    def columns(self) -> list[list[int]]:
+        """The leaves that each expression depends on, as far as structure tells."""
+        if not self.sums:
+            return [list(row) for row in self.rows]
+        known = [1 << k for k in range(self.leaves)]
+        for own in self.sums:
+            known.append(union(known[k] for k in own))
+        return [_places(union(known[k] for k in row)) for row in self.rows]
+
+    def entries(self, k: int) -> dict[int, Node]:
+        """The derivatives of expression k by leaves alone, put together."""
+        found = dict(self.rows[k])
+        for column in range(self.leaves + len(self.sums) - 1, self.leaves - 1, -1):
+            if column in found:
+                weight = found.pop(column)
+                for j, slope in self.sums[column - self.leaves].items():
+                    share = weight * slope
+                    found[j] = found[j] + share if j in found else share
+        return {j: found.get(j, self.graph.zero) for j in self.columns[k]}
+
+    def mapped(self, values: Callable[[Sequence[Node]], Sequence[Node]]) -> Slopes:
+        """With other derivatives, as many."""
+        new = iter(values(self.nodes))
+        found = [{k: next(new) for k in own} for own in (*self.rows, *self.sums)]
+        return replace(self, rows=found[: len(self.rows)], sums=found[len(self.rows) :])
+
+    def placed(self, places: Mapping[int, int], size: int) -> Slopes:
+        """With the leaves at other places of `size`, and without those that have none."""
+        new = {**places, **{self.leaves + k: size + k for k in range(len(self.sums))}}
+        rows, sums = ([{new[k]: x for k, x in own.items() if k in new} for own in part]
+                      for part in (self.rows, self.sums))  # fmt: skip
+        return replace(self, rows=rows, sums=sums, leaves=size)
+
+
+def slopes(
+    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
+) -> Slopes:
+    """The derivatives of `nodes` by the leaves that have `places`, of `size` that there are; where these are
+    `few` they are not given by sums."""
+    shared = _shared(nodes, places, few)
+    found = _by(graph, nodes, places, size, shared)
+    if shared and len(found.nodes) > sum(map(len, found.columns)):  # some derivatives turned out to be 0
+        return _by(graph, nodes, places, size, ())
+    return found
+
+
+def _by(
+    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, shared: Sequence[Node]
+) -> Slopes:
+    """By leaves and the sums that are `shared`."""
+    found = _through(graph, nodes, places, {x: size + k for k, x in enumerate(shared)})
+    return Slopes(graph, found[: len(nodes)], found[len(nodes) :], size)
+
+
+def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:
+    """The sums that are used more than once, where that leaves far fewer derivatives."""
+    order = reachable(nodes)
+    users = Counter([*nodes, *(a for node in order for a in set(node.args))])
+    whole = {x: 1 << k for k, x in enumerate(leaves)}
+    own, sums, next_bit = dict(whole), dict[Node, int](), len(whole)
+    for node in order:
+        if node in whole:
+            continue
+        bits = union(whole.get(a, 0) for a in node.args)
+        if bits:
+            whole[node], own[node] = bits, union(own.get(a, 0) for a in node.args)
+            if node.op == "add" and users[node] > 1 and own[node].bit_count() > 1:
+                sums[node], own[node] = own[node], 1 << next_bit
+                next_bit += 1
+    plain = sum([whole.get(node, 0).bit_count() for node in nodes])
+    fewer = sum([own.get(node, 0).bit_count() for node in nodes]) + sum(
+        [b.bit_count() for b in sums.values()]
+    )
+    return list(sums) if plain > max(_WORTH * fewer, few) else []
+
+
+def _through(
+    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], sums: Mapping[Node, int]
+) -> list[dict[int, Node]]:
+    """The derivatives of `nodes`, then of `sums`, by what has `places` and by sums."""
+    symbols = {x: graph.symbol("sum", str(k)) for x, k in sums.items()}
+    found: dict[Node, Node] = dict(symbols)
+    made: dict[Node, Node] = {}
+    for node in reachable(nodes) if sums else ():
+        args = tuple([found[a] for a in node.args])
+        made[node] = graph.rebuild(node, args) if args else node
+        found.setdefault(node, made[node])
+    by = {**places, **{symbols[x]: k for x, k in sums.items()}}
+    outlines = [*(found.get(node, node) for node in nodes), *(made[x] for x in sums)]
+    slopes = [gradient(graph, {node: graph.one}, by) for node in outlines]
+    back = {symbol: x for x, symbol in symbols.items()}
+    values = substitute(graph, [slope for own in slopes for slope in own.values()], back) if sums else ()
+    value = iter(values)
+    return [{by[x]: next(value) if sums else slope for x, slope in own.items()} for own in slopes]
+
+
+def _places(bits: int) -> list[int]:
+    """Of the ones."""
+    return [k for k, digit in enumerate(reversed(f"{bits:b}")) if digit == "1"]

@@ -1,0 +1,79 @@
+"""The constraint Jacobian by rows: each entry a node or, where rows build on sums that many of them share,
+put together from theirs only when somebody asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+
+from lagc.expr.graph import Graph, Node
+from lagc.expr.slopes import Slopes, slopes
+
+_FEW = 2000  # entries, which are all formed
+
+
+class Entries(Mapping[int, Node]):
+    """Row `k` of `slopes`: speed -> entry.  Those that vanish though structure does not tell are zero."""
+
+    __slots__ = ("_found", "k", "slopes")
+
+    def __init__(self, slopes: Slopes, k: int):
+        self.slopes, self.k = slopes, k
+        self._found: dict[int, Node] | None = None
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self.slopes.columns[self.k])
+
+    def __len__(self) -> int:
+        return len(self.slopes.columns[self.k])
+
+    def __getitem__(self, j: int) -> Node:
+        if self._found is None:
+            self._found = self.slopes.entries(self.k)
+        return self._found[j]
+
+
+def jacobian(graph: Graph, rates: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
+    """d(rate)/d(v) of each of `rates`, zeros left out: speed -> entry."""
+    found = slopes(graph, rates, places, len(places), _FEW)
+    return [Entries(found, k) for k in range(len(rates))] if found.sums else list(found.rows)
+
+
+def formed_of(rows: Iterable[Mapping[int, Node]]) -> list[Node]:
+    """All that the entries of `rows` are made of."""
+    found: list[Node] = []
+    for row in rows:
+        found += () if isinstance(row, Entries) else row.values()
+    for shared in _by_sums(rows):
+        found += shared.nodes
+    return found
+
+
+def with_values(
+    rows: Sequence[Mapping[int, Node]], values: Callable[[Sequence[Node]], Sequence[Node]]
+) -> list[Mapping[int, Node]]:
+    """`rows` with other values for all that their entries are made of."""
+    new = {id(shared): shared.mapped(values) for shared in _by_sums(rows)}
+    return [
+        Entries(new[id(row.slopes)], row.k)
+        if isinstance(row, Entries)
+        else dict(zip(row, values(list(row.values()))))
+        for row in rows
+    ]
+
+
+def with_places(
+    rows: Sequence[Mapping[int, Node]], places: Mapping[int, int], size: int
+) -> list[Mapping[int, Node]]:
+    """`rows` with the speeds at other places of `size`; those without a place have no entries."""
+    new = {id(shared): shared.placed(places, size) for shared in _by_sums(rows)}
+    return [
+        Entries(new[id(row.slopes)], row.k)
+        if isinstance(row, Entries)
+        else {places[j]: x for j, x in row.items()}
+        for row in rows
+    ]
+
+
+def _by_sums(rows: Iterable[Mapping[int, Node]]) -> list[Slopes]:
+    """What entries are put together from."""
+    return list({id(row.slopes): row.slopes for row in rows if isinstance(row, Entries)}.values())
