@@ -13,7 +13,7 @@ from functools import cached_property
 
 from lagc.expr.derivative import gradient
 from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable, substitute, union
+from lagc.expr.walk import depends, reachable, substitute, union, within
 from lagc.records import dataclass, replace
 
 _WORTH = 2  # times as many derivatives as by sums
@@ -124,7 +124,8 @@ def _through(
         found.setdefault(node, made[node])
     by = {**places, **{symbols[x]: k for x, k in sums.items()}}
     outlines = [*(found.get(node, node) for node in nodes), *(made[x] for x in sums)]
-    slopes = [gradient(graph, {node: graph.one}, by) for node in outlines]
+    moving = depends(outlines, by)
+    slopes = [gradient(graph, {node: graph.one}, by, within([node], moving)) for node in outlines]
     back = {symbol: x for x, symbol in symbols.items()}
     values = substitute(graph, [slope for own in slopes for slope in own.values()], back) if sums else ()
     value = iter(values)

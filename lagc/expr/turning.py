@@ -59,18 +59,23 @@ def without_turns(square: Node) -> Node:
 
 
 def _angles(square: Node, work: _Work) -> list[tuple[Node, Node]]:
-    """The sines and cosines of the same that are factors in it; what is inside other functions is not."""
-    seen, stack = {square}, [square]
+    """The sines and cosines of the same that are factors in it, none of too many; what is inside other
+    functions is not."""
+    seen, layer = {square}, [square]
     sines, cosines = dict[Node, Node](), dict[Node, Node]()
-    while stack and len(sines) <= TURNS:
-        work.spend()
-        node = stack.pop()
-        if node.op in ("add", "scale", "mul"):
-            new = [a for a in node.args if a not in seen]
-            seen.update(new)
-            stack += new
-        elif node.op in TWINS:
-            (sines if node.op == "sin" else cosines)[node.args[0]] = node
+    while layer:  # what is near the square first: of many angles some are there
+        work.spend(len(layer))
+        below: list[Node] = []
+        for node in layer:
+            if node.op in ("add", "scale", "mul"):
+                new = [a for a in node.args if a not in seen]
+                seen.update(new)
+                below += new
+            elif node.op in TWINS:
+                (sines if node.op == "sin" else cosines)[node.args[0]] = node
+        if len(sines) > TURNS:
+            return []
+        layer = below
     shared = sorted(sines.keys() & cosines.keys(), key=lambda u: u.index)
     return [(sines[u], cosines[u]) for u in shared]
 

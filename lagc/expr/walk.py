@@ -40,6 +40,18 @@ def missing(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
     return sorted(seen, key=_index)
 
 
+def within(nodes: Iterable[Node], known: Container[Node]) -> list[Node]:
+    """Those below `nodes`, they included, that are `known`, as all are above them, arguments before users."""
+    seen = {node for node in nodes if node in known}
+    stack = list(seen)
+    while stack:
+        for node in stack.pop().args:
+            if node not in seen and node in known:
+                seen.add(node)
+                stack.append(node)
+    return sorted(seen, key=_index)
+
+
 def linked(nodes: Iterable[Node], links: Mapping[Node, Sequence[Node]]) -> list[Node]:
     """Every node that `links` lead to from `nodes`, they included, arguments before users."""
     seen = set(nodes)
