@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from lagc.expr.graph import Node
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
+_LONGEST = 120  # characters that are read at once
 
 
 def number(value: float) -> str:
@@ -24,6 +25,22 @@ def text(node: Node) -> str:
     for below in reachable([node]):
         done[below] = _write(below, done)
     return done[node][0]
+
+
+def brief(node: Node) -> str:
+    """The same for people, of what is long the beginning and the end."""
+    done: dict[Node, tuple[str, int]] = {}
+    for below in reachable([node]):
+        whole, level = _write(below, done)
+        done[below] = _abridged(whole), level
+    return done[node][0]
+
+
+def _abridged(whole: str) -> str:
+    if len(whole) <= _LONGEST:
+        return whole
+    first, last = whole[: _LONGEST // 2].rsplit(" ", 1)[0], whole[-_LONGEST // 3 :].split(" ", 1)[-1]
+    return f"{first} ... {last}".replace("... ...", "...")
 
 
 def _wrap(part: tuple[str, int], level: int) -> str:

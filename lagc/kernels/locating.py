@@ -16,6 +16,7 @@ from lagc.kernels.limits import SPACING
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
 from lagc.kernels.records import State, Trial, Work
+from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
 from lagc.kernels.statuses import failed
 from lagc.kernels.tables import counted
@@ -161,6 +162,42 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
         left = right
         w.left_x[:] = w.right_x
     return NONE
+
+
+def inward(k: int, direction: Real, w: Work) -> bool:
+    """Whether a side moves away from its change, w.turning."""
+    rate = w.turning[k] * direction
+    if NEDGES > 0:
+        if counted[k] > 0:
+            above = w.edges[2 * k + 1] - w.sides[k] < w.sides[k] - w.edges[2 * k]
+            return rate < 0.0 if above else rate > 0.0
+    return rate * w.modes[k] > 0.0
+
+
+def all_inward(direction: Real, w: Work) -> bool:
+    for j in range(NFREE):
+        if w.crossed[NTIMED + j] > 0 and not inward(NTIMED + j, direction, w):
+            return False
+    return True
+
+
+def only_seem(p: Params, s: State, method: int, part: Real, a: Trial, w: Work) -> bool:
+    """Whether switches that change after this part of the step, w.crossed, move away from their changes both
+    where it begins and there: what is beyond is so by rounding, and from then on that is slack."""
+    fn_side_rates_on(p, s.t, s.x, w.modes, s.k[0], w.turning)
+    if not all_inward(a.direction, w):
+        return False
+    method_at(method, part, s, w.middle)
+    s.rhs += 1
+    if failed(rhs_at(p, s.t + part * a.h, w.middle, w.xdot, w.lam, w)):
+        return False
+    fn_side_rates_on(p, s.t + part * a.h, w.middle, w.modes, w.xdot, w.turning)
+    if not all_inward(a.direction, w):
+        return False
+    for j in range(NFREE):
+        if w.crossed[NTIMED + j] > 0:
+            s.slack[NTIMED + j] -= 2.0 * w.margins[j]
+    return True
 
 
 def all_but_changes(p: Params, s: State, direction: Real, w: Work) -> bool:

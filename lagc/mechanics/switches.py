@@ -15,7 +15,7 @@ from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.lines import Shape
 from lagc.expr.operators import CORNER, END, ENTIRE, OPERATORS, POLE, STEP, Interval, smooth_as
-from lagc.expr.text import text
+from lagc.expr.text import brief
 from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.intervals import intervals
 from lagc.mechanics.states import States
@@ -170,7 +170,7 @@ def together(node: Node) -> list[Node]:
 
 def where(switch: Switch) -> str:
     """In words."""
-    node, side = switch.node, text(switch.side)
+    node, side = switch.node, brief(switch.side)
     if node.op == "floor":
         return f"`{side}` passes a whole number"
     if node.op == "piece":
@@ -178,10 +178,10 @@ def where(switch: Switch) -> str:
     if node.op in _BORDERS:
         return f"`{side}` {_BORDERS[node.op].words}"
     if node.op == "atan2":
-        return f"`{text(node)}` passes its cut"
+        return f"`{brief(node)}` passes its cut"
     if not switch.pieces:
         return f"`{side}` reaches 0"
     left, right = (*node.args, node.graph.zero)[:2]
     if left.is_const:
         left, right = right, left
-    return f"`{text(left)}` passes {text(right) if right.is_const else f'`{text(right)}`'}"
+    return f"`{brief(left)}` passes {brief(right) if right.is_const else f'`{brief(right)}`'}"

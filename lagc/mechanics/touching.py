@@ -17,7 +17,7 @@ from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.expr.text import text
+from lagc.expr.text import brief
 from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
@@ -278,7 +278,7 @@ def _carried(states: States) -> dict[Node, dict[Node, Node]]:
 def _fault(s: _Suspect) -> Fault:
     x = s.found
     if s.factor is not None:
-        where = f"where `{text(s.factor)}` is zero, which is one way to meet it, so that no force can "
+        where = f"where `{brief(s.factor)}` is zero, which is one way to meet it, so that no force can "
         where += "enforce it there"
     elif s.everywhere:
         where = "wherever the constraint holds, so that no force can enforce it"

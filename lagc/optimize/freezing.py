@@ -13,7 +13,7 @@ from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import COMPARISONS, CORNER, STEP, smooth_as
 from lagc.expr.table import Table
-from lagc.expr.text import text
+from lagc.expr.text import brief
 from lagc.expr.vectors import Matrix, Vector
 from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.equations import EquationsOfMotion
@@ -151,9 +151,9 @@ def _words(node: Node) -> str:
     args = node.args
     if len(args) == 1:
         passed = {"floor": "a whole number", "piece": "a knot of a table"}.get(node.op, "0")
-        return f"{text(args[0])} passes {passed}"
+        return f"{brief(args[0])} passes {passed}"
     left, right = (args[1], args[0]) if args[0].is_const else args
-    return f"{text(left)} passes {text(right)}"
+    return f"{brief(left)} passes {brief(right)}"
 
 
 def _vector(flat: Sequence[Node]) -> Vector:

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import VALUES
-from lagc.expr.text import text
+from lagc.expr.text import brief, text
 from tests.expr.expressions import NAMES, grow, points, programs
 
 
@@ -56,3 +56,12 @@ def test_choices_keep_their_branches_together(graph: Graph) -> None:
     node = graph.select(graph.binary("lt", x, y), x, y)
     assert text(node + 1.0) == "1 + (if (x < y) then x else y)"
     assert text(2.0 * node) == "2*(if (x < y) then x else y)"
+
+
+def test_of_what_is_long_people_read_the_beginning_and_the_end(graph: Graph) -> None:
+    angles = [leaf(graph, f"a{k}") for k in range(300)]
+    total = graph.sum(graph.unary("sin", x) for x in angles)
+    assert brief(graph.sub(angles[0], angles[1])) == text(graph.sub(angles[0], angles[1]))
+    found = brief(2.0 * total)
+    assert len(found) < 150 and found.count("...") == 1
+    assert found.startswith("2*(sin(a0) + sin(a1) + ") and found.endswith(" + sin(a299))")

@@ -134,3 +134,14 @@ def test_rest_in_balance_is_no_bad_residual():
     found = interpret(function, {"w": [float(k[at]) for at in entries], "r": list(map(float, right))})
     assert np.abs(found["s"][:2]).max() < 1e-13
     assert found["health"][1] < 1e-26
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_what_takes_more_than_the_most_has_no_order(seed: int) -> None:
+    dice = np.random.default_rng(seed)
+    structure = Structure(9, 3, tuple(lower_entries(random_kkt(seed, 9, 3)[0])))
+    plan = eliminate(structure)
+    assert plan is not None and plan.flops == sum(step.flops for step in plan.steps)
+    assert eliminate(structure, plan.flops) == plan
+    assert eliminate(structure, plan.flops - 1) is None
+    assert eliminate(structure, dice.uniform(0, plan.flops - 1)) is None
