@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping, Sequence
-from typing import Any
+from functools import cache
+from typing import Any, NamedTuple
 
 import mpmath as mp
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 
 import lagc
 from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.derivatives import groups, stack
 from lagc.optimize.freezing import frozen
 from lagc.optimize.massless import with_pivots
@@ -26,16 +28,28 @@ ROUNDING = 1e-16  # of the largest entry: what is left where the terms of one ca
 MOST = 14  # unknowns of the linear solve in 50 digits
 
 
+class Differentiated(NamedTuple):
+    equations: EquationsOfMotion
+    by: dict[str, list[Node]]
+    system: lagc.System
+
+
+@cache
+def differentiated(name: str, scene: str) -> Differentiated:
+    model = compiled(name, scene, "numpy")
+    equations = with_pivots(prune(model.equations)[0])
+    names = {field.name for field in model.interface.parameters}
+    at = places(equations, [p for p in equations.model.parameters if p.name in names])
+    return Differentiated(equations, groups(at), model.differentiated())
+
+
 @pytest.mark.parametrize("name, scene", fullest())
 def test_derivatives_are_those_of_differences(name: str, scene: str) -> None:
     model = compiled(name, scene, "numpy")
     if model.interface.nv + model.interface.nc > 60:
         pytest.skip("too long in 50 digits")
     chance = random.Random(name)
-    equations = with_pivots(prune(model.equations)[0])
-    at = places(equations, [p for p in equations.model.parameters if p.name in _names(model)])
-    by = groups(at)
-    system = model.differentiated()
+    equations, by, system = differentiated(name, scene)
     t, x = chance.uniform(0.1, 1.0), [a + chance.uniform(-0.2, 0.2) for a in system.start()]
     a, lam = ([chance.uniform(-1, 1) for _ in range(n)] for n in (system.nv, system.nc))
     point = Point(system, t, x, a, lam)
@@ -50,10 +64,6 @@ def test_derivatives_are_those_of_differences(name: str, scene: str) -> None:
             found = point.by(group)
             expected = along(lambda at: values(nodes, at), given, dict(zip(symbols, way)))
             _assert_close(found @ way, expected, np.abs(found) @ np.abs(way))
-
-
-def _names(model: lagc.CompiledModel) -> set[str]:
-    return {field.name for field in model.interface.parameters}
 
 
 def _assert_close(found: Any, expected: Sequence[Any], terms: Any) -> None:
@@ -72,9 +82,8 @@ def test_those_of_the_motion_are_those_of_differences(name: str, scene: str) -> 
     if nv + nc > MOST:
         pytest.skip("too long in 50 digits")
     chance = random.Random(f"{name} moves")
-    equations = with_pivots(prune(model.equations)[0])
-    at = places(equations, [p for p in equations.model.parameters if p.name in _names(model)])
-    by, parts, system = groups(at), stack(equations), model.differentiated()
+    equations, by, system = differentiated(name, scene)
+    parts = stack(equations)
     x = [a + chance.uniform(-0.2, 0.2) for a in system.start()]
     try:
         point = Point(system, 0.5, x)

@@ -1,4 +1,4 @@
-"""C and NumPy compute the same bits: every model of the library with most of its effects, 1,000
+"""C and NumPy compute the same bits: every model of the library with most of its effects, 400
 steps of each backend."""
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from tests.physics.library import compiled, fullest
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 SCENES = fullest()
-STEPS = 1000
+STEPS = 400
 
 
 @pytest.mark.parametrize(("name", "scene"), SCENES, ids=[f"{n}-{s}" for n, s in SCENES])
 def test_backends_agree_bitwise(name: str, scene: str) -> None:
     stop = float(compiled(name, scene, "numpy").interface.simulate.get("stop", 10.0))
     # DOPRI5 with a step of a 1/4000 of the scene: small enough for every model
-    asked = {"stop": stop / 4.0, "method": "dopri5", "step": stop / 4.0 / STEPS, "points": 11}
+    asked = {"stop": stop / 10.0, "method": "dopri5", "step": stop / 10.0 / STEPS, "points": 11}
     runs = [compiled(name, scene, backend).simulate(**asked) for backend in ("numpy", "c")]
     first, second = runs
     assert first.status == second.status == "ok", (first.message, second.message)
