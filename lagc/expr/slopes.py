@@ -75,18 +75,11 @@ def slopes(
     """The derivatives of `nodes` by the leaves that have `places`, of `size` that there are; where these are
     `few` they are not given by sums."""
     shared = _shared(nodes, places, few)
-    found = _by(graph, nodes, places, size, shared)
-    if shared and len(found.nodes) > sum(map(len, found.columns)):  # some derivatives turned out to be 0
-        return _by(graph, nodes, places, size, ())
-    return found
-
-
-def _by(
-    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, shared: Sequence[Node]
-) -> Slopes:
-    """By leaves and the sums that are `shared`."""
-    found = _through(graph, nodes, places, {x: size + k for k, x in enumerate(shared)})
-    return Slopes(graph, found[: len(nodes)], found[len(nodes) :], size)
+    if shared:
+        found = _through(graph, nodes, places, size, shared)
+        if len(found.nodes) <= sum(map(len, found.columns)):  # else some derivatives turned out to be 0
+            return found
+    return Slopes(graph, _gradients(graph, nodes, places), [], size)
 
 
 def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:
@@ -112,24 +105,28 @@ def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list
 
 
 def _through(
-    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], sums: Mapping[Node, int]
-) -> list[dict[int, Node]]:
-    """The derivatives of `nodes`, then of `sums`, by what has `places` and by sums."""
-    symbols = {x: graph.symbol("sum", str(k)) for x, k in sums.items()}
+    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, shared: Sequence[Node]
+) -> Slopes:
+    """The derivatives by leaves and the sums that are `shared`, each of which a symbol stands for."""
+    symbols = {x: graph.symbol("sum", str(size + k)) for k, x in enumerate(shared)}
     found: dict[Node, Node] = dict(symbols)
     made: dict[Node, Node] = {}
-    for node in reachable(nodes) if sums else ():
+    for node in reachable(nodes):
         args = tuple([found[a] for a in node.args])
         made[node] = graph.rebuild(node, args) if args else node
         found.setdefault(node, made[node])
-    by = {**places, **{symbols[x]: k for x, k in sums.items()}}
-    outlines = [*(found.get(node, node) for node in nodes), *(made[x] for x in sums)]
-    moving = depends(outlines, by)
-    slopes = [gradient(graph, {node: graph.one}, by, within([node], moving)) for node in outlines]
+    by = {**places, **{symbols[x]: size + k for k, x in enumerate(shared)}}
+    own = _gradients(graph, [*(found[node] for node in nodes), *(made[x] for x in shared)], by)
+    outlined = Slopes(graph, own[: len(nodes)], own[len(nodes) :], size)
     back = {symbol: x for x, symbol in symbols.items()}
-    values = substitute(graph, [slope for own in slopes for slope in own.values()], back) if sums else ()
-    value = iter(values)
-    return [{by[x]: next(value) if sums else slope for x, slope in own.items()} for own in slopes]
+    return outlined.mapped(lambda slopes: substitute(graph, slopes, back))
+
+
+def _gradients(graph: Graph, nodes: Sequence[Node], by: Mapping[Node, int]) -> list[dict[int, Node]]:
+    """Of each node, by what has a column."""
+    moving = depends(nodes, by)
+    found = (gradient(graph, {node: graph.one}, by, within([node], moving)) for node in nodes)
+    return [{by[x]: slope for x, slope in own.items()} for own in found]
 
 
 def _places(bits: int) -> list[int]:

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import extend
 from lagc.expr.graph import Node
-from lagc.expr.walk import leaves_below, reachable
+from lagc.expr.walk import leaves_below, reachable, union
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States
 from lagc.records import dataclass
@@ -40,20 +41,27 @@ class Sections:
         given: Mapping[Node, float],
         carried: Mapping[Node, Mapping[Node, Node]],
     ):
-        self._states, self._carried, self._known = states, carried, dict(given)
-        leaves = (*states.q, *states.v)
-        self._bit = {x: 1 << k for k, x in enumerate(leaves)}
-        ends = [x for row in rows for x in (row.residual, row.rate)]
-        self._bits = leaves_below(reachable(ends), leaves)
-        extend(self._known, ends)
+        self._states, self._carried, self._given = states, carried, given
+        self._leaves = (*states.q, *states.v)
+        self._ends = [x for row in rows for x in (row.residual, row.rate)]
+
+    @cached_property
+    def _bits(self) -> dict[Node, int]:
+        return leaves_below(reachable(self._ends), self._leaves)
+
+    @cached_property
+    def _known(self) -> dict[Node, float]:
+        known = dict(self._given)
+        extend(known, self._ends)
+        return known
 
     def of(self, row: Row, tries: Sequence[Mapping[Node, float]]) -> Section | None:
         """Through the state with the nearest unknowns as in `tries`; None where it has not many unknowns."""
-        if self._bits[row.rate].bit_count() <= _MANY:
+        if len(self._leaves) <= _MANY or self._bits[row.rate].bit_count() <= _MANY:
             return None
         graph, speeds = self._states.graph, self._nearest(row.rate)
         moving = [*speeds, *(q for v in speeds for q in self._carried[v])]
-        moved = sum({self._bit[x] for x in moving})
+        moved = union(self._bits[x] for x in moving)
         node, rate = self._held([row.residual, row.rate], moved)
         slopes = gradient(graph, {rate: graph.one}, speeds)
         return Section(node, slopes, [ChainMap({x: s[x] for x in moving}, self._known) for s in tries])
