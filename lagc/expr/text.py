@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.expr.operators import INFIX
-from lagc.expr.walk import reachable
+from lagc.expr.walk import missing, reachable
 
 if TYPE_CHECKING:
     from lagc.expr.graph import Node
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
+Texts: TypeAlias = "dict[Node, tuple[str, int]]"  # of nodes, and how tightly they hold together
 _LONGEST = 120  # characters that are read at once
 
 
@@ -21,16 +22,16 @@ def number(value: float) -> str:
 
 def text(node: Node) -> str:
     """`node` in the model language, e.g. `m*l^2*der(theta) - 2*cos(theta)`."""
-    done: dict[Node, tuple[str, int]] = {}
+    done: Texts = {}
     for below in reachable([node]):
         done[below] = _write(below, done)
     return done[node][0]
 
 
-def brief(node: Node) -> str:
-    """The same for people, of what is long the beginning and the end."""
-    done: dict[Node, tuple[str, int]] = {}
-    for below in reachable([node]):
+def brief(node: Node, known: Texts | None = None) -> str:
+    """The same for people, of what is long the beginning and the end; `known` comes to hold what is below."""
+    done: Texts = {} if known is None else known
+    for below in missing([node], done):
         whole, level = _write(below, done)
         done[below] = _abridged(whole), level
     return done[node][0]
@@ -47,7 +48,7 @@ def _wrap(part: tuple[str, int], level: int) -> str:
     return part[0] if part[1] >= level else f"({part[0]})"
 
 
-def _write(node: Node, done: dict[Node, tuple[str, int]]) -> tuple[str, int]:
+def _write(node: Node, done: Texts) -> tuple[str, int]:
     op, parts = node.op, [done[a] for a in node.args]
     if op == "const":
         value: float = node.value

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import EVERYWHERE, OPERATORS, Interval
-from lagc.expr.walk import reachable
+from lagc.expr.walk import missing, reachable
 
 
 def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Node, Interval]:
@@ -19,6 +19,13 @@ def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Nod
     for node in reachable(nodes):
         found[node] = given.get(node) or _interval(node, [found[a] for a in node.args])
     return found
+
+
+def extended(known: dict[Node, Interval], node: Node) -> Interval:
+    """That of a node; `known`, of symbols that may be any number, comes to hold those of all below it."""
+    for below in missing([node], known):
+        known[below] = _interval(below, [known[a] for a in below.args])
+    return known[node]
 
 
 def _interval(node: Node, x: Sequence[Interval]) -> Interval:

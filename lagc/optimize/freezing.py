@@ -11,17 +11,18 @@ from collections.abc import Sequence
 
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import COMPARISONS, CORNER, STEP, smooth_as
+from lagc.expr.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
 from lagc.expr.table import Table
-from lagc.expr.text import brief
+from lagc.expr.text import Texts, brief
 from lagc.expr.vectors import Matrix, Vector
-from lagc.expr.walk import depends, reachable, symbols
+from lagc.expr.walk import depends, missing, union
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.intervals import intervals
+from lagc.mechanics.intervals import extended
 from lagc.mechanics.jacobian import formed_of, with_values
 from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
+_TIME, _MOVES, _LOOSE = 1, 2, 4  # time; what states move; modes of switches without a slope
 FARTHEST = 1.7e308  # an end that no side comes to
 
 
@@ -61,28 +62,39 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
 
 class _Freezing:
     def __init__(self, graph: Graph, changing: frozenset[Node], time: Node) -> None:
-        self.graph, self.changing, self.time = graph, changing, time
+        self.graph = graph
         self.known: dict[Node, Node] = {}
         self.modes: dict[Node, Node] = {}  # by what they stand for
         self.switches: list[Switch] = []
+        self._kinds = dict.fromkeys(changing, _MOVES)  # of what nodes are made of
+        self._kinds[time] = _TIME
+        self._time = time
+        self._ranges: dict[Node, Interval] = {}
+        self._texts: Texts = {}
 
     def all(self, nodes: Sequence[Node]) -> list[Node]:
         known = self.known
-        for node in reachable(nodes):
-            if node not in known:
-                args = tuple([known[a] for a in node.args])
-                if node.op in _SWITCHING:
-                    known[node] = self._switching(node, args)
-                else:
-                    known[node] = node if args == node.args else self.graph.rebuild(node, args)
+        for node in missing(nodes, known):
+            args = tuple([known[a] for a in node.args])
+            if node.op in _SWITCHING:
+                known[node] = self._switching(node, args)
+            else:
+                known[node] = node if args == node.args else self.graph.rebuild(node, args)
         return [known[node] for node in nodes]
+
+    def _kind(self, node: Node) -> int:
+        """Which of _TIME, _MOVES and _LOOSE it is made of."""
+        kinds = self._kinds
+        for below in missing([node], kinds):
+            kinds[below] = union(kinds[a] for a in below.args)
+        return kinds[node]
 
     def one(self, node: Node) -> Node:
         return self.all([node])[0]
 
     def _switching(self, node: Node, args: tuple[Node, ...]) -> Node:
         graph, op = self.graph, node.op
-        if self.changing.isdisjoint(symbols(args)):
+        if not any(self._kind(a) & (_TIME | _MOVES) for a in args):
             return node if args == node.args else graph.rebuild(node, args)
         if op in ("floor", "piece"):
             return self._counted(args[0], node)
@@ -106,7 +118,7 @@ class _Freezing:
                 knots = [*node.value][1:]
                 ends = (Table([-FARTHEST, *knots]), Table([*knots, FARTHEST]))
                 edges = (graph.looked_up("entry", ends[0], mode), graph.looked_up("entry", ends[1], mode))
-            self._found(Switch(mode, side, own, node, edges, self._slope(side), _words(node)))
+            self._found(Switch(mode, side, own, node, edges, self._slope(side), self._words(node)))
         return self.modes[own]
 
     def _sign(self, side: Node, plain: Node, node: Node) -> Node:
@@ -119,13 +131,13 @@ class _Freezing:
         known = self.modes.get(graph.unary("sign", opposite))
         if known is not None:
             return -known
-        low, high = intervals([side], {})[side]
+        low, high = extended(self._ranges, side)
         if low > 0.0 or high < 0.0:
             return graph.one if low > 0.0 else -graph.one
         own = graph.unary("sign", side)
         if own not in self.modes:
             natural, slope = graph.unary("sign", plain), self._slope(side)
-            self._found(Switch(self._symbol(), side, own, natural, None, slope, _words(node)))
+            self._found(Switch(self._symbol(), side, own, natural, None, slope, self._words(node)))
         return self.modes[own]
 
     def _symbol(self) -> Node:
@@ -134,26 +146,24 @@ class _Freezing:
     def _found(self, switch: Switch) -> None:
         self.modes[switch.own] = switch.mode
         self.switches.append(switch)
+        self._kinds[switch.mode] = _LOOSE if switch.slope is None else 0
 
     def _slope(self, side: Node) -> Node | None:
         """Of what is affine in time, and moved by nothing else but modes of which that is true too."""
-        own = symbols([side])
-        known = {switch.mode for switch in self.switches if switch.slope is not None}
-        others = set(self.modes.values()) - known
-        if own & self.changing != {self.time} or own & others:
+        if self._kind(side) != _TIME:
             return None
-        (slope,) = tangent(self.graph, [side], {self.time: self.graph.one})
-        return None if self.time in symbols([slope]) or slope.is_zero else slope
+        (slope,) = tangent(self.graph, [side], {self._time: self.graph.one})
+        return None if self._kind(slope) & _TIME or slope.is_zero else slope
 
-
-def _words(node: Node) -> str:
-    """What changes, for people."""
-    args = node.args
-    if len(args) == 1:
-        passed = {"floor": "a whole number", "piece": "a knot of a table"}.get(node.op, "0")
-        return f"{brief(args[0])} passes {passed}"
-    left, right = (args[1], args[0]) if args[0].is_const else args
-    return f"{brief(left)} passes {brief(right)}"
+    def _words(self, node: Node) -> str:
+        """What changes, for people."""
+        args = node.args
+        first = brief(args[0], self._texts)
+        if len(args) == 1:
+            passed = {"floor": "a whole number", "piece": "a knot of a table"}.get(node.op, "0")
+            return f"{first} passes {passed}"
+        second = brief(args[1], self._texts)
+        return f"{second} passes {first}" if args[0].is_const else f"{first} passes {second}"
 
 
 def _vector(flat: Sequence[Node]) -> Vector:
