@@ -46,14 +46,22 @@ class Slopes:
 
     def entries(self, k: int) -> dict[int, Node]:
         """The derivatives of expression k by leaves alone, put together."""
-        found = dict(self.rows[k])
+        found = self.total([k])
+        return {j: found.get(j, self.graph.zero) for j in self.columns[k]}
+
+    def total(self, numbers: Sequence[int]) -> dict[int, Node]:
+        """Of the sum of these expressions."""
+        found: dict[int, Node] = {}
+        for k in numbers:
+            for j, slope in self.rows[k].items():
+                found[j] = found[j] + slope if j in found else slope
         for column in range(self.leaves + len(self.sums) - 1, self.leaves - 1, -1):
             if column in found:
                 weight = found.pop(column)
                 for j, slope in self.sums[column - self.leaves].items():
                     share = weight * slope
                     found[j] = found[j] + share if j in found else share
-        return {j: found.get(j, self.graph.zero) for j in self.columns[k]}
+        return found
 
     def mapped(self, values: Callable[[Sequence[Node]], Sequence[Node]]) -> Slopes:
         """With other derivatives, as many."""

@@ -7,7 +7,7 @@ on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeter
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Node
@@ -15,6 +15,7 @@ from lagc.expr.vectors import Vector, scale
 from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
+from lagc.mechanics.jacobian import gradients, with_values
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -36,12 +37,13 @@ class Acting:
 
 def act(states: States) -> list[Acting]:
     """Every action of the model, in its order."""
-    return [_act(states, action) for action in states.model.actions]
+    actions = states.model.actions
+    stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
+    potentials = dict(zip(stored, _potentials(states, [actions[k] for k in stored], list(stored.values()))))
+    return [potentials.get(k) or _act(states, action) for k, action in enumerate(actions)]
 
 
 def _act(states: States, action: Action) -> Acting:
-    if isinstance(action, Potential):
-        return _potential(states, action.name, action.effect, action.energy, "potential")
     if isinstance(action, Force):
         return _applied(states, action, "force", [(action.velocity, action.vector)])
     if isinstance(action, Torque):
@@ -51,27 +53,45 @@ def _act(states: States, action: Action) -> Acting:
         return _applied(states, action, "torque", pairs)
     if isinstance(action, Dissipation):
         return _dissipation(states, action)
-    return _free_term(states, action)
+    zero = states.graph.zero  # a free term: its share is in M and h
+    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), {}, zero, zero)
 
 
-def _potential(states: States, name: str, effect: str | None, energy: Node, kind: str) -> Acting:
+def _stored(states: States, action: Action) -> Node | None:
+    """The energy of a potential, which an L free of rates is too: -L."""
+    if isinstance(action, Potential):
+        return action.energy
+    if not isinstance(action, Lagrangian) or action.is_kinetic:
+        return None
+    return None if depends(states.in_rates([action.function]), list(states.rates)) else -action.function
+
+
+def _potentials(states: States, actions: Sequence[Action], energies: Sequence[Node]) -> list[Acting]:
     graph, model = states.graph, states.model
-    power = -tangent(graph, [energy], states.motion)[0]
-    driven = depends([energy], [given.symbol for given in model.inputs])
-    conservative = not driven and not _jumps_in_time(states, energy)
+    powers = [-x for x in tangent(graph, energies, states.motion)]
+    driven = depends(energies, [given.symbol for given in model.inputs])
+    timed = depends(energies, [model.time])
+    found: list[Acting] = []
+    for action, energy, power, forces in zip(actions, energies, powers, _forces(states, energies, powers)):
+        conservative = energy not in driven and not (energy in timed and _jumps_in_time(states, energy))
+        kind = "potential" if isinstance(action, Potential) else "lagrangian"
+        contribution = Contribution(action.name, kind, action.effect, forces, power, conservative)
+        found.append(Acting(contribution, {power: graph.one}, power, energy if conservative else graph.zero))
+    return found
+
+
+def _forces(states: States, energies: Sequence[Node], powers: Sequence[Node]) -> list[Mapping[int, Node]]:
+    graph = states.graph
     if states.quaternions:  # rounding takes them off the unit sphere: the same there as along the motion
-        forces = states.to_speeds({power: graph.one})
-    else:  # the same, in shorter terms: the gradient shares more with others than what the speeds multiply
-        slopes = gradient(graph, {energy: graph.one}, states.place_of_q)
-        forces = states.force_of({q: -slope for q, slope in slopes.items()})
-    stored = energy if conservative else graph.zero
-    contribution = Contribution(name, kind, effect, forces, power, conservative)
-    return Acting(contribution, {power: graph.one}, power, stored)
+        return [states.to_speeds({power: graph.one}) for power in powers]
+    # The same, in shorter terms: the gradient shares more with others than what the speeds multiply.
+    slopes = gradients(graph, energies, states.place_of_q)
+    if states.qdot == states.v:
+        return with_values(slopes, lambda own: [-x for x in own])
+    return [states.force_of({states.q[i]: -x for i, x in own.items()}) for own in slopes]
 
 
 def _jumps_in_time(states: States, energy: Node) -> bool:
-    if not depends([energy], [states.model.time]):
-        return False
     from lagc.mechanics.smoothness import jumps_in_time  # loaded where there is a question
 
     return jumps_in_time(states, energy)
@@ -106,11 +126,3 @@ def _dissipation(states: States, action: Dissipation) -> Acting:
     forces = states.to_speeds(loads)
     contribution = Contribution(action.name, "dissipation", action.effect, forces, power, False)
     return Acting(contribution, loads, power - drive, graph.zero)
-
-
-def _free_term(states: States, action: Lagrangian) -> Acting:
-    """Its share is in M and h, unless it is an L free of rates: then it is a potential -L."""
-    if not action.is_kinetic and not depends(states.in_rates([action.function]), list(states.rates)):
-        return _potential(states, action.name, action.effect, -action.function, "lagrangian")
-    zero = states.graph.zero
-    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), {}, zero, zero)

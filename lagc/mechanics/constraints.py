@@ -17,7 +17,7 @@ from lagc.expr.text import text
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
-from lagc.mechanics.jacobian import formed_of, jacobian
+from lagc.mechanics.jacobian import formed_of, gradients
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -48,7 +48,7 @@ def classify(states: States) -> list[Classified]:
     rates = [rate_of.get(x, x) for x in residuals]
     gammas = tangent(states.graph, rates, states.drift)
     in_time = depends(residuals, [model.time])
-    jacobians = jacobian(states.graph, rates, states.place_of_v)
+    jacobians = gradients(states.graph, rates, states.place_of_v)
     bent = depends(formed_of(jacobians), states.v)
     affine = [
         residual in rate_of or not bent or not depends(own.values(), states.v)

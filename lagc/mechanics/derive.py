@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault
 from lagc.expr.derivative import seeds
-from lagc.expr.graph import Graph, Node
+from lagc.expr.graph import Node
 from lagc.expr.operators import is_analytic
 from lagc.expr.walk import depends
 from lagc.meaning.model import Model, Potential
@@ -17,11 +16,10 @@ from lagc.mechanics.energy import energies
 from lagc.mechanics.equations import Contribution, EquationsOfMotion, Row
 from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import inertial_loads, moving_parts
+from lagc.mechanics.jacobian import added
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 from lagc.mechanics.whens import when_equations
-
-Key = TypeVar("Key", bound=Hashable)
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -38,8 +36,8 @@ def derive(model: Model) -> EquationsOfMotion:
     classified, dropped = _constrained(states)
     totals = energies(states, parts, acting, free, classified)
     inertial = inertial_loads(states, parts)
-    bias = _sum(graph, [states.to_speeds(inertial), free.bias])
-    given = _sum(graph, [x.contribution.forces for x in acting])
+    bias = added(graph, [states.to_speeds(inertial), free.bias])
+    given = added(graph, [x.contribution.forces for x in acting])
     zero = graph.zero
     kept = tuple([x.row for x in classified])
     contributions = tuple([x.contribution for x in acting])
@@ -130,12 +128,3 @@ def _loads(
     found = seeds(states.graph, [*given, *((node, -weight) for node, weight in asked)])
     moving = depends(found, states.v)
     return {node: weight for node, weight in found.items() if node in moving}
-
-
-def _sum(graph: Graph, tables: list[Mapping[Key, Node]]) -> dict[Key, Node]:
-    """Entry by entry, zeros left out."""
-    total: dict[Key, Node] = {}
-    for table in tables:
-        for key, node in table.items():
-            total[key] = graph.add(total[key], node) if key in total else node
-    return {key: node for key, node in total.items() if not node.is_zero}

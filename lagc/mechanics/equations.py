@@ -90,7 +90,7 @@ class Contribution:
     name: str
     kind: str
     effect: str | None
-    forces: dict[int, Node]
+    forces: Mapping[int, Node]
     power: Node  # of this action along the motion, in v
     conservative: bool
 
@@ -251,7 +251,8 @@ class EquationsOfMotion:
         phi = [row.residual for row in self.rows if row.holonomic]
         rows = [x for row in self.rows for x in (row.rate, row.gamma)]
         rows += formed_of([row.jacobian for row in self.rows])
-        works = [x for c in self.contributions for x in (c.power, *c.forces.values())]
+        works = [c.power for c in self.contributions]
+        works += formed_of([c.forces for c in self.contributions])
         balance = [self.kinetic, self.energy, *self.rates.values()]
         forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]
         conditions = [residual for residual, _ in self.initial_conditions]

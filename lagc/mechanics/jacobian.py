@@ -32,10 +32,20 @@ class Entries(Mapping[int, Node]):
         return self._found[j]
 
 
-def jacobian(graph: Graph, rates: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
-    """d(rate)/d(v) of each of `rates`, zeros left out: speed -> entry."""
-    found = slopes(graph, rates, places, len(places), _FEW)
-    return [Entries(found, k) for k in range(len(rates))] if found.sums else list(found.rows)
+def gradients(graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
+    """The derivatives of each of `nodes` by what has `places`, zeros left out: place -> entry."""
+    found = slopes(graph, nodes, places, len(places), _FEW)
+    return [Entries(found, k) for k in range(len(nodes))] if found.sums else list(found.rows)
+
+
+def added(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> dict[int, Node]:
+    """The sum of `rows`, zeros left out."""
+    total: dict[int, Node] = {}
+    plain = [row for row in rows if not isinstance(row, Entries)]
+    for row in (*plain, *(shared.total(_numbers(rows, shared)) for shared in _by_sums(rows))):
+        for j, x in row.items():
+            total[j] = graph.add(total[j], x) if j in total else x
+    return {j: x for j, x in total.items() if not x.is_zero}
 
 
 def formed_of(rows: Iterable[Mapping[int, Node]]) -> list[Node]:
@@ -69,9 +79,14 @@ def with_places(
     return [
         Entries(new[id(row.slopes)], row.k)
         if isinstance(row, Entries)
-        else {places[j]: x for j, x in row.items()}
+        else {places[j]: x for j, x in row.items() if j in places}
         for row in rows
     ]
+
+
+def _numbers(rows: Iterable[Mapping[int, Node]], shared: Slopes) -> list[int]:
+    """Of those that are put together from it."""
+    return [row.k for row in rows if isinstance(row, Entries) and row.slopes is shared]
 
 
 def _by_sums(rows: Iterable[Mapping[int, Node]]) -> list[Slopes]:

@@ -96,6 +96,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
     gone |= {s for j, s in enumerate(equations.v) if j not in new_v}
 
     jacobians = with_places([row.jacobian for row in equations.rows], new_v, len(v))
+    forces = with_places([c.forces for c in equations.contributions], new_v, len(v))
     return replace(
         equations,
         q=tuple([equations.q[i] for i in q]),
@@ -112,12 +113,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
         given_forces=tuple([equations.given_forces[j] for j in v]),
         further_inertia={(new_v[i], new_v[j]): node for (i, j), node in equations.further_inertia.items()},
         rows=tuple([replace(row, jacobian=own) for row, own in zip(equations.rows, jacobians)]),
-        contributions=tuple(
-            [
-                replace(c, forces={new_v[j]: node for j, node in c.forces.items() if j in new_v})
-                for c in equations.contributions
-            ]
-        ),
+        contributions=tuple([replace(c, forces=own) for c, own in zip(equations.contributions, forces)]),
     )
 
 
