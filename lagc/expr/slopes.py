@@ -63,6 +63,18 @@ class Slopes:
                     found[j] = found[j] + share if j in found else share
         return found
 
+    def weighted(self, weights: Sequence[Mapping[int, Node]]) -> Slopes:
+        """Those of sums of expressions with these weights."""
+        found: list[dict[int, Node]] = []
+        for own in weights:
+            row: dict[int, Node] = {}
+            for k, weight in own.items():
+                for j, slope in self.rows[k].items():
+                    share = weight * slope
+                    row[j] = row[j] + share if j in row else share
+            found.append(row)
+        return replace(self, rows=found)
+
     def mapped(self, values: Callable[[Sequence[Node]], Sequence[Node]]) -> Slopes:
         """With other derivatives, as many."""
         new = iter(values(self.nodes))
@@ -82,12 +94,19 @@ def slopes(
 ) -> Slopes:
     """The derivatives of `nodes` by the leaves that have `places`, of `size` that there are; where these are
     `few` they are not given by sums."""
+    found = by_sums(graph, nodes, places, size, few)
+    return found or Slopes(graph, _gradients(graph, nodes, places), [], size)
+
+
+def by_sums(
+    graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int], size: int, few: int = 0
+) -> Slopes | None:
+    """The same by sums; None where that leaves not far fewer."""
     shared = _shared(nodes, places, few)
-    if shared:
-        found = _through(graph, nodes, places, size, shared)
-        if len(found.nodes) <= sum(map(len, found.columns)):  # else some derivatives turned out to be 0
-            return found
-    return Slopes(graph, _gradients(graph, nodes, places), [], size)
+    found = _through(graph, nodes, places, size, shared) if shared else None
+    if found is None or len(found.nodes) > sum(map(len, found.columns)):
+        return None  # some derivatives turned out to be 0
+    return found
 
 
 def _shared(nodes: Sequence[Node], leaves: Mapping[Node, int], few: int) -> list[Node]:

@@ -8,14 +8,15 @@ on each rate, taken to the speeds.  Free terms of the Lagrangian are in `freeter
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, scale
+from lagc.expr.vectors import scale
 from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
-from lagc.mechanics.jacobian import gradients, with_values
+from lagc.mechanics.jacobian import gradients, opposite, weighted
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
@@ -37,24 +38,16 @@ class Acting:
 
 def act(states: States) -> list[Acting]:
     """Every action of the model, in its order."""
-    actions = states.model.actions
+    zero, actions = states.graph.zero, states.model.actions
     stored = {k: x for k, action in enumerate(actions) if (x := _stored(states, action)) is not None}
-    potentials = dict(zip(stored, _potentials(states, [actions[k] for k in stored], list(stored.values()))))
-    return [potentials.get(k) or _act(states, action) for k, action in enumerate(actions)]
-
-
-def _act(states: States, action: Action) -> Acting:
-    if isinstance(action, Force):
-        return _applied(states, action, "force", [(action.velocity, action.vector)])
-    if isinstance(action, Torque):
-        pairs = [(action.frame.spin, action.vector)]
-        if action.reaction is not None:
-            pairs.append((action.reaction.spin, scale(-1.0, action.vector)))
-        return _applied(states, action, "torque", pairs)
-    if isinstance(action, Dissipation):
-        return _dissipation(states, action)
-    zero = states.graph.zero  # a free term: its share is in M and h
-    return Acting(Contribution(action.name, "lagrangian", action.effect, {}, zero, True), {}, zero, zero)
+    loads = {k: load for k, action in enumerate(actions) if (load := _load(states, action)) is not None}
+    found = dict(zip(stored, _potentials(states, [actions[k] for k in stored], list(stored.values()))))
+    found.update(zip(loads, _working(states, list(loads.values()))))
+    for k, action in enumerate(actions):
+        if k not in found:  # a free term: its share is in M and h
+            none = Contribution(action.name, "lagrangian", action.effect, {}, zero, True)
+            found[k] = Acting(none, {}, zero, zero)
+    return [found[k] for k in range(len(actions))]
 
 
 def _stored(states: States, action: Action) -> Node | None:
@@ -87,7 +80,7 @@ def _forces(states: States, energies: Sequence[Node], powers: Sequence[Node]) ->
     # The same, in shorter terms: the gradient shares more with others than what the speeds multiply.
     slopes = gradients(graph, energies, states.place_of_q)
     if states.qdot == states.v:
-        return with_values(slopes, lambda own: [-x for x in own])
+        return opposite(graph, slopes)
     return [states.force_of({states.q[i]: -x for i, x in own.items()}) for own in slopes]
 
 
@@ -97,32 +90,46 @@ def _jumps_in_time(states: States, energy: Node) -> bool:
     return jumps_in_time(states, energy)
 
 
-def _applied(
-    states: States, action: Force | Torque, kind: str, pairs: Sequence[tuple[Vector, Vector]]
-) -> Acting:
-    """Weights (in rates) on velocities (in rates): F on u, or T on w."""
-    graph = states.graph
-    velocities = [x for velocity, _ in pairs for x in velocity]
-    weights = states.in_speeds([x for _, weight in pairs for x in weight])
-    moved = states.in_speeds(velocities)
-    still = states.at_rest(velocities)
-    power = graph.sum(w * x for w, x in zip(weights, moved))
-    drive = graph.sum(w * x for w, x in zip(weights, still))
-    loads = seeds(graph, zip(moved, weights))
-    contribution = Contribution(action.name, kind, action.effect, states.to_speeds(loads), power, False)
-    return Acting(contribution, loads, power - drive, graph.zero)
+class _Load(NamedTuple):
+    """Weights on velocities, the weights in v, the velocities in rates."""
+
+    action: Action
+    kind: str
+    velocities: list[Node]
+    weights: list[Node]
 
 
-def _dissipation(states: States, action: Dissipation) -> Acting:
-    graph = states.graph
+def _load(states: States, action: Action) -> _Load | None:
+    """F on u, T on w, -dD/d(rate_i) on rates; None of what has a potential or is a free term."""
+    if isinstance(action, Force):
+        return _Load(action, "force", list(action.velocity), states.in_speeds(action.vector))
+    if isinstance(action, Torque):
+        pairs = [(action.frame.spin, action.vector)]
+        if action.reaction is not None:
+            pairs.append((action.reaction.spin, scale(-1.0, action.vector)))
+        weights = states.in_speeds([x for _, weight in pairs for x in weight])
+        return _Load(action, "torque", [x for spin, _ in pairs for x in spin], weights)
+    if not isinstance(action, Dissipation):
+        return None
     leaves = [*states.rates, *(speed.symbol for speed in states.model.speeds)]
-    slopes = gradient(graph, {action.function: graph.one}, leaves)
+    slopes = gradient(states.graph, {action.function: states.graph.one}, leaves)
     weights = [-x for x in states.in_speeds(list(slopes.values()))]
-    moved = states.in_speeds(list(slopes))
-    still = states.at_rest(list(slopes))
-    power = graph.sum(w * x for w, x in zip(weights, moved))
-    drive = graph.sum(w * x for w, x in zip(weights, still))
-    loads = seeds(graph, zip(moved, weights))
-    forces = states.to_speeds(loads)
-    contribution = Contribution(action.name, "dissipation", action.effect, forces, power, False)
-    return Acting(contribution, loads, power - drive, graph.zero)
+    return _Load(action, "dissipation", list(slopes), weights)
+
+
+def _working(states: States, loads: Sequence[_Load]) -> list[Acting]:
+    graph = states.graph
+    velocities = [x for load in loads for x in load.velocities]
+    moving, resting = iter(states.in_speeds(velocities)), iter(states.at_rest(velocities))
+    moved = [[next(moving) for _ in load.velocities] for load in loads]
+    still = [[next(resting) for _ in load.velocities] for load in loads]
+    on_speeds = [seeds(graph, zip(own, load.weights)) for own, load in zip(moved, loads)]
+    found: list[Acting] = []
+    for load, own, drives, weights, forces in zip(
+        loads, moved, still, on_speeds, weighted(graph, on_speeds, states.place_of_v)
+    ):
+        power = graph.sum(w * x for w, x in zip(load.weights, own))
+        drive = graph.sum(w * x for w, x in zip(load.weights, drives))
+        contribution = Contribution(load.action.name, load.kind, load.action.effect, forces, power, False)
+        found.append(Acting(contribution, weights, power - drive, graph.zero))
+    return found

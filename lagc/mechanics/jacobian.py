@@ -5,8 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+from lagc.expr.derivative import gradient
 from lagc.expr.graph import Graph, Node
-from lagc.expr.slopes import Slopes, slopes
+from lagc.expr.slopes import Slopes, by_sums, slopes
 
 _FEW = 2000  # entries, which are all formed
 
@@ -35,7 +36,29 @@ class Entries(Mapping[int, Node]):
 def gradients(graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
     """The derivatives of each of `nodes` by what has `places`, zeros left out: place -> entry."""
     found = slopes(graph, nodes, places, len(places), _FEW)
-    return [Entries(found, k) for k in range(len(nodes))] if found.sums else list(found.rows)
+    return _entries(found) if found.sums else list(found.rows)
+
+
+def weighted(
+    graph: Graph, sums: Sequence[Mapping[Node, Node]], places: Mapping[Node, int]
+) -> list[Mapping[int, Node]]:
+    """The same of sums of expressions, each given with its weights."""
+    nodes = list(dict.fromkeys(x for own in sums for x in own))
+    found = by_sums(graph, nodes, places, len(places), _FEW)
+    if found is None:
+        return [{places[x]: a for x, a in gradient(graph, own, places).items()} for own in sums]
+    number = {x: k for k, x in enumerate(nodes)}
+    return _entries(found.weighted([{number[x]: a for x, a in own.items()} for own in sums]))
+
+
+def opposite(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> list[Mapping[int, Node]]:
+    """`rows` times -1."""
+    less = graph.const(-1.0)
+    new = {id(x): x.weighted([{k: less} for k in range(len(x.rows))]) for x in _by_sums(rows)}
+    return [
+        Entries(new[id(row.slopes)], row.k) if isinstance(row, Entries) else {j: -x for j, x in row.items()}
+        for row in rows
+    ]
 
 
 def added(graph: Graph, rows: Sequence[Mapping[int, Node]]) -> dict[int, Node]:
@@ -82,6 +105,10 @@ def with_places(
         else {places[j]: x for j, x in row.items() if j in places}
         for row in rows
     ]
+
+
+def _entries(found: Slopes) -> list[Mapping[int, Node]]:
+    return [Entries(found, k) for k in range(len(found.rows))]
 
 
 def _numbers(rows: Iterable[Mapping[int, Node]], shared: Slopes) -> list[int]:

@@ -40,6 +40,22 @@ LADDER = """model M
 end M;"""
 
 
+CHAIN = """model M
+  structural Integer n = {n};
+  parameter Length l(min = 0) = 0.1 [m];
+  parameter Stiffness k = 1000 [N/m];
+  parameter Damping c = 0.1 [N.s/m];
+  coordinate Angle a[n](each start = 20 [deg]);
+  point P[0] = {{0, 0, 0}};
+  for i in 1:n loop
+    frame F[i] = rotate_y(world, a[i]);
+    point P[i] = P[i-1] + l*F[i].x;
+    body b[i] = Particle(mass = 1 [kg], at = P[i]);
+    {action}
+  end for;
+end M;"""
+
+
 @pytest.fixture
 def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever there are some; and all rows are looked at in sections."""
@@ -55,10 +71,17 @@ def test_random_systems(seed: int, monkeypatch: pytest.MonkeyPatch, request: pyt
     found = derive(model(random_system(seed)))
     assert [row.label for row in found.rows] == [row.label for row in plain.rows]
     assert [row.linear for row in found.rows] == [row.linear for row in plain.rows]
+    state = random_state(plain, seed)
+    values = {x.record.name: value for x, value in state.items()}
+    again = {x: values[x.record.name] for x in random_state(found, seed)}
+    wanted = vector(plain.given_forces, state)
+    assert vector(found.given_forces, again) == pytest.approx(wanted, rel=1e-11, abs=1e-11)
+    for one, other in zip(found.contributions, plain.contributions):
+        forces = dict(zip(other.forces, vector(list(other.forces.values()), state)))
+        same = dict(zip(one.forces, vector(list(one.forces.values()), again)))
+        for j in forces.keys() | same.keys():
+            assert same.get(j, 0.0) == pytest.approx(forces.get(j, 0.0), rel=1e-11, abs=1e-11)
     if found.rows:
-        state = random_state(plain, seed)
-        values = {x.record.name: value for x, value in state.items()}
-        again = {x: values[x.record.name] for x in random_state(found, seed)}
         assert np.allclose(jacobian(found, again), jacobian(plain, state), rtol=1e-11, atol=1e-12)
 
 
@@ -111,6 +134,31 @@ def test_bases_stay_short() -> None:
             work[n] += len(left) + len(factors)
             table.add(line, left, factors)
     assert work[100] < 2.2 * work[50]
+
+
+ACTIONS = {
+    "a floor": "potential floor[i] = k*max(0 [m], -1 [m] - P[i].z)^2/2;",
+    "drag": "force drag[i] = -c*velocity(b[i]) at b[i];",
+    "torques": "torque bend[i] = -c*der(a[i])*l^2/1 [rad]*{0, 1, 0} on F[i];",
+}
+
+
+@pytest.mark.parametrize("name", ACTIONS)
+def test_actions_along_a_chain_are_derived_in_proportion(name: str) -> None:
+    """As many nodes for each link, however long the chain; and the forces are those of differences."""
+    sizes = {}
+    for n in (100, 150, 200):
+        text = CHAIN.format(n=n, action=ACTIONS[name])
+        e = derive(resolve(parse(Source("m.lag", text)), Choice()))
+        sizes[n] = len(e.graph.nodes)
+    assert sizes[200] - sizes[150] < 1.05 * (sizes[150] - sizes[100])
+    state = random_state(e, 3)
+    for c in (e.contributions[0], e.contributions[-1]):
+        forces = np.zeros(len(e.v))
+        forces[list(c.forces)] = vector(list(c.forces.values()), state)
+        assert forces @ vector(e.v, state) == pytest.approx(vector([c.power], state)[0], rel=1e-9, abs=1e-12)
+    total = sum(vector([c.power for c in e.contributions], state))
+    assert vector(e.given_forces, state) @ vector(e.v, state) == pytest.approx(total, rel=1e-9)
 
 
 def test_entries_are_formed_when_asked_for() -> None:

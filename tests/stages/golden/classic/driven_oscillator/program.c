@@ -21,7 +21,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t0 = sc0[1] * p->F0;
     const lagc_real c_ = p->c;
     /* der(der(x)) */
-    xdot[1] = (u + (t0 - x[0] * p->k - der_x * c_)) * p->prepared[0];
+    xdot[1] = (u + (t0 - der_x * c_ - x[0] * p->k)) * p->prepared[0];
     xdot[2] = der_x * (u + t0) - c_ * (der_x * der_x);
     health[0] = 1.0;
     health[1] = 0.0;
@@ -35,7 +35,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     qdot[0] = der_x;
     M[0] = p->m;
     lagc_real sc0[2]; lagc_sine_cosine(t * p->w, sc0);
-    r[0] = p->u + (sc0[1] * p->F0 - x[0] * p->k - der_x * p->c);
+    r[0] = p->u + (sc0[1] * p->F0 - der_x * p->c - x[0] * p->k);
     (void)(G);
     (void)(gamma);
 }
