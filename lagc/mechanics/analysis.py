@@ -257,7 +257,7 @@ def _tries(states: States, rows: Sequence[Row], met: Consistent, small: bool) ->
     drawn = list(samples(states.model, count))
     if len(rows) <= _FEW and not any(row.holonomic for row in rows):
         drawn += far_away(states)  # beside closed loops these may be other ways to assemble them
-    beside = (onto(states, rows, s) for s in drawn)
+    beside = map(onto(states, rows), drawn)
     start = [] if met.start is None else [met.start]
     return [*start, *met.beside[:1], *met.far[-2:], *(s for s in beside if s is not None)]
 

@@ -23,7 +23,7 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
-    met = (onto(states, others, s) for s in samples(states.model, _STATES, vary=False))
+    met = map(onto(states, others), samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
     ground = on_rows(states, [r for r in others if r.holonomic], tries)
     asked = False

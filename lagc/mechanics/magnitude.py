@@ -16,10 +16,12 @@ from lagc.expr.walk import reachable
 VANISHES = 1e-9  # of its terms
 
 
-def magnitudes(nodes: Sequence[Node], state: Mapping[Node, float]) -> list[tuple[float, float]]:
-    """Value and size of each node: sizes add in sums and multiply in products."""
-    order = reachable(nodes)
-    value = dict(zip(order, evaluate(order, state)))
+def magnitudes(
+    nodes: Sequence[Node], state: Mapping[Node, float], within: Sequence[Node] | None = None
+) -> list[tuple[float, float]]:
+    """Value and size of each node: sizes add in sums and multiply in products.  `within` as in `evaluate`."""
+    order = reachable(nodes) if within is None else within
+    value = dict(zip(order, evaluate(order, state, order)))
     size: dict[Node, float] = {}
     for node in order:
         if node.op == "add":

@@ -8,11 +8,12 @@ user's guesses held as far as possible.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
 from lagc.meaning.model import UNSTATED
 from lagc.mechanics.equations import Row
 from lagc.mechanics.linear import Span, dimension, least_norm
@@ -35,9 +36,9 @@ LARGEST = 150  # rows for which states are looked for
 State = dict[Node, float]
 
 
-def onto(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> State | None:
-    """`state` moved onto `rows`; None where that fails."""
-    return _Manifold(states, rows).met(state)
+def onto(states: States, rows: Sequence[Row]) -> Callable[[Mapping[Node, float]], State | None]:
+    """What moves a state onto `rows`; None where that fails."""
+    return _Manifold(states, rows).met
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,8 +200,9 @@ class _Manifold:
         sizes = [self.scales[x] for x in unknowns]
         place = {x: k for k, x in enumerate(unknowns)}
         lengths: list[float] = []
+        below = reachable(flat)
         for _ in range(_ITERATIONS):
-            values = magnitudes(flat, state)
+            values = magnitudes(flat, state, below)
             if not any(value for value, _ in values[: len(residuals)]):
                 return True  # whatever the slopes: a norm has none where it is zero
             if not all(math.isfinite(size) for _, size in values):

@@ -72,13 +72,12 @@ def random_motions(
     """Random motions, with speeds up to `sizes` (1 where none is given), `each` from a place: those that
     `rows` allow, where they are not too many to tell.  With `vary` off the parameters keep their values."""
     chance = Chance(77003)
-    bound = rows if len(rows) + len(states.v) <= _LARGEST else ()
+    bound = onto(states, rows) if rows and len(rows) + len(states.v) <= _LARGEST else None
     for place, sample in enumerate(samples(states.model, _STATES, vary)):
         for _ in range(each):
             speeds = {v: (sizes or {}).get(v, 1.0) * chance.draw() for v in states.v}
-            state: State | None = {**sample, **speeds}
-            if bound:
-                state = onto(states, bound, state or {})
+            given = {**sample, **speeds}
+            state = given if bound is None else bound(given)
             if state is None:
                 break
             sample = {**sample, **{q: state[q] for q in states.q}}

@@ -151,7 +151,7 @@ def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row
 
 
 def _apart(states: States, rows: Sequence[Row], tries: Sequence[dict[Node, float]]) -> bool:
-    return all(onto(states, rows, state) is None for state in tries)
+    return all(state is None for state in map(onto(states, rows), tries))
 
 
 def _hold(
@@ -164,8 +164,7 @@ def _hold(
     found: list[set[bool]] = [set() for _ in spare]
     residuals = [row.residual for row in spare]
     slopes = [node for row in spare for node in row.jacobian.values()]
-    for sample in tries:
-        state = onto(states, independent, sample)
+    for state in map(onto(states, independent), tries):
         if state is not None:
             values = magnitudes([*residuals, *slopes], state)
             entries = iter(values[len(spare) :])

@@ -77,7 +77,7 @@ def refuse_touching(states: States, classified: Sequence[Classified]) -> None:
     seen = [s.found for s in suspects]
     rows = [x.row for x in classified if x not in seen]
     spare = {r.row for r in dependent_rows(states, rows)}
-    met = [onto(states, [row for k, row in enumerate(rows) if k not in spare], s) for s in tries]
+    met = map(onto(states, [row for k, row in enumerate(rows) if k not in spare]), tries)
     on_others = [s for s in met if s is not None]
     faults = [_fault(s) for s in suspects if not _follows(s.found.row, on_others)]
     if faults:

@@ -33,7 +33,7 @@ def random_state(e: EquationsOfMotion, seed: int) -> State:
 
 def consistent_state(e: EquationsOfMotion, seed: int) -> State | None:
     """A random state moved onto the rows; None where that fails."""
-    return onto(build_states(e.model), e.rows, random_state(e, seed))
+    return onto(build_states(e.model), e.rows)(random_state(e, seed))
 
 
 def vector(nodes: tuple[Node, ...] | list[Node], state: Mapping[Node, float]) -> Array:
