@@ -157,7 +157,7 @@ def _is_split(pair: _Pair, motions: Sequence[Motion]) -> bool:
     nothing else that moves, with power of both signs on it."""
     for _, group in groupby(motions, lambda motion: motion.place):
         here = list(group)
-        powers = _powers(pair, [*here, *_strongest(pair, here)])
+        powers = list(_powers(pair, here))
         taken = any(p < -KEPT * size for p, size in powers)
         if taken and any(p > KEPT * size for p, size in powers) and _is_law(pair, here):
             return True
@@ -183,28 +183,25 @@ def _is_law(pair: _Pair, motions: Sequence[Motion]) -> bool:
     return True
 
 
-def _powers(pair: _Pair, motions: Sequence[Motion]) -> list[tuple[float, float]]:
-    return [pair.power(m, pair.acted) for m in motions]
-
-
 def _brings(pair: _Pair, motions: Iterable[Motion]) -> bool:
     """Whether the power on the velocity that is acted on is ever positive."""
-    found = list(motions)
-    return any(p > KEPT * size for p, size in _powers(pair, [*found, *_strongest(pair, found)]))
+    return any(p > KEPT * size for p, size in _powers(pair, motions))
 
 
-def _strongest(pair: _Pair, motions: Sequence[Motion]) -> Iterator[Motion]:
-    """Between motions from one place, that of the largest power, for a law that is linear in the rates."""
-
-    def power(motion: Motion) -> float:
-        return pair.power(motion, pair.acted)[0]
-
-    for one, other in chain(*(zip(motions, motions[k:]) for k in range(1, _NEXT))):
+def _powers(pair: _Pair, motions: Iterable[Motion]) -> Iterator[tuple[float, float]]:
+    """Of motions, and between each two from one place where it is the largest, for a law that is linear in
+    the rates."""
+    known: list[tuple[Motion, float]] = []
+    for motion in motions:
+        power, size = pair.power(motion, pair.acted)
+        known.append((motion, power))
+        yield power, size
+    for (one, start), (other, end) in chain(*(zip(known, known[k:]) for k in range(1, _NEXT))):
         if one.place == other.place:
-            start, middle, end = power(one), power(one.towards(other, 0.5)), power(other)
+            middle, _ = pair.power(one.towards(other, 0.5), pair.acted)
             bend = start + end - 2.0 * middle
             if bend < 0.0:
-                yield one.towards(other, 0.5 - 0.25 * (end - start) / bend)
+                yield pair.power(one.towards(other, 0.5 - 0.25 * (end - start) / bend), pair.acted)
 
 
 def _takes(pair: _Pair, velocity: _Velocity, motions: Sequence[Motion]) -> bool:
