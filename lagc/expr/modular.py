@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import LOOKED_UP
@@ -56,6 +56,8 @@ class Point:
         self._decimals: dict[float, int] = {}
         self._known: dict[Node, int] = {}
         self._forms: dict[Node, Linear] = {}
+        self._circles: dict[Node, Circle] = {}  # cosine and sine of each
+        self._found: tuple[dict[Node, Any], ...] = (self._known, self._forms, self._circles)
 
     def draw(self) -> int:
         """A number from 1 to P - 1."""
@@ -65,8 +67,8 @@ class Point:
     def place(self, values: Mapping[Node, int]) -> None:
         """Give symbols these values."""
         self.symbols.update(values)
-        self._known.clear()
-        self._forms.clear()
+        for found in self._found:
+            found.clear()
 
     def keep(self, values: Mapping[Node, float]) -> None:
         """Give symbols these numbers."""
@@ -76,20 +78,23 @@ class Point:
         """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
         a root in every second case, and some tens of them together next to never.  False: too many."""
         order: dict[Node, list[Node]] = {}
-        for x in under:
-            own = sorted(symbols([x]), key=lambda symbol: symbol.index)
+        needed = [sorted(symbols([x]), key=lambda symbol: symbol.index) for x in under]
+        for own in needed:
             for symbol in own:
                 order.setdefault(symbol, [])
         rank = {symbol: k for k, symbol in enumerate(order)}
-        for x in under:
-            latest = max(symbols([x]), key=lambda symbol: rank[symbol], default=None)
-            if latest is not None:
-                order[latest].append(x)
+        for x, own in zip(under, needed):
+            if own:
+                order[max(own, key=lambda symbol: rank[symbol])].append(x)
         for symbol, ready in order.items():
+            before = [len(found) for found in self._found]  # what no symbol from here on changes
             for _ in range(8 << len(ready) if len(ready) <= _MOST_ROOTS else 0):
-                self.place({symbol: self.draw()})
+                self.symbols[symbol] = self.draw()
                 if all(is_square(u) for u in self.values(ready, truths)):
                     break
+                for found, kept in zip(self._found, before):
+                    while len(found) > kept:
+                        found.popitem()
             else:
                 return False
         return True
@@ -137,7 +142,7 @@ class Point:
     def _function(self, node: Node, op: str) -> int:
         x = self._known[node.args[0]]
         if op in ("sin", "cos", "tan"):
-            c, s = self._turned(self._form(node.args[0]))
+            c, s = self._turned(node.args[0])
             return s if op == "sin" else c if op == "cos" else s * power(c, -1) % P
         if op in ("exp", "sinh", "cosh", "tanh"):
             return self._exponential(op, self._form(node.args[0]))
@@ -253,15 +258,18 @@ class Point:
             else:
                 yield ("whole", term, abs(c)), 1 if c > 0 else -1
 
-    def _turned(self, form: Linear) -> Circle:
+    def _turned(self, angle: Node) -> Circle:
         """Cosine and sine of an angle."""
-        rest = dict(form)
+        if angle in self._circles:
+            return self._circles[angle]
+        rest = dict(self._form(angle))
         quarters = 0
         if "pi" in rest and rest["pi"].denominator <= 2:
             quarters = int(2 * rest.pop("pi"))
         turned = [(1, 0), (0, 1), (P - 1, 0), (0, P - 1)][quarters % 4]
         for base, n in self._multiples(rest):
             turned = _around(turned, _multiple(self._circle(base), n))
+        self._circles[angle] = turned
         return turned
 
     def _exponential(self, op: str, form: Linear) -> int:
