@@ -13,6 +13,7 @@ from itertools import chain
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.symbol import Symbol
+from lagc.expr.vectors import dot, sub
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -24,6 +25,7 @@ from lagc.mechanics.integrability import Integrable, integrable_rows
 from lagc.mechanics.judge import Judge
 from lagc.mechanics.manifold import Consistent, onto, walk
 from lagc.mechanics.mobility import Mobility, mobility
+from lagc.mechanics.moving import triples
 from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
@@ -171,16 +173,21 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
 
 
 def _kinetic_parts(equations: EquationsOfMotion) -> tuple[Node, Node, Node] | None:
-    graph, v = equations.graph, equations.v
-    if depends(equations.mass_matrix.values(), v):
+    graph, v, parts = equations.graph, equations.v, equations.inertias
+    if depends(equations.further_inertia.values(), v):
         return None
-    still = dict.fromkeys(v, graph.zero)
     slopes = gradient(graph, {equations.kinetic: graph.one}, v)
-    at_rest = substitute(graph, [equations.kinetic, *slopes.values()], still)
-    one = graph.sum(x * slope for x, slope in zip(slopes, at_rest[1:]))
-    entries = equations.mass_matrix.items()
-    two = graph.sum(graph.scale(0.5 if i == j else 1.0, m * v[i] * v[j]) for (i, j), m in entries)
-    return two, one, at_rest[0]
+    moving = [x for part in parts for x in part.velocity]
+    at_rest, *rest = substitute(
+        graph, [equations.kinetic, *slopes.values(), *moving], dict.fromkeys(v, graph.zero)
+    )
+    one = graph.sum(x * slope for x, slope in zip(slopes, rest))
+    entries = equations.further_inertia.items()
+    terms = [graph.scale(0.5 if i == j else 1.0, m * v[i] * v[j]) for (i, j), m in entries]
+    for part, still in zip(parts, triples(rest[len(slopes) :])):
+        own = sub(part.velocity, still)
+        terms.append(graph.scale(0.5, dot(own, part.momentum(own))))
+    return graph.sum(terms), one, at_rest
 
 
 def _cyclic(states: States) -> dict[str, bool]:
@@ -188,9 +195,9 @@ def _cyclic(states: States) -> dict[str, bool]:
     lagrangian = _lagrangian(states)
     scalars = [c for c in states.model.coordinates if isinstance(c, Coordinate)]
     slopes = gradient(states.graph, {lagrangian: states.graph.one}, [c.symbol for c in scalars])
-    judge = Judge(anywhere(states))
-    verdicts = {c.name: judge.vanish([slopes[c.symbol]] if c.symbol in slopes else []) for c in scalars}
-    return {name: verdict for name, verdict in verdicts.items() if verdict is not None}
+    asked = [[slopes[c.symbol]] if c.symbol in slopes else [] for c in scalars]
+    verdicts = zip(scalars, Judge(anywhere(states)).vanish_each(asked))
+    return {c.name: verdict for c, verdict in verdicts if verdict is not None}
 
 
 def _lagrangian(states: States) -> Node:

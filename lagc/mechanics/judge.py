@@ -23,6 +23,7 @@ from lagc.records import dataclass
 Truths: TypeAlias = Mapping[Node, int]  # of a blended condition any number of the field
 State: TypeAlias = Mapping[Node, float]
 _SEEMS = 1e-11  # of its terms: what cancels leaves 1e-16, times what linear systems amplify
+_CLEARLY = 1e-3  # of its terms: no rounding
 _POINTS = 3
 _ROOTED_POINTS = 6  # each draws the signs of roots
 _TRIES = 60  # points tried for those, where roots of random numbers are not there
@@ -72,6 +73,14 @@ class Judge:
             plain = cancels(asked, ground.states(None), strict=False)
             return proved if plain else None
         return proved
+
+    def vanish_each(self, asked: Sequence[Sequence[Node]]) -> list[bool | None]:
+        """`vanish` of each; of those that clearly do not at a state, nothing else is asked."""
+        nodes = [node for each in asked for node in each]
+        state = self._ground.states(None)[0]
+        sizes = dict(zip(nodes, magnitudes(nodes, state)))
+        clear = {node for node, (value, size) in sizes.items() if math.inf > abs(value) > _CLEARLY * size}
+        return [self.vanish(each) if clear.isdisjoint(each) else None for each in asked]
 
     def _on_branches(self, asked: Sequence[Node], branches: Branches) -> tuple[bool | None, bool]:
         """The answer of the field, and of numbers branch by branch; and whether roots were met."""
