@@ -26,6 +26,8 @@ FINEST = 0.00390625  # the shortest that is looked at by its ends
 THINNEST = 1e-9  # of a step: what is narrower is not looked for
 MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
 NEARLY_THERE = 100.0  # last places of the time
+LEAST_SLACK = 2.0  # of what a switch is beyond its change by rounding; more where it is so again in a step,
+MOST_SLACK = 4096.0  # but what is beyond ever again is so for another reason
 
 
 def margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
@@ -181,7 +183,7 @@ def all_inward(direction: Real, w: Work) -> bool:
     return True
 
 
-def only_seem(p: Params, s: State, method: int, part: Real, a: Trial, w: Work) -> bool:
+def only_seem(p: Params, s: State, method: int, part: Real, much: Real, a: Trial, w: Work) -> bool:
     """Whether switches that change after this part of the step, w.crossed, move away from their changes both
     where it begins and there: what is beyond is so by rounding, and from then on that is slack."""
     fn_side_rates_on(p, s.t, s.x, w.modes, s.k[0], w.turning)
@@ -196,7 +198,7 @@ def only_seem(p: Params, s: State, method: int, part: Real, a: Trial, w: Work) -
         return False
     for j in range(NFREE):
         if w.crossed[NTIMED + j] > 0:
-            s.slack[NTIMED + j] -= 2.0 * w.margins[j]
+            s.slack[NTIMED + j] -= much * w.margins[j]
     return True
 
 

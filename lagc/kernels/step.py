@@ -11,7 +11,15 @@ from lagc.kernels.events import pass_change
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
-from lagc.kernels.locating import all_but_changes, any_due, first_change, next_change, only_seem
+from lagc.kernels.locating import (
+    LEAST_SLACK,
+    MOST_SLACK,
+    all_but_changes,
+    any_due,
+    first_change,
+    next_change,
+    only_seem,
+)
 from lagc.kernels.method import last, method_error, method_stages, uses_new
 from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
@@ -68,8 +76,10 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Where a switch changes within the step, the step once more, to end there; a.h is 0 where that is at its
     beginning, and the switch has changed."""
+    much = LEAST_SLACK
     part = first_change(p, s, o.method, a, w)
-    while part >= 0.0 and part < NONE and only_seem(p, s, o.method, part, a, w):
+    while part >= 0.0 and part < NONE and much < MOST_SLACK and only_seem(p, s, o.method, part, much, a, w):
+        much *= 2.0
         part = first_change(p, s, o.method, a, w)
     if part < 0.0:
         return NOT_FINITE

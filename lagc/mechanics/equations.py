@@ -10,7 +10,7 @@ All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `la
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cached_property
 
@@ -19,7 +19,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.jacobian import formed_of
-from lagc.mechanics.moving import Moving, mass_matrix
+from lagc.mechanics.moving import Inertia, Moving
 from lagc.records import dataclass
 
 
@@ -176,10 +176,26 @@ class EquationsOfMotion:
     def mass_matrix(self) -> dict[tuple[int, int], Node]:
         """(i, j) with i >= j, zeros left out; in q and t (in v too where a free Lagrangian is not
         quadratic)."""
-        found = mass_matrix(self.graph, self.v, self.inertias)
+        inertia = Inertia(self.graph, self.v, self.inertias)
+        found = {(i, j): m for i in range(len(self.v)) for j, m in inertia.row(i, range(i + 1)).items()}
         for at, node in self.further_inertia.items():
             found[at] = self.graph.add(found[at], node) if at in found else node
         return {at: node for at, node in found.items() if not node.is_zero}
+
+    def mass_rows(self, which: Sequence[int]) -> list[dict[int, Node]]:
+        """Whole rows of M, by column, zeros left out; M is not made for them."""
+        inertia, others = Inertia(self.graph, self.v, self.inertias), set(range(len(self.v))) - set(which)
+        rows = {i: inertia.row(i, others.union(k for k in which if k <= i)) for i in which}
+        for i in which:
+            for j in which:
+                if j < i and j in rows[i]:
+                    rows[j][i] = rows[i][j]
+        for (i, j), node in self.further_inertia.items():
+            for at, other in {(i, j), (j, i)}:
+                if at in rows:
+                    before = rows[at].get(other)
+                    rows[at][other] = node if before is None else self.graph.add(before, node)
+        return [{j: m for j, m in sorted(rows[i].items()) if not m.is_zero} for i in which]
 
     @cached_property
     def massive(self) -> frozenset[int]:

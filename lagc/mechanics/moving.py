@@ -5,12 +5,12 @@ With the partial velocities d(v_C)/d(v_j) and d(w)/d(v_j)
     M_ij = sum of m dv_C/dv_i . dv_C/dv_j + dw/dv_i . I dw/dv_j
 
 (see `inertia`).  The sums over the bodies are reverse sweeps over the graph of the velocities, so a
-chain of n links costs O(n^2) nodes: M is made where it is asked for.
+chain of n links costs O(n) nodes a row: M is made where it is asked for.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Graph, Node
@@ -49,32 +49,33 @@ def triples(flat: Sequence[Node]) -> list[Vector]:
     return [(flat[k], flat[k + 1], flat[k + 2]) for k in range(0, len(flat), 3)]
 
 
-def mass_matrix(graph: Graph, speeds: Sequence[Node], parts: Sequence[Moving]) -> dict[tuple[int, int], Node]:
-    """M_ij with i >= j, zeros left out."""
-    flat = [x for part in parts for x in part.velocity]
-    moving = depends(flat, speeds)
-    arguments = {node: [a for a in node.args if a in moving] for node in moving}
-    users: dict[Node, list[Node]] = {node: [] for node in moving}
-    for node, below in arguments.items():
-        for a in below:
-            users[a].append(node)
-    carried: dict[Node, list[int]] = {}
-    for k, part in enumerate(parts):
-        for node in part.velocity:
-            carried.setdefault(node, []).append(k)
-    index = {v: i for i, v in enumerate(speeds)}
-    matrix: dict[tuple[int, int], Node] = {}
-    for i, speed in enumerate(speeds):
-        # Only what this speed changes, and what that depends on, is looked at.
-        changed = linked([speed], users) if speed in moving else []
-        driven = [parts[k] for k in sorted({k for node in changed for k in carried.get(node, ())})]
+class Inertia:
+    """Rows of M, each in time in proportion to what its speed moves and what that is made of."""
+
+    def __init__(self, graph: Graph, speeds: Sequence[Node], parts: Sequence[Moving]):
+        self._graph, self._speeds, self._parts = graph, speeds, parts
+        moving = depends([x for part in parts for x in part.velocity], speeds)
+        self._arguments = {node: [a for a in node.args if a in moving] for node in moving}
+        self._users: dict[Node, list[Node]] = {node: [] for node in moving}
+        for node, below in self._arguments.items():
+            for a in below:
+                self._users[a].append(node)
+        self._carried: dict[Node, list[int]] = {}
+        for k, part in enumerate(parts):
+            for node in part.velocity:
+                self._carried.setdefault(node, []).append(k)
+        self._index = {v: i for i, v in enumerate(speeds)}
+
+    def row(self, i: int, columns: Collection[int]) -> dict[int, Node]:
+        """M_ij with j in columns, zeros left out."""
+        graph, speed, index = self._graph, self._speeds[i], self._index
+        changed = linked([speed], self._users) if speed in self._users else []
+        driven = [self._parts[k] for k in sorted({k for x in changed for k in self._carried.get(x, ())})]
         partial = tangent(graph, [x for part in driven for x in part.velocity], {speed: graph.one}, changed)
         pairs: list[tuple[Node, Node]] = []
         for part, rate in zip(driven, triples(partial)):
             if not all(x.is_zero for x in rate):
                 pairs.extend(zip(part.velocity, part.momentum(rate)))
-        within = linked([node for node, _ in pairs if node in moving], arguments)
-        wrt = [node for node in within if index.get(node, i + 1) <= i]
-        row = gradient(graph, seeds(graph, pairs), sorted(wrt, key=index.__getitem__), within)
-        matrix.update(((i, index[v]), node) for v, node in row.items())
-    return matrix
+        within = linked([node for node, _ in pairs if node in self._arguments], self._arguments)
+        wrt = sorted((x for x in within if index.get(x, -1) in columns), key=index.__getitem__)
+        return {index[v]: m for v, m in gradient(graph, seeds(graph, pairs), wrt, within).items()}

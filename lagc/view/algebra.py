@@ -302,7 +302,7 @@ class NamingAlgebra(Algebra):
         self.definitions: list[tuple[Node, Polynomial]] = []
 
     def multiply(self, p: Polynomial, q: Polynomial) -> Polynomial:
-        if len(p) * len(q) > self.LONG**2:
+        if len(p) * len(q) > self.LONG**2 and min(len(p), len(q)) > 1:
             p, q = self._name(p), self._name(q)
         return super().multiply(p, q)
 

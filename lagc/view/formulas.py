@@ -55,15 +55,15 @@ def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
     """The formulas of `equations`, some where they are many and not all are asked for in `full`; multiplied
     out, or where that is too long, with shared parts named s1, s2, ...  Raises Refused (LAG0590) where one of
     their numbers is not finite."""
-    known = nonnegative(equations)
+    known, asked = nonnegative(equations), _asked(equations, full)
     try:
         algebra = Algebra(known)
         try:
-            found = _sheet(equations, algebra, full)
+            found = _sheet(equations, algebra, asked)
             algebra.rest()
             return found
         except TooLarge:
-            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations), known), full)
+            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations, asked), known), asked)
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
         remedy = "the numbers of the model are too large, or too different, to be multiplied"
@@ -74,28 +74,46 @@ def nonnegative(equations: EquationsOfMotion) -> list[Node]:
     return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
 
 
-def _sheet(equations: EquationsOfMotion, algebra: Algebra, full: bool) -> Sheet:
-    collector = collector_of(equations, algebra)
-    shown = names(equations)
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    """The formulas that are written: numbers of coordinates and of speeds, with the rows of M, and rows."""
+
+    kinematic: list[int]
+    motion: list[int]
+    inertia: list[dict[int, Node]]
+    rows: list[Row]
+    left_out: dict[str, str]
+
+
+def _asked(equations: EquationsOfMotion, full: bool) -> _Asked:
     own = set(equations.v)
     rates = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
+    levels = {
+        level: [row for row in equations.rows if row.level.value == level]
+        for level in ("position", "velocity")
+    }
     parts = {
         "kinematic": chosen([equations.q_names[i] for i in rates], full),
         "motion": chosen(equations.v_names, full),
-        **{
-            level: chosen([row.label for row in equations.rows if row.level.value == level], full)
-            for level in ("position", "velocity")
-        },
+        **{level: chosen([row.label for row in rows], full) for level, rows in levels.items()},
     }
-    left_out = {kind: part.words for kind, part in parts.items() if part.words}
-    rows = [
-        [row for row in equations.rows if row.level.value == level][k]
-        for level in ("position", "velocity") for k in parts[level].numbers
-    ]  # fmt: skip
+    motion = parts["motion"].numbers
+    return _Asked(
+        kinematic=[rates[k] for k in parts["kinematic"].numbers],
+        motion=motion,
+        inertia=equations.mass_rows(motion),
+        rows=[rows[k] for level, rows in levels.items() for k in parts[level].numbers],
+        left_out={kind: part.words for kind, part in parts.items() if part.words},
+    )
+
+
+def _sheet(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> Sheet:
+    collector = collector_of(equations, algebra)
+    shown, left_out = names(equations), dict(asked.left_out)
     formulas = [
-        *_kinematic(equations, collector, shown, [rates[k] for k in parts["kinematic"].numbers]),
-        *_motion(equations, collector, parts["motion"].numbers),
-        *_rows(equations, collector, rows),
+        *_kinematic(equations, collector, shown, asked.kinematic),
+        *_motion(equations, collector, asked),
+        *_rows(equations, collector, asked.rows),
         *_events(equations, collector),
     ]
     if isinstance(algebra, NamingAlgebra):
@@ -158,30 +176,22 @@ def _is_rate(equations: EquationsOfMotion, speed: Node) -> bool:
     return speed.record.kind == "rate" and not speed.record.turns
 
 
-def _motion(equations: EquationsOfMotion, collector: Collector, which: Sequence[int]) -> list[Formula]:
+def _motion(equations: EquationsOfMotion, collector: Collector, asked: _Asked) -> list[Formula]:
     """M a + h - tau - G^T lam = 0 along some of the speeds."""
     return [
         Formula("motion", equations.v_names[i], collector.collect(collector.cancel(p)), ZERO)
-        for i, p in zip(which, motion_polynomials(equations, collector.algebra, which))
+        for i, p in zip(asked.motion, _motion_polynomials(equations, collector.algebra, asked))
     ]
 
 
-def motion_polynomials(
-    equations: EquationsOfMotion, algebra: Algebra, which: Sequence[int]
-) -> list[Polynomial]:
+def _motion_polynomials(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> list[Polynomial]:
     """M a + h - tau - G^T lam, shortened, nothing cancelled."""
     found = []
-    for i in which:
-        h, tau = equations.bias_forces[i], equations.given_forces[i]
-        terms: list[tuple[Node, Node]] = []
-        for j, a in enumerate(equations.a):
-            entry = equations.mass_matrix.get((i, j) if i >= j else (j, i))
-            if entry is not None:
-                terms.append((entry, a))
-        total, force = algebra.polynomials([h, tau])
+    for i, inertia in zip(asked.motion, asked.inertia):
+        total, force = algebra.polynomials([equations.bias_forces[i], equations.given_forces[i]])
         total = algebra.add(total, scaled(force, Fraction(-1)))
-        for entry, a in terms:
-            e, s = algebra.polynomials([entry, a])
+        for j, entry in inertia.items():
+            e, s = algebra.polynomials([entry, equations.a[j]])
             total = algebra.add(total, algebra.multiply(tidy(equations, algebra, e), s))
         for row in equations.rows:
             if i in row.jacobian:
@@ -226,15 +236,15 @@ def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]
     return formulas
 
 
-def _shared(equations: EquationsOfMotion) -> set[Node]:
-    """Sums and products that are used more than once in the equations."""
+def _shared(equations: EquationsOfMotion, asked: _Asked) -> set[Node]:
+    """Sums and products that are used more than once in the formulas that are asked for."""
+    along = [row.jacobian[i] for row in equations.rows for i in asked.motion if i in row.jacobian]
     roots = [
-        *equations.qdot,
-        *equations.mass_matrix.values(),
-        *equations.bias_forces,
-        *equations.given_forces,
-        *[row.residual for row in equations.rows],
-        *[entry for row in equations.rows for entry in row.jacobian.values()],
+        *[equations.qdot[i] for i in asked.kinematic],
+        *[entry for row in asked.inertia for entry in row.values()],
+        *[force[i] for force in (equations.bias_forces, equations.given_forces) for i in asked.motion],
+        *[row.residual for row in asked.rows],
+        *along,
         *[node for when in equations.whens for pair in when.changes for node in pair],
     ]
     uses: dict[Node, int] = {}

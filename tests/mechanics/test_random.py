@@ -36,6 +36,17 @@ def assert_close(found: object, expected: object, scale: float = 0.0) -> None:
     assert np.abs(a - b).max(initial=0.0) <= CLOSE * size
 
 
+@pytest.mark.parametrize("seed", range(0, COUNT, 3))
+def test_rows_of_the_mass_matrix_are_its_rows(seed: int) -> None:
+    _, e = derived(seed)
+    which = list(range(seed % 2, len(e.v), 1 + seed % 3))
+    state, rows = random_state(e, seed), e.mass_rows(which)
+    found = np.zeros((len(which), len(e.v)))
+    for k, row in enumerate(rows):
+        found[k, list(row)] = evaluate(list(row.values()), state)
+    assert_close(found, mass_matrix(e, state)[which])
+
+
 @pytest.mark.parametrize("seed", range(COUNT))
 def test_equations_agree_with_differences(seed: int) -> None:
     system, e = derived(seed)

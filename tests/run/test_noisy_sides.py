@@ -53,3 +53,19 @@ def crossings() -> list[float]:
     while found[-1] < 20.0:
         found.append(found[-1] + math.pi / (HARD if len(found) % 2 else SOFT))
     return found
+
+
+UNSTABLE = """model Unstable
+  coordinate Length x(rate = 7);
+  body p = Particle(mass = 1 [kg], at = {x, 0, 0});
+  dissipation c = 1/2*1e8 [kg/s]*der(x)^2;
+  when der(x) < 0.2 [m/s] then
+  end when;
+end Unstable;"""
+
+
+def test_what_no_field_explains_is_not_taken_for_rounding_for_long() -> None:
+    """A step of 1e4 time constants: its polynomial swings where its equations do not, wherever one looks."""
+    system = lagc.loads(UNSTABLE).compile(backend="numpy")
+    run = system.simulate(method="dop853", step=1e-4, stop=3e-4, points=4)
+    assert run.cost.rhs < 1_000

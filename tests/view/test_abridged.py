@@ -73,6 +73,12 @@ def test_what_is_shown_of_many_equations_is_what_they_are(model: str, n: int) ->
     assert "sum(k = " in texts[1] or model == "large/lattice"
 
 
+def test_an_equation_of_motion_is_not_the_name_of_a_part() -> None:
+    equations = lagc.load("classic/chain").compile(parameters={"n": 150}, backend="numpy").equations
+    for line in lines_of(write(equations, full=False)):
+        assert line.count("''") >= 2
+
+
 def test_a_sum_without_a_rule_is_cut_and_says_so() -> None:
     asked = lagc.loads(WEIGHTED.replace("WEIGHT", "i^2*m"))
     equations = asked.compile(parameters={"n": 40}, backend="numpy").equations
