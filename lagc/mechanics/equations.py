@@ -15,11 +15,12 @@ from enum import Enum
 from functools import cached_property
 
 from lagc.diagnostics.faults import Fault, Span
+from lagc.expr.derivative import gradient, seeds
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.jacobian import formed_of
-from lagc.mechanics.moving import Inertia, Moving
+from lagc.mechanics.moving import Inertia, Moving, inertial_forces
 from lagc.records import dataclass
 
 
@@ -196,6 +197,22 @@ class EquationsOfMotion:
                     before = rows[at].get(other)
                     rows[at][other] = node if before is None else self.graph.add(before, node)
         return [{j: m for j, m in sorted(rows[i].items()) if not m.is_zero} for i in which]
+
+    @property
+    def inertial_forces(self) -> list[Node]:
+        """M a."""
+        found = inertial_forces(self.graph, self.v, self.a, self.inertias)
+        for (i, j), node in sorted(self.further_inertia.items()):
+            for k, other in {(i, j), (j, i)}:
+                found[k] = found[k] + node * self.a[other]
+        return found
+
+    @property
+    def constraint_forces(self) -> list[Node]:
+        """G^T lam."""
+        pairs = seeds(self.graph, ((row.rate, row.multiplier) for row in self.rows))
+        found = gradient(self.graph, pairs, self.v)
+        return [found.get(v, self.graph.zero) for v in self.v]
 
     @cached_property
     def massive(self) -> frozenset[int]:

@@ -49,6 +49,17 @@ def triples(flat: Sequence[Node]) -> list[Vector]:
     return [(flat[k], flat[k + 1], flat[k + 2]) for k in range(0, len(flat), 3)]
 
 
+def inertial_forces(
+    graph: Graph, speeds: Sequence[Node], accelerations: Sequence[Node], parts: Sequence[Moving]
+) -> list[Node]:
+    """M a, in two sweeps: M is not made for it."""
+    flat = [x for part in parts for x in part.velocity]
+    rates = triples(tangent(graph, flat, dict(zip(speeds, accelerations))))
+    pairs = [pair for part, rate in zip(parts, rates) for pair in zip(part.velocity, part.momentum(rate))]
+    found = gradient(graph, seeds(graph, pairs), speeds)
+    return [found.get(v, graph.zero) for v in speeds]
+
+
 class Inertia:
     """Rows of M, each in time in proportion to what its speed moves and what that is made of."""
 

@@ -11,34 +11,50 @@
     reinit            new values that clauses `when` give, one after the other
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
-forces without constraints at lam = 0, of -gamma at a = 0.  Where there are switches it is one of modes, too:
-on each branch, what a run takes to be smooth there.
+forces without constraints at lam = 0, of -gamma at a = 0.  Where they would be very many, one function has
+what the stack changes by along a direction in all that it depends on.  Where there are switches these are
+functions of modes, too: on each branch, what a run takes to be smooth there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from lagc.expr.derivative import gradient
+from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
+from lagc.expr.walk import reachable, union
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows
 from lagc.optimize.freezing import Switch
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
+from lagc.records import replace
+
+MANY = 10_000  # derivatives: beyond, they are made along directions
 
 
 class Derivatives(NamedTuple):
-    """The stack itself, and its derivatives by each group: a function, and the places of what it stores."""
+    """The stack itself, and its derivatives by each group: a function, and the places of what it stores; or
+    none of these, and the one along a direction."""
 
     values: Function
     by: dict[str, tuple[Function, tuple[tuple[int, int], ...]]]  # (row, column) of each entry
+    along: Function | None = None
+
+    @property
+    def functions(self) -> list[Function]:
+        those = [function for function, pattern in self.by.values() if pattern]
+        return [self.values, *those, *([] if self.along is None else [self.along])]
+
+    @property
+    def patterns(self) -> dict[str, tuple[tuple[int, int], ...]]:
+        return {name: pattern for name, (_, pattern) in self.by.items()}
 
 
-def stack(equations: EquationsOfMotion, switches: Sequence[Switch] = ()) -> dict[str, list[Node]]:
-    """What is differentiated, block by block."""
+def motion_by_entries(equations: EquationsOfMotion) -> dict[str, list[Node]]:
+    """What the accelerations follow from, by the entries of M and G."""
     graph = equations.graph
     inertia: list[list[Node]] = [[] for _ in equations.v]
     for (i, j), m in sorted(equations.mass_matrix.items()):
@@ -54,10 +70,33 @@ def stack(equations: EquationsOfMotion, switches: Sequence[Switch] = ()) -> dict
         for row in equations.rows
     ]
     return {
-        "qdot": list(equations.qdot),
         "inertia": [graph.sum(parts) for parts in inertia],
         "force": [graph.sum(parts) for parts in force],
         "row": rows,
+    }
+
+
+def motion_by_sweeps(equations: EquationsOfMotion) -> dict[str, list[Node]]:
+    """The same in proportion to the equations, which have more entries."""
+    graph = equations.graph
+    along = tangent(graph, [row.rate for row in equations.rows], dict(zip(equations.v, equations.a)))
+    forces = zip(equations.applied_forces, equations.constraint_forces)
+    return {
+        "inertia": equations.inertial_forces,
+        "force": [graph.add(applied, own) for applied, own in forces],
+        "row": [graph.sub(own, row.gamma) for own, row in zip(along, equations.rows)],
+    }
+
+
+def stack(
+    equations: EquationsOfMotion,
+    switches: Sequence[Switch] = (),
+    motion: Callable[[EquationsOfMotion], dict[str, list[Node]]] = motion_by_entries,
+) -> dict[str, list[Node]]:
+    """What is differentiated, block by block."""
+    return {
+        "qdot": list(equations.qdot),
+        **motion(equations),
         "condition": condition_rows(equations),
         "start": [s.value for s in equations.starts],
         "output": [o.expression for o in equations.outputs],
@@ -79,25 +118,56 @@ def groups(places: Places) -> dict[str, list[Node]]:
 
 
 def derivatives(places: Places, switches: Sequence[Switch]) -> Derivatives:
-    """By the names of `groups`; one reverse sweep a row of the stack."""
-    graph, by = places.graph, groups(places)
+    """By the names of `groups`, one reverse sweep a row of the stack; or along a direction d in all of them,
+    one forward sweep."""
+    equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
-    rows = [node for block in stack(places.equations, switches).values() for node in block]
-    slopes = [gradient(graph, {node: graph.one}, every) for node in rows]
+    swept = _rows(stack(equations, switches, motion_by_sweeps))
+    if _count(swept, every) > MANY:
+        return Derivatives(_values(places, swept), {}, _along(places, swept, every))
+    rows = _rows(stack(equations, switches))
+    slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
     found = {}
     for name, symbols in by.items():
         entries = {(i, k): row[x] for i, row in enumerate(slopes) for k, x in enumerate(symbols) if x in row}
         about = f"derivatives of the stack by {name}"
         found[name] = _function(places, f"by_{name}", "J", list(entries.values()), about), tuple(entries)
+    return Derivatives(_values(places, rows), found)
+
+
+def _rows(parts: dict[str, list[Node]]) -> list[Node]:
+    return [node for part in parts.values() for node in part]
+
+
+def _count(nodes: Sequence[Node], leaves: Sequence[Node]) -> int:
+    """How many derivatives structure leaves."""
+    below = {leaf: 1 << k for k, leaf in enumerate(leaves)}
+    for node in reachable(nodes):
+        if node.args:
+            below[node] = union(below.get(a, 0) for a in node.args)
+    return sum([below.get(node, 0).bit_count() for node in nodes])
+
+
+def _values(places: Places, rows: Sequence[Node]) -> Function:
     about = "the stack: qdot, M a, forces, rows, conditions, starts, outputs, sides, new values"
-    return Derivatives(_function(places, "stack", "s", rows, about), found)
+    return _function(places, "stack", "s", rows, about)
 
 
-def _function(places: Places, name: str, array: str, nodes: Sequence[Node], about: str) -> Function:
+def _along(places: Places, rows: Sequence[Node], every: Sequence[Node]) -> Function:
+    graph = places.graph
+    seeds = {x: graph.symbol("direction", str(k)) for k, x in enumerate(every)}
+    ahead = {**places.arrays, **{d: ("d", k) for k, d in enumerate(seeds.values())}}
+    about = "changes of the stack along a direction in time, state, accelerations and multipliers, parameters"
+    return _function(replace(places, arrays=ahead), "along", "s", tangent(graph, rows, seeds), about, ("d",))
+
+
+def _function(
+    places: Places, name: str, array: str, nodes: Sequence[Node], about: str, more: tuple[str, ...] = ()
+) -> Function:
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
         for k, value in enumerate(lower(places, block, nodes)[1]):
             block.store(array, k, value)
-        return block.function(name, (*places.state, "a", "lam"), ((array, len(nodes)),), about)
+        return block.function(name, (*places.state, "a", "lam", *more), ((array, len(nodes)),), about)
 
     return cheapest(places, nodes, make, seldom=True)

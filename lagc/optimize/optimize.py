@@ -53,9 +53,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     made, slopes = _functions(at, along, switches, solver, rhs, work, dense, preparation)
     differentiated = derivatives(along, switches) if differentiate else None
     if differentiated:
-        by = differentiated.by
-        more = [differentiated.values, *(function for function, pattern in by.values() if pattern)]
-        made.update((f.name, preparation.separated(f)) for f in more)
+        made.update((f.name, preparation.separated(f)) for f in differentiated.functions)
     found, read = preparation.finished(made)
     found = {name: rolled(function, often=name in ("rhs", "system")) for name, function in found.items()}
     return Program(
@@ -72,7 +70,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             lifted=len(system.structure.definitions),
             dropped=left_out,
             remarks=independent(equations, system),
-            derivatives={name: pattern for name, (_, pattern) in by.items()} if differentiated else {},
+            derivatives=differentiated.patterns if differentiated else {},
             switches=switches,
         ),
         found,

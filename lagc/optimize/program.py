@@ -7,7 +7,7 @@ operations on the same operands in the same order.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from lagc.records import dataclass, field
@@ -153,6 +153,15 @@ class Clause:
         return self.marks or (f"when {self.words}",)
 
 
+def _ranges(sizes: Mapping[str, int]) -> dict[str, range]:
+    """One part behind the other."""
+    found, first = dict[str, range](), 0
+    for name, size in sizes.items():
+        found[name] = range(first, first + size)
+        first += size
+    return found
+
+
 @dataclass(frozen=True)
 class Interface:
     """What a run, a file header and a cache need to know of a compiled model; plain data.
@@ -236,6 +245,17 @@ class Interface:
         return range(self.condition_ends[k - 1] if k else 0, self.condition_ends[k])
 
     @property
+    def differentiated(self) -> bool:
+        return "stack" in self.functions
+
+    @property
+    def groups(self) -> dict[str, range]:
+        """Where in a direction each group of what the stack is differentiated by is."""
+        sizes = {"time": 1, "state": self.nq + self.nv, "acceleration": self.nv + self.nc,
+                 "parameter": len(self.parameters) + len(self.inputs)}  # fmt: skip
+        return _ranges(sizes)
+
+    @property
     def stack(self) -> dict[str, range]:
         """The rows of `derivatives` that belong to each part of what is differentiated."""
         sizes = {
@@ -244,11 +264,7 @@ class Interface:
             "output": len(self.outputs), "side": len(self.switches),
             "reinit": sum(len(clause.states) for clause in self.whens),
         }  # fmt: skip
-        found, first = dict[str, range](), 0
-        for name, size in sizes.items():
-            found[name] = range(first, first + size)
-            first += size
-        return found
+        return _ranges(sizes)
 
     def drives(self, switch: int) -> bool:
         """Whether the equations depend on it: a place behind all switches is that of a clause `when`."""
@@ -325,6 +341,8 @@ class Program:
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
                                      (row, column) of `derivatives`; see `lagc.optimize.derivatives`;
                                      with switches, all of them of (p,t,x,modes,a,lam)
+      along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
+                                     changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)
     health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
     """
 

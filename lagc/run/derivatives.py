@@ -71,15 +71,16 @@ class Point:
         rows = self.system.model.rows[part]
         return self.stack[rows.start : rows.stop]
 
-    def sparse(self, group: str) -> tuple[Array, Array, Array]:
-        """Entries, rows and columns of the derivatives of the stack by a group."""
-        rows, columns = self.system.model.places[group]
-        entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
-        if self.clean:
-            for system, t, x, a, lam in self.beside:
-                changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
-                entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
-        return entries, rows, columns
+    def by(self, group: str) -> Array:
+        """All of them by a group as a matrix, where a and lam are held."""
+        if group not in self._groups:
+            entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
+            if self.clean:
+                for system, t, x, a, lam in self.beside:
+                    changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
+                    entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
+            self._groups[group] = entries
+        return self._groups[group]
 
     def _entries(
         self,
@@ -91,13 +92,13 @@ class Point:
         lam: Sequence[float],
     ) -> Array:
         """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
-        entries = np.array(system.derivatives(group, t, x, a, lam, self.modes)[0])
+        entries: Array = system.derivatives(group, t, x, a, lam, self.modes)
         if not np.isfinite(entries).all():
             one, two = (
-                np.array(system.derivatives(group, t, [v + side for v in x], a, lam, self.modes)[0])
+                system.derivatives(group, t, [v + side for v in x], a, lam, self.modes)
                 for side in (TINY, -TINY)
             )
-            size = float(max(np.abs(entries[np.isfinite(entries)]), default=1.0))
+            size = float(max(np.abs(entries[np.isfinite(entries) & (entries != 0.0)]), default=1.0))
             alike = np.abs(one - two) <= ROUNDING * (np.abs(one) + size)
             both = rounded((one + two) / 2.0, size)
             entries = np.where(np.isfinite(entries) | ~alike, entries, both)
@@ -125,20 +126,6 @@ class Point:
 
         others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(3)]
         return [(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam)) for s in others]
-
-    def by(self, group: str) -> Array:
-        """All of them as a matrix, where a and lam are held."""
-        if group not in self._groups:
-            interface = self.system.interface
-            widths = {
-                "time": 1, "state": interface.nq + interface.nv, "acceleration": interface.nv + interface.nc,
-                "parameter": len(interface.parameters) + len(interface.inputs),
-            }  # fmt: skip
-            height = max(rows.stop for rows in self.system.model.rows.values())
-            table, (entries, rows, columns) = np.zeros((height, widths[group])), self.sparse(group)
-            table[rows, columns] = entries
-            self._groups[group] = table
-        return self._groups[group]
 
     def partial(self, part: str, group: str) -> Array:
         """Of one part of the stack, where a and lam are held."""

@@ -20,18 +20,17 @@ class Spectrum(NamedTuple):
 def spectrum(a: Array, scales: Array) -> Spectrum:
     """Of `a`, where `scales` are what its unknowns are measured by.
 
-    An eigenvalue is told to the rounding of the norm over the distance of its vector from the span of the
-    others (the cosine between left and right vectors: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th
-    ed., 7.2.2), or to the root of that where vectors fall together.
+    An eigenvalue is told to the rounding of the norm over the cosine between its right and its left vector,
+    a row of the inverse of the right ones (G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed.,
+    7.2.2), or to the root of that where vectors fall together.
     """
     if not len(a):
         return Spectrum(np.zeros(0, complex), np.zeros((0, 0), complex))
     scaled = a * scales / scales[:, None]
     values, vectors = (part.astype(complex) for part in np.linalg.eig(scaled))
-    norm = float(np.linalg.norm(scaled))
-    for k in range(len(a)):
-        others = np.delete(vectors, k, axis=1)
-        apart = vectors[:, k] - others @ np.linalg.lstsq(others, vectors[:, k], rcond=None)[0]
-        error = norm * min(ROUNDING / max(float(np.linalg.norm(apart)), ROUNDING), NEAR)
-        values[k] = complex(*(0.0 if abs(x) <= error else x for x in (values[k].real, values[k].imag)))
+    _, stretch, right = np.linalg.svd(vectors)
+    cosines = 1.0 / np.linalg.norm(right / np.maximum(stretch, ROUNDING)[:, None], axis=0)
+    errors = np.linalg.norm(scaled) * np.minimum(ROUNDING / cosines, NEAR)
+    for part in (values.real, values.imag):  # views
+        part[np.abs(part) <= errors] = 0.0
     return Spectrum(values, scales[:, None] * vectors)

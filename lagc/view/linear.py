@@ -42,9 +42,9 @@ def text(linear: Linear, verbose: bool = False) -> str:
     lines = [f"  {names[k]:{width}} = {_value(linear.x[k], units[k])}" for k in range(n)]
     if n < len(names):
         lines.append(f"  and {len(names) - n} more: --json or -v shows them")
-    lines.append(f"  states  {', '.join(linear.states) or 'none: the constraints leave no motion'}")
+    lines.append(f"  states  {_listed(linear.states, verbose) or 'none: the constraints leave no motion'}")
     for label, of in (("inputs", linear.inputs), ("outputs", linear.outputs)):
-        lines += [f"  {label:7} {', '.join(of)}"] if of else []
+        lines += [f"  {label:7} {_listed(of, verbose)}"] if of else []
     if verbose or len(linear.states) <= FEW:
         for name, table in (("A", linear.A), ("B", linear.B), ("C", linear.C), ("D", linear.D)):
             lines += _matrix(name, table.tolist()) if table.size else []
@@ -62,6 +62,13 @@ def text(linear: Linear, verbose: bool = False) -> str:
             f"{'' if ratio is None else f'{ratio + 0.0:.6g}':>9}  {parts}".rstrip()
         )
     return "\n".join(lines)
+
+
+def _listed(names: Sequence[str], verbose: bool) -> str:
+    """As many as there is room for; what is left is counted."""
+    if verbose or len(names) <= MOST:
+        return ", ".join(names)
+    return ", ".join(names[:MOST]) + f" and {len(names) - MOST} more"
 
 
 def _parts(mode: Sequence[complex], names: Sequence[str], nq: int) -> str:

@@ -5,16 +5,19 @@ from __future__ import annotations
 import ctypes
 import importlib.util
 import random
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
+from lagc.optimize import derivatives
 from lagc.optimize.optimize import optimize
-from lagc.optimize.program import Program
+from lagc.optimize.program import Interface, Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render as render_numpy
 from tests.mechanics.models import entangled
@@ -61,40 +64,82 @@ def _module(program: Program, folder: Path) -> Any:
     return module
 
 
+class Both(NamedTuple):
+    """A program in Python and in C, with a point for both."""
+
+    interface: Interface
+    module: Any
+    library: Any
+    prefix: str
+    point: tuple[Any, ...]  # t, x, a, lam
+
+    def c(self, verb: str, *last: Any) -> Any:
+        t, *vectors = self.point
+        given = _numbers(self.module.equations().p), ctypes.c_double(t), *map(_numbers, vectors)
+        return self.library[f"{self.prefix}_{verb}"](*given, *last)
+
+
+def _numbers(values: Sequence[float]) -> Any:
+    return (ctypes.c_double * max(len(values), 1))(*values)
+
+
+def _both(program: Program, folder: Path, seed: str) -> Both:
+    program.verify()
+    module, files = _module(program, folder), write(render_c(program), folder)
+    library = folder / "model.so"
+    call(*COMPILERS["gcc"], *STRICT, "-O1", "-fPIC", "-shared", "-o", library, files[".c"], "-lm")
+    chance, interface = random.Random(seed), program.interface
+    t, x = chance.random(), [a + chance.uniform(-0.1, 0.1) for a in module.start()]
+    a, lam = ([chance.uniform(-1, 1) for _ in range(n)] for n in (interface.nv, interface.nc))
+    return Both(interface, module, ctypes.CDLL(str(library)), files[".c"].stem, (t, x, a, lam))
+
+
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
 @pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
-    program = _program(name)
-    program.verify()
-    module, files = _module(program, tmp_path), write(render_c(program), tmp_path)
-    library = tmp_path / "model.so"
-    call(*COMPILERS["gcc"], *STRICT, "-O1", "-fPIC", "-shared", "-o", library, files[".c"], "-lm")
-    c, own, interface = ctypes.CDLL(str(library)), files[".c"].stem, program.interface
-    chance = random.Random(name)
-    p = module.equations().p
-    t, x = chance.random(), [a + chance.uniform(-0.1, 0.1) for a in module.start()]
-    a, lam = ([chance.uniform(-1, 1) for _ in range(n)] for n in (interface.nv, interface.nc))
-
-    def numbers(values: list[float]) -> Any:
-        return (ctypes.c_double * max(len(values), 1))(*values)
-
-    given = numbers(p), ctypes.c_double(t), numbers(x), numbers(a), numbers(lam)
-    size = max(rows.stop for rows in module.STACK.values())
-    s = numbers([0.0] * size)
-    c[f"{own}_stack"](*given, s)
-    assert bits(s[:size]) == bits(module.stack(t, x, a, lam))
+    interface, module, c, own, point = both = _both(_program(name), tmp_path, name)
+    s = _numbers([0.0] * max(rows.stop for rows in module.STACK.values()))
+    both.c("stack", s)
+    assert bits(s) == bits(module.stack(*point))
     assert interface.stack == module.STACK and any(interface.derivatives.values())
     for group, pattern in interface.derivatives.items():
         assert module.PATTERNS[group] == list(pattern)
         if not pattern:
             assert not hasattr(c, f"{own}_by_{group}")
             continue
-        entries = numbers([0.0] * len(pattern))
-        c[f"{own}_by_{group}"](*given, entries)
-        assert bits(entries) == bits(module.derivatives(group, t, x, a, lam))
+        entries = _numbers([0.0] * len(pattern))
+        both.c(f"by_{group}", entries)
+        assert bits(entries) == bits(module.derivatives(group, *point))
         rows, columns = ctypes.POINTER(ctypes.c_int)(), ctypes.POINTER(ctypes.c_int)()
         count = c[f"{own}_by_{group}_pattern"](ctypes.byref(rows), ctypes.byref(columns))
         assert tuple(zip(rows[:count], columns[:count])) == pattern
+
+
+@pytest.mark.skipif(not present("gcc"), reason="no gcc")
+@pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
+def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In C and in Python the same bits, and those by groups one column at a time and all at once."""
+    few = _module(_program(name), tmp_path)
+    monkeypatch.setattr(derivatives, "MANY", 0)
+    both = _both(_program(name), tmp_path, name)
+    interface, module, _, _, point = both
+    assert not interface.derivatives and not hasattr(module, "PATTERNS")
+    width, height = (max(p.stop for p in parts.values()) for parts in (interface.groups, interface.stack))
+    chance = random.Random(f"{name} along")
+    d = [chance.uniform(-1, 1) for _ in range(width)]
+    s = _numbers([0.0] * height)
+    both.c("along", _numbers(d), s)
+    assert bits(s) == bits(module.along(*point, d))
+    assert np.allclose(module.stack(*point), few.stack(*point), rtol=1e-12, atol=1e-12)
+    together = np.array([entry + np.zeros(width) for entry in module.along(*point, list(np.eye(width)))])
+    table = np.zeros((height, width))
+    for group, columns in interface.groups.items():
+        if pattern := few.PATTERNS[group]:
+            rows, places = np.array(pattern).T
+            table[rows, columns.start + places] = few.derivatives(group, *point)
+    rounding = 1e-13 * np.abs(table).max()
+    assert np.abs(together - table).max() <= rounding
+    assert np.abs(table @ d - s).max() <= rounding * np.sqrt(width)
 
 
 @pytest.mark.parametrize("name", [*NAMES[:3], "switched"])

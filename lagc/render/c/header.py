@@ -66,7 +66,7 @@ _BIND = """\
 
 def stacked(interface: Interface) -> str:
     """Where in the rows of derivatives each part begins."""
-    if not interface.derivatives:
+    if not interface.differentiated:
         return ""
     title = "/* What is differentiated: the first row of each part; see lagc_stack */\n"
     rows = [f"    LAGC_D_{name.upper()} = {part.start}," for name, part in interface.stack.items()]

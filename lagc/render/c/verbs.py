@@ -60,10 +60,12 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
         )
     if interface.nc and "scales" in functions:
         found += _linear()
-    if interface.derivatives:
+    if interface.differentiated:
         found.append(_stack(len(interface.switches)))
     for group, pattern in interface.derivatives.items():
         found += _derivatives(group, pattern, len(interface.switches))
+    if "along" in interface.functions:
+        found.append(_along(interface))
     return found
 
 
@@ -195,12 +197,12 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     return Verb(comment, head, room + solved + call + "    return status;\n")
 
 
-def _on_own_branch(name: str, output: str, switches: int) -> str:
+def _on_own_branch(name: str, last: str, switches: int) -> str:
     """The call of `stack`, or of derivatives: with switches on the branch of the state."""
     if not switches:
-        return f"    lagc_fn_{name}(p, t, x, a, lambda, {output});\n"
+        return f"    lagc_fn_{name}(p, t, x, a, lambda, {last});\n"
     return (f"    lagc_real modes[{switches}];\n    lagc_fn_modes(p, t, x, modes);\n"
-            f"    lagc_fn_{name}_on(p, t, x, modes, a, lambda, {output});\n")  # fmt: skip
+            f"    lagc_fn_{name}_on(p, t, x, modes, a, lambda, {last});\n")  # fmt: skip
 
 
 def _derivatives(group: str, pattern: Sequence[tuple[int, int]], switches: int) -> list[Verb]:
@@ -231,6 +233,16 @@ def _stack(switches: int) -> Verb:
         " * of a consistent start; START, the start values; OUTPUT; SIDE, what switches change at; REINIT.",
         f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
         _on_own_branch("stack", "s", switches))  # fmt: skip
+
+
+def _along(interface: Interface) -> Verb:
+    size = max(part.stop for part in interface.groups.values())
+    return Verb(
+        f"s[LAGC_D_END], what this stack changes by where all that it depends on changes along d[{size}]:\n"
+        " * time, q and v, a and lambda, the parameters, then the inputs, in the order of the struct.",
+        f"void lagc_along({_POINT}, const lagc_real *a, const lagc_real *lambda, const lagc_real *d,\n"
+        "    lagc_real *s)",
+        _on_own_branch("along", "d, s", len(interface.switches)))  # fmt: skip
 
 
 _COLUMNS = {

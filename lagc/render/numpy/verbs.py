@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping, Sequence
 
 from lagc.optimize.program import Interface, Program, tables
 from lagc.render.statuses import texts
@@ -159,6 +160,12 @@ def stack(t, x, a, lam, p=None):
     return found
 
 
+def _at_state(function, p, t, x, a, lam, *last):
+    @CALL@
+'''
+
+_BY_GROUPS = '''
+
 def derivatives(group, t, x, a, lam, p=None):
     """J, the derivatives of the stack by a group of PATTERNS, which has their places: "time", "state" (q, v),
     "acceleration" (a, lam) or "parameter" (parameters, then inputs)."""
@@ -167,18 +174,24 @@ def derivatives(group, t, x, a, lam, p=None):
         function = {@FUNCTIONS@}[group]
         _at_state(function, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), found)
     return found
-
-
-def _at_state(function, p, t, x, a, lam, found):
-    @CALL@
 '''
 
-_AT_STATE = "function(p, t, x, a, lam, found)"
+_ALONG = '''
+
+def along(t, x, a, lam, d, p=None):
+    """What the stack changes by where (t, x, a, lam, p) changes along d = (dt, dx, da, dlam, dp), with all
+    parameters, then inputs; its entries may be arrays, of many directions at once."""
+    found = [0.0] * max(rows.stop for rows in STACK.values())
+    _at_state(fn_along@ON@, equations(p).p, float(t), _floats(x), _floats(a), _floats(lam), d, found)
+    return found
+'''
+
+_AT_STATE = "function(p, t, x, a, lam, *last)"
 _ON_BRANCH = """\
 \"\"\"On the branch of the state.\"\"\"
     modes = [0.0] * NMODE
     fn_modes(p, t, x, modes)
-    function(p, t, x, modes, a, lam, found)"""
+    function(p, t, x, modes, a, lam, *last)"""
 
 _MANY = '''\
 def rhs_many(t, x, p=None):
@@ -267,7 +280,7 @@ def verbs(program: Program, complete: bool) -> list[str]:
         found.append(_CONSISTENT)
     if program.interface.nc and "system" in program.functions:
         found.append(_CONSTRAINTS)
-    if program.interface.derivatives:
+    if program.interface.differentiated:
         found.append(_stacked(program.interface))
     rhs = _ON_BRANCHES if program.interface.switches else _PLAIN
     many, last, end = _MANY.replace("@RHS@", rhs).rpartition("    return type")
@@ -281,24 +294,23 @@ def _outputs(program: Program) -> str:
 
 
 def _stacked(interface: Interface) -> str:
-    """Derivatives, with the places of their entries."""
+    """What is differentiated, and its derivatives: with the places of their entries, or along directions."""
     parts = [f"    {name!r}: {part!r},\n" for name, part in interface.stack.items()]
-    text = ["STACK = {  # rows of the derivatives\n", *parts, "}\nPATTERNS = {  # (row, column) of each\n"]
-    for name, pattern in interface.derivatives.items():
+    on = "_on" if interface.switches else ""
+    text = "".join(["STACK = {  # rows of the derivatives\n", *parts, "}\n", _DERIVATIVES])
+    text += _by_groups(interface.derivatives) if interface.derivatives else _ALONG
+    return text.replace("@CALL@", _ON_BRANCH if on else _AT_STATE).replace("@ON@", on)
+
+
+def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
+    text = ["\n\nPATTERNS = {  # (row, column) of each\n"]
+    for name, pattern in patterns.items():
         places = textwrap.fill(
             ", ".join(map(repr, pattern)), 100, initial_indent=" " * 8, subsequent_indent=" " * 8
         )
         text.append(f"    {name!r}: [\n{places}\n    ],\n" if pattern else f"    {name!r}: [],\n")
-    there = [name for name, pattern in interface.derivatives.items() if pattern]
-    on = "_on" if interface.switches else ""
-    found = _DERIVATIVES
-    for mark, words in (
-        ("@FUNCTIONS@", ", ".join(f"{name!r}: fn_by_{name}{on}" for name in there)),
-        ("@ON@", on),
-        ("@CALL@", _ON_BRANCH if on else _AT_STATE),
-    ):
-        found = found.replace(mark, words)
-    return "".join([*text, "}\n", found])
+    functions = ", ".join(f"{name!r}: fn_by_{name}@ON@" for name, pattern in patterns.items() if pattern)
+    return "".join([*text, "}\n", _BY_GROUPS.replace("@FUNCTIONS@", functions)])
 
 
 def _statuses() -> str:

@@ -23,6 +23,9 @@ def compiled(sources: Mapping[str, str]) -> CodeType:
     return compile(text, name, "exec", dont_inherit=True)
 
 
+TOGETHER = 64  # directions that derivatives are made along at once
+
+
 class NumpyModel(Compiled):
     """The module; `code` is its compiled text, where it is at hand."""
 
@@ -149,23 +152,42 @@ class NumpySystem(CompiledSystem):
 
     def derivatives(
         self, group: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None
-    ) -> tuple[list[float], tuple[tuple[int, int], ...]]:
-        """Of the stack by one group: the entries, and their places (row, column)."""
-        pattern = self.interface.derivatives[group]
-        found = [0.0] * len(pattern)
-        if pattern:
+    ) -> Any:
+        """Of the stack by one group, as a matrix."""
+        import numpy
+
+        height, columns = max(rows.stop for rows in self.model.rows.values()), self.interface.groups[group]
+        table = numpy.zeros((height, len(columns)))
+        if "along" in self.interface.functions:
+            for first in range(0, len(columns), TOGETHER):
+                directions = range(columns.start, columns.stop)[first : first + TOGETHER]
+                changes: list[Any] = [0.0] * height
+                self._differentiated("along", t, x, a, lam, modes, self._seeds(directions), changes)
+                for k, change in enumerate(changes):
+                    table[k, first : first + TOGETHER] = change
+        elif pattern := self.interface.derivatives[group]:
+            found = [0.0] * len(pattern)
             self._differentiated(f"by_{group}", t, x, a, lam, modes, found)
-        return found, pattern
+            table[tuple(self.model.places[group])] = found
+        return table
+
+    def _seeds(self, directions: range) -> list[Any]:
+        """One after the other: an array an entry of a direction, 0 where all of them have that."""
+        import numpy
+
+        found: list[Any] = [0.0] * max(group.stop for group in self.interface.groups.values())
+        found[directions.start : directions.stop] = list(numpy.eye(len(directions)))
+        return found
 
     def _differentiated(
-        self, name: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None, found: list[float]
+        self, name: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None, *last: list[Any]
     ) -> None:
         module = self.model.module
         if not self.interface.switches:
-            module[f"fn_{name}"](self._p, t, x, a, lam, found)
+            module[f"fn_{name}"](self._p, t, x, a, lam, *last)
         else:
             on = self.modes(t, x) if modes is None else modes
-            module[f"fn_{name}_on"](self._p, t, x, on, a, lam, found)
+            module[f"fn_{name}_on"](self._p, t, x, on, a, lam, *last)
 
     def start(self) -> list[float]:
         x = [0.0] * self.nx
