@@ -12,6 +12,7 @@ import pytest
 
 from lagc.kernels import METHODS, statuses
 from lagc.meaning import model
+from lagc.optimize import derivatives
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import codes, members
 from lagc.render.kernels.shipped import parts
@@ -77,7 +78,7 @@ def test_the_header_numbers_statuses_and_methods() -> None:
     assert {name: numbers[name] for name in expected} == expected
 
 
-def test_docs_name_what_there_is() -> None:
+def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     text = (DOCS / "interface.md").read_text(encoding="utf-8")
     assert f"--method {'|'.join(METHODS)}`" in text
     generated = text[text.index("## Generated C") :]
@@ -86,8 +87,11 @@ def test_docs_name_what_there_is() -> None:
     own = prefix(program.interface.model)
     names = set(re.findall(r"`(?:NAME)?_([a-z]\w*)", generated))
     assert len(names) > 10
-    for name in names - {"by_time"}:  # nothing in this one depends on time
+    for name in names - {"by_time", "along"}:  # nothing in this one depends on time
         assert re.search(rf"\b{own}_{name}\b", header), name
+    monkeypatch.setattr(derivatives, "MANY", 0)
+    large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))
+    assert any(f" {own}_along(" in text for name, text in large.items() if name.endswith(".h"))
     for name in re.findall(r"`NAME_([A-Z]\w*)", generated):
         assert re.search(rf"\b{own.upper()}_{name}\b", header), name
     words = set(re.findall(r"`(?!NAME_)([A-Z]{2}[A-Z_]*)`", generated)) - {
