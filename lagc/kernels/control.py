@@ -82,8 +82,10 @@ def adapt(s: State, a: Trial, o: Options) -> None:
     if a.rejected > 0 and following > a.size:
         following = a.size
     if NMODE > 0:
-        if (a.meets or a.half) and a.rejected == 0 and following < s.h:
-            following = s.h
+        if a.meets or a.half:
+            tried = s.h if a.rejected == 0 else a.whole
+            if following < tried:
+                following = tried
     if a.lands and a.rejected == 0 and following < s.h:
         following = s.h  # the step was short only to land
     s.h = following

@@ -275,4 +275,5 @@ class Trial:
     if NMODE > 0:
         meets: bool  # it ends where a switch changes
         half: bool  # it is the first of one that would
+        whole: Real  # the size that was accepted before it was made to
     rejected: int  # attempts before

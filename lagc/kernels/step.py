@@ -88,12 +88,12 @@ def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
         return OK
     a.meets = True
     a.half = False
-    whole_size = a.size
+    a.whole = a.size
     a.size *= part
     a.h *= part
     a.lands = False
     a.t_new = s.t + a.h
-    if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * whole_size:
+    if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.whole:
         a.h = 0.0
         keep_parameters(p, s)
         return pass_change(p, s, a.direction, w)

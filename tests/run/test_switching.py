@@ -185,3 +185,21 @@ def test_switches_that_change_at_one_time_but_for_rounding(backend: str) -> None
     run = lagc.loads(text).compile(backend=backend).simulate(10.0, accuracy=1e-9)
     assert run.status == "ok"
     assert run["der(x)"][-1] == pytest.approx(-4.0, rel=1e-9) and run["x"][-1] == pytest.approx(7.5, rel=1e-9)
+
+
+@pytest.mark.parametrize("places", [5, 9, 13, 17])
+def test_switches_that_change_some_last_places_apart(places: int) -> None:
+    """Between the two ends a step of 1e-15 s, after one that the hard wall has rejected."""
+    text = (
+        "model M\n  parameter Length d = 0;\n  parameter Stiffness k = 1e4;\n"
+        "  coordinate Length x(start = -1 [m], rate = 1), y(start = -1 [m] - d, rate = 1);\n"
+        "  body a = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        "  body b = Particle(mass = 1 [kg], at = {y, 0, 0});\n"
+        "  potential wall = k/2*(max(0, x)^2 + max(0, y)^2);\nend M;"
+    )
+    system = lagc.loads(text).compile(backend="numpy")
+    for rtol in (1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+        run = system.simulate(1.5, method="dop853", rtol=rtol, parameters={"d": places * 2.0**-52})
+        assert run.status == "ok" and len(run.events) == 4, run.message
+        for place in (run["x"], run["y"]):
+            assert place[-1] == pytest.approx(1.0 + math.pi / 100.0 - 1.5, rel=50.0 * rtol)
