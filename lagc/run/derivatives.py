@@ -25,6 +25,7 @@ Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
 ROUNDING = 1e-13  # of its terms: what is rounding, and therefore zero
 LAST = 2.0**-50  # by which last places change
 SHARE = 0.1  # of an entry: a change that makes it rounding
+FEW, ENOUGH = 3, 12  # such changes; rounding of a few last places stays what it is under one in three
 TINY = 1e-60  # beside a state at which a derivative has no value, as that of norm(v) v at rest
 DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
 
@@ -75,10 +76,11 @@ class Point:
         """All of them by a group as a matrix, where a and lam are held."""
         if group not in self._groups:
             entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
-            if self.clean:
-                for system, t, x, a, lam in self.beside:
-                    changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
-                    entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
+            for k, (system, t, x, a, lam) in enumerate(self.beside if self.clean else ()):
+                if k >= FEW and not _doubtful(entries).any():
+                    break
+                changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
+                entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
             self._groups[group] = entries
         return self._groups[group]
 
@@ -110,7 +112,7 @@ class Point:
         system, n = self.system, self.system.nq + self.system.nv
         here, lam = np.array([*self.value("qdot"), *self.a]), [0.0] * system.nc
         found = np.zeros(n, dtype=bool)
-        for other, t, x, _, _ in self.beside:
+        for other, t, x, _, _ in self.beside[:FEW]:
             rates = [0.0] * system.nx
             if self._rhs(other, t, x, rates, lam) not in FAILED:
                 found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
@@ -124,7 +126,7 @@ class Point:
         def beside(values: Sequence[float]) -> list[float]:
             return [value * (1.0 + chance.choice((-1, 1)) * LAST) for value in values]
 
-        others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(3)]
+        others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(ENOUGH)]
         return [(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam)) for s in others]
 
     def partial(self, part: str, group: str) -> Array:
@@ -209,6 +211,13 @@ class Point:
         if part == "output":
             found = found + self.partial("output", "acceleration") @ self.motion(group)
         return found
+
+
+def _doubtful(entries: Array) -> Any:
+    """Which entries may be rounding, beside the largest of their rows or columns."""
+    sizes = np.abs(entries)
+    beside = np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
+    return (sizes > 0.0) & (sizes <= ROUNDING * beside)
 
 
 def _inverse(table: Array) -> Any:

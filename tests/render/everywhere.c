@@ -59,11 +59,14 @@ static void functions(const model_params *p, double t, const double *x)
     show("e", MODEL_OK, e, 3);
 #ifdef CONDITIONED
     {
-        double c[MODEL_NE], sizes[MODEL_NE], J[sizeof start_work.J / sizeof start_work.J[0]];
-        model_conditions(p, t, x, c, J, sizes);
-        show("conditions", MODEL_OK, c, MODEL_NE);
-        show("J", MODEL_OK, J, (int)(sizeof J / sizeof J[0]));
-        show("sizes", MODEL_OK, sizes, MODEL_NE);
+        double u[MODEL_NU], c[CONDITIONED], J[SLOPES], sizes[CONDITIONED];
+        int i;
+        for (i = 0; i < MODEL_NU; i++)
+            u[i] = i < MODEL_NX ? x[i] : 0.5;
+        model_conditions(p, t, u, c, J, sizes);
+        show("conditions", MODEL_OK, c, CONDITIONED);
+        show("J", MODEL_OK, J, SLOPES);
+        show("sizes", MODEL_OK, sizes, CONDITIONED);
     }
 #endif
 #ifdef OBSERVED

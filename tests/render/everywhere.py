@@ -79,10 +79,11 @@ def prepare(program: Program, folder: Path) -> list[str]:
     main = re.sub(r"\bMODEL_", f"{stem.upper()}_", MAIN.read_text())
     (folder / "everywhere.c").write_text(re.sub(r"\bmodel(?=[_.])", stem, main))
     has = {"CONSTRAINED": program.interface.nc, "OBSERVED": f"{stem}_outputs(" in files[f"{stem}.h"],
-           "LIMITED": program.interface.limits, "FORMED": f"{stem}_mass_matrix(" in files[f"{stem}.h"],
+           "LIMITED": len(program.interface.limits), "FORMED": f"{stem}_mass_matrix(" in files[f"{stem}.h"],
            "STARTED": f"{stem}_consistent(" in files[f"{stem}.h"],
-           "CONDITIONED": f"{stem}_conditions(" in files[f"{stem}.h"]}  # fmt: skip
-    return [*(f"-D{word}" for word, there in has.items() if there), str(folder / f"{stem}.c"),
+           "CONDITIONED": len(program.interface.condition_ends),
+           "SLOPES": len(program.interface.condition_columns)}  # fmt: skip
+    return [*(f"-D{word}={int(there)}" for word, there in has.items() if there), str(folder / f"{stem}.c"),
             str(folder / "everywhere.c")]  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
-from lagc.records import dataclass, replace
+from lagc.records import dataclass
 from lagc.render.c.header import members
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.statements import loads
@@ -48,7 +48,7 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
     found.append(_rhs(interface))
     if "system" in functions:
         found += _system(interface)
-    direct = {**_DIRECT, **(_BY_PARTS if interface.part_ends else {})}
+    direct = {**_DIRECT, "conditions": _conditions(interface)}
     found += [verb for name, verb in direct.items() if name in functions]
     if "outputs" in functions:
         found.append(_outputs(program))
@@ -91,12 +91,6 @@ _DIRECT = {
         f"void lagc_displace({_POINT}, const lagc_real *d, lagc_real *dq)",
         "    lagc_fn_displace(p, t, x, d, dq);\n",
     ),
-    "conditions": Verb(
-        "What a consistent start satisfies, c = 0: phi, psi, the initial section, and stated rates less\n"
-        " * their values; J, the derivatives that are not identically zero; the sizes of the terms.",
-        f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
-        "    lagc_fn_conditions(p, t, x, c, J, sizes);\n",
-    ),
     "limits": Verb(
         "b[NLIMITS], the values made of parameters that have bounds: see `lagc_check`.",
         "void lagc_limits(const lagc_params *p, lagc_real *b)",
@@ -109,13 +103,18 @@ _DIRECT = {
     ),
 }
 
-_BY_PARTS = {
-    "conditions": replace(
-        _DIRECT["conditions"], body=_DIRECT["conditions"].body + "    lagc_put_together(J);\n"
-    )
-}
-
 _AFRESH = "    w->lost = 0; /* whatever was found before */\n"
+
+
+def _conditions(interface: Interface) -> Verb:
+    count, entries = len(interface.condition_ends), len(interface.condition_columns)
+    together = "    lagc_put_together(J);\n" if interface.part_ends else ""
+    return Verb(
+        f"What a consistent start x[NU] satisfies besides unit quaternions, c[{count}] = 0: phi, psi, the\n"
+        f" * initial section, and stated rates less their values; J[{entries}], the derivatives that are\n"
+        f" * not identically zero; sizes[{count}] of the terms.",
+        f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
+        f"    lagc_fn_conditions(p, t, x, c, J, sizes);\n{together}")  # fmt: skip
 
 
 def _default_params(interface: Interface, real: Arithmetic) -> Verb:

@@ -1,0 +1,29 @@
+"""Linear models are the same whether derivatives are made entry by entry or along directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import lagc
+from lagc.optimize import derivatives
+
+ROUNDING = 1e-12  # of the largest entry: a few hundred roundings
+AT = {
+    "classic/chaplygin_sleigh_speeds": 0.3, "classic/four_bar": 0.3, "classic/sphere_on_turntable": 0.3,
+    "course/string_pendulum": 0.0, "classic/moving_rail": 0.0, "classic/whipple_bicycle": 0.0,
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("no_cache")
+@pytest.mark.parametrize("name, t", AT.items())
+def test_both_ways_agree(name: str, t: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is rounding is 0 in both."""
+    one = lagc.load(name).compile(backend="numpy").linearize(t)
+    monkeypatch.setattr(derivatives, "MANY", 0)
+    two = lagc.load(name).compile(backend="numpy").linearize(t)
+    assert one.system.interface.derivatives and not two.system.interface.derivatives
+    assert (one.states, one.idle, one.stability, one.free) == (two.states, two.idle, two.stability, two.free)
+    for ours, theirs in ((one.A, two.A), (one.B, two.B), (one.C, two.C), (one.D, two.D)):
+        assert np.abs(ours - theirs).max(initial=0.0) <= ROUNDING * np.abs(ours).max(initial=0.0)
+        assert ((ours == 0.0) == (theirs == 0.0)).all()
