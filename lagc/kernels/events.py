@@ -56,12 +56,15 @@ def last_giver(w: Work) -> int:
     return found
 
 
-def give(p: Params, s: State, k: int, w: Work) -> None:
-    """The new values of clause k."""
+def give(p: Params, s: State, k: int, w: Work) -> bool:
+    """The new values of clause k; whether there are any."""
+    found = False
     fn_reinit(p, s.t, s.x, w.fresh_values)
     for j in range(NJUMP):
         if clause[j] == k:
             s.x[target[j]] = w.fresh_values[j]
+            found = True
+    return found
 
 
 def meets_constraints(p: Params, s: State, w: Work) -> bool:
@@ -119,6 +122,17 @@ def move_by(s: State, time: Real, w: Work) -> None:
             s.x[i] += time * w.xdot[i]
 
 
+def let_go(p: Params, s: State, direction: Real, w: Work) -> Status:
+    """Conditions that hold no longer after one clause may become true by the next."""
+    status = land(p, s, direction, w)
+    if not failed(status):
+        fn_holds_on(p, s.t, s.x, w.modes, w.holds)
+        for k in range(NWHEN):
+            if w.holds[k] < s.held[k]:
+                s.held[k] = w.holds[k]
+    return status
+
+
 def jump(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
     """The clauses in w.due, of which `giver` is the last that does, give new values; what the energy gains by
     it is work that is done."""
@@ -126,12 +140,17 @@ def jump(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
     if NZ > 0:
         fn_energies(p, s.t, s.x, w.energies)
         before = w.energies[2]
-    for k in range(NWHEN):
-        if w.due[k] > 0:
-            give(p, s, k, w)
-    if not_finite(s.x, NX) >= 0:
-        w.culprit = giver
-        return MISPLACED
+    given = 0
+    for k in range(giver + 1):
+        if w.due[k] > 0 and give(p, s, k, w):
+            given += 1
+            if not_finite(s.x, NX) >= 0:
+                w.culprit = k
+                return MISPLACED
+            if k < giver:
+                status = let_go(p, s, direction, w)
+                if failed(status):
+                    return status
     enlarge(s.x, s.sizes)
     if NC > 0 or NQUAT > 0:
         if not meets_constraints(p, s, w):
@@ -142,7 +161,7 @@ def jump(p: Params, s: State, giver: int, direction: Real, w: Work) -> Status:
         s.x[NX - 1] += w.energies[2] - before
     status = land(p, s, direction, w)
     if not failed(status):
-        s.jumps += 1
+        s.jumps += given
     return status
 
 

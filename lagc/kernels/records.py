@@ -219,7 +219,7 @@ class State:
     if NWHEN > 0:
         acts: int  # of clauses `when` then
         acted: IVec[NACTS]  # which, in the order in which they did
-        jumps: Count  # times at which states took new values
+        jumps: Count  # acts that gave states new values
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding
     recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten

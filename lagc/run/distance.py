@@ -53,12 +53,10 @@ def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
 
 
 def _at_the_end(a: Trajectory, b: Trajectory) -> bool:
-    """Whether the jump that only one of them has is that close to the end."""
-    more = a if len(a.jumps) > len(b.jumps) else b
-    span = abs(more.times[-1] - more.times[0])
-    return (
-        abs(len(a.jumps) - len(b.jumps)) == 1 and abs(more.times[-1] - more.jumps[-1]) <= NEAR_THE_END * span
-    )
+    """Whether the jumps that only one of them has are that close to the end."""
+    more, both = (a if len(a.jumps) > len(b.jumps) else b), min(len(a.jumps), len(b.jumps))
+    near = NEAR_THE_END * abs(more.times[-1] - more.times[0])
+    return all(abs(more.times[-1] - t) <= near for t in more.jumps[both:])
 
 
 def difference(
