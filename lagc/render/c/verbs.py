@@ -139,8 +139,12 @@ def _rhs(interface: Interface) -> Verb:
     return Verb(
         "xdot[NX] at (t, x), and the multipliers lambda[NC]; lambda may be NULL.",
         f"lagc_status lagc_rhs({_POINT}, lagc_real *xdot, lagc_real *lambda, lagc_work *w)",
-        (_AFRESH if interface.nc else "")
+        _afresh(interface)
         + "    return lagc_rhs_at(p, t, x, xdot, lambda ? lambda : w->lam, w);\n")  # fmt: skip
+
+
+def _afresh(interface: Interface) -> str:
+    return _AFRESH if interface.nc else ""
 
 
 def _system(interface: Interface) -> list[Verb]:
@@ -192,8 +196,9 @@ def _of_accelerations(program: Program, name: str, comment: str, output: str) ->
     if not {"a", "lam", "modes"} & {array for array, _ in loads(function)}:
         unused = "" if "w->" in call else "    (void)w;\n"
         return Verb(comment, head, room + call + unused + "    return LAGC_OK;\n")
-    solved = "    const lagc_status status = lagc_rhs(p, t, x, w->xdot, w->lam, w);\n"
-    return Verb(comment, head, room + solved + call + "    return status;\n")
+    room += "    lagc_status status;\n"
+    solved = "    status = lagc_rhs_at(p, t, x, w->xdot, w->lam, w);\n"
+    return Verb(comment, head, room + _afresh(program.interface) + solved + call + "    return status;\n")
 
 
 def _on_own_branch(name: str, last: str, switches: int) -> str:
