@@ -13,7 +13,8 @@ FILES = (
     "statuses", "limits", "trigonometry",
     "records", "binding", "kinds", "modes", "dense", "fallback", "damped", "rhs", "quaternions", "projection",
     "runge_kutta", "method", "check", "control", "weights", "listening",
-    "enclosing", "branches", "locating", "switching", "events", "narrow", "calls", "step", "recording",
+    "enclosing", "branches", "locating", "resting", "switching", "events", "narrow", "calls", "step",
+    "recording",
     "startrecords", "leastnorm", "startparts", "startrows", "startpairs", "startsizes", "starttable",
     "startalone", "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip

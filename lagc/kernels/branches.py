@@ -86,11 +86,12 @@ def spread_changes(p: Params, s: State, direction: Real, rates: Vec[NX], w: Work
 
 def keep_branch(s: State, w: Work) -> None:
     """The branch that was found; what a side is beyond its change, as it is where that was located, is none
-    of another."""
-    s.modes[:] = w.modes
+    of another.  What rests keeps its slack."""
     for k in range(NMODE):
         beyond = -margin(k, w.sides[k], 0.0, w)
-        s.slack[k] = beyond if beyond > 0.0 else 0.0
+        least = s.slack[k] if w.modes[k] == 0.0 and s.modes[k] == 0.0 else 0.0
+        s.slack[k] = beyond if beyond > least else least
+        s.modes[k] = w.modes[k]
 
 
 def at_its_beginning(k: int, w: Work) -> bool:

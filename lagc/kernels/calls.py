@@ -58,6 +58,7 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
             s.jolts[i] = 0.0
         s.fresh = False
         s.halved = False
+        s.rough = 0.0
         s.little = 0.0
     if NWHEN > 0:
         s.acquainted = False

@@ -23,10 +23,11 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, State, Work
+from lagc.kernels.resting import late, turns_back
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NACTS, NC, NFREE, NJUMP, NMODE, NQ, NQUAT, NTIMED, NV, NWHEN, NX, NZ
 from lagc.kernels.statuses import CHATTERING, MISPLACED, OK, TERMINATED, failed
-from lagc.kernels.switching import change, is_little, late, turns_back
+from lagc.kernels.switching import change, is_little
 from lagc.kernels.tables import clause, counted, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 

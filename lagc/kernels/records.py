@@ -160,6 +160,7 @@ class Work:
         jumped: IVec[NMODE]  # 1: its side, as others changed
         left_rates: Vec[NX]  # of the state, on the branch that it leaves
         crossed: IVec[NMODE]  # 1: it changes at the end of the step
+        halted: IVec[NFREE]  # 1: its side comes to zero then, too
     if NWHEN > 0:
         holds: Vec[NWHEN]  # 1: a condition does
         due: IVec[NWHEN]  # 1: it has become true
@@ -247,6 +248,7 @@ class State:
         modes_old: Vec[NMODE]  # of the last
         slack: Vec[NMODE]  # how far a side is beyond its change
         fresh: bool  # the last step ended with one
+        rough: Real  # time that errors of the last step are worth
         little: Real  # time, beside the last step: what is of second order in it is less than its error
         halved: bool  # it was the first half of one that would
         changes_here: Count  # changes at the time t_changed

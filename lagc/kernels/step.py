@@ -32,6 +32,7 @@ from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
 MOST_SHRUNK = 40  # times
+ROUGH = 10.0  # of a step, times the tolerance
 LITTLE = 0.1  # of a step, times the root of the tolerance
 SHORT = 1e6  # last places of the time: of a step that has no error
 FAR_TOO_LONG = 100.0  # the error of a step that tells little of how long it should be
@@ -136,6 +137,7 @@ def accept(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None
         s.modes_old[:] = w.modes
         s.fresh = False
         s.halved = a.half
+        s.rough = ROUGH * o.rtol * fabs(a.h)
         s.little = LITTLE * raised(o.rtol, 0.5) * fabs(a.h)
 
 

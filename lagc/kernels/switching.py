@@ -9,6 +9,7 @@ from lagc.kernels.limits import SPACING
 from lagc.kernels.locating import NEARLY_THERE
 from lagc.kernels.model import fn_side_rates_on, fn_sides_on
 from lagc.kernels.records import NOWHERE, State, Work
+from lagc.kernels.resting import come_to_rest, hold_still, late, rates_of_sides, rests, turns_back
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
 from lagc.kernels.statuses import CHATTERING, OK, failed
@@ -16,18 +17,6 @@ from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status
 
 MOST_AT_ONCE = 20  # changes at one time, and two for each switch
-TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
-STILL = 1e-12  # of the rates on both sides: less than that is rest between them
-
-
-def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
-    """Whether a switch that has changed goes back at once, by its rates now and before."""
-    ahead = rate * direction
-    if counted[k] > 0:
-        ahead *= sign_of(before * direction)
-    else:
-        ahead *= w.modes[k]
-    return ahead < -TURNED * fabs(before)
 
 
 def stays(p: Params, s: State, direction: Real, w: Work) -> bool:
@@ -48,30 +37,6 @@ def stays(p: Params, s: State, direction: Real, w: Work) -> bool:
         take(w)
         fn_sides_on(p, s.t, s.x, w.modes, w.sides)
     return found
-
-
-def rests(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
-    """Whether the side stays at zero, where its mode is zero."""
-    if counted[k] > 0:
-        return False
-    mode = w.modes[k]
-    w.modes[k] = 0.0
-    s.rhs += 1
-    if not failed(rhs_at(p, s.t, s.x, w.xdot, w.lam, w)):
-        fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
-        if fabs(w.turning[k]) <= STILL * (fabs(rate) + fabs(before)):
-            return True
-    w.modes[k] = mode
-    return False
-
-
-def late(k: int, direction: Real, w: Work) -> Real:
-    """The time since this switch changed, by what its side was before."""
-    target = 0.0
-    if NEDGES > 0:
-        if counted[k] > 0:
-            target = w.left_edges[2 * k + 1] if w.before[k] * direction > 0.0 else w.left_edges[2 * k]
-    return (w.left_sides[k] - target) / w.before[k] if w.before[k] != 0.0 else 0.0
 
 
 def is_little(time: Real, s: State) -> bool:
@@ -127,17 +92,17 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
             else:
                 w.modes[i] = -w.modes[i]
     spread_changes(p, s, direction, w.left_rates, w)
-    s.rhs += 1
-    status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+    if NFREE > 1:
+        if come_to_rest(p, s, direction, w):
+            take(w)
+            fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    status = rates_of_sides(p, s, w)
     if failed(status):
         return status
-    fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
     if stays(p, s, direction, w):
-        s.rhs += 1
-        status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
+        status = rates_of_sides(p, s, w)
         if failed(status):
             return status
-        fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
     for j in range(NFREE):
         k = NTIMED + j
         rate = w.turning[k]
@@ -150,6 +115,7 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
     put_right(p, s, direction, w)
     keep_branch(s, w)
+    hold_still(s, w)
     if to_and_fro(s, w):
         return CHATTERING
     s.changes += 1
