@@ -366,6 +366,10 @@ class _Differentiated(Compilation):
     def equations(self) -> EquationsOfMotion:
         return self.base.equations
 
+    @once
+    def differentiated(self) -> Compilation:
+        return self
+
 
 def _said(given: Source | Points) -> str:
     """What stands for an input in the name of an entry."""

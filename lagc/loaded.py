@@ -64,7 +64,8 @@ class Loaded:
         """With derivatives, in Python."""
         from lagc.run.backends.numpy import NumpySystem
 
-        found = Loaded(self.compilation.differentiated, "numpy").system("numpy")
+        has = self.compilation.differentiates
+        found = (self if has else Loaded(self.compilation.differentiated, "numpy")).system("numpy")
         assert isinstance(found, NumpySystem)
         return found
 

@@ -58,7 +58,10 @@ def run(options: argparse.Namespace) -> int:
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
     compilation = Compilation(library.read(options.file), choice_of(options))
-    model = CompiledModel(compilation, "auto" if time else "numpy")  # C where the motion there is long
+    if time:
+        model = CompiledModel(compilation, "auto")  # the motion there may be long
+    else:
+        model = CompiledModel(compilation.differentiated, "numpy")  # one program does for all
     try:
         found = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
