@@ -58,10 +58,8 @@ def run(options: argparse.Namespace) -> int:
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
     compilation = Compilation(library.read(options.file), choice_of(options))
-    if time:
-        model = CompiledModel(compilation, "auto")  # the motion there may be long
-    else:
-        model = CompiledModel(compilation.differentiated, "numpy")  # one program does for all
+    one = compilation if time else compilation.differentiated  # a motion may be long: in C, without these
+    model = CompiledModel(one, "auto" if time else "numpy")
     try:
         found = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]

@@ -11,9 +11,9 @@
     reinit            new values that clauses `when` give, one after the other
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
-forces without constraints at lam = 0, of -gamma at a = 0.  Where they would be very many, one function has
-what the stack changes by along a direction in all that it depends on.  Where there are switches these are
-functions of modes, too: on each branch, what a run takes to be smooth there.
+forces without constraints at lam = 0, of -gamma at a = 0.  Where rows share so much that these would be long,
+one function has what the stack changes by along a direction in all that it depends on.  Where there are
+switches these are functions of modes, too: on each branch, what a run takes to be smooth there.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
-from lagc.expr.walk import reachable, union
+from lagc.expr.walk import depends, within
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows
@@ -32,7 +32,8 @@ from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
 from lagc.records import replace
 
-MANY = 10_000  # derivatives: beyond, they are made along directions
+MOST = 16  # times that a sweep a row may pass each part of the equations: beyond, one goes along a direction
+TOGETHER = 1024  # rows whose sweeps are counted at once
 
 
 class Derivatives(NamedTuple):
@@ -123,7 +124,7 @@ def derivatives(places: Places, switches: Sequence[Switch]) -> Derivatives:
     equations, by = places.equations, groups(places)
     every = [symbol for symbols in by.values() for symbol in symbols]
     swept = _rows(stack(equations, switches, motion_by_sweeps))
-    if _count(swept, every) > MANY:
+    if _entangled(swept, every):
         return Derivatives(_values(places, swept), {}, _along(places, swept, every))
     rows = _rows(stack(equations, switches))
     slopes = [gradient(places.graph, {node: places.graph.one}, every) for node in rows]
@@ -139,13 +140,22 @@ def _rows(parts: dict[str, list[Node]]) -> list[Node]:
     return [node for part in parts.values() for node in part]
 
 
-def _count(nodes: Sequence[Node], leaves: Sequence[Node]) -> int:
-    """How many derivatives structure leaves."""
-    below = {leaf: 1 << k for k, leaf in enumerate(leaves)}
-    for node in reachable(nodes):
-        if node.args:
-            below[node] = union(below.get(a, 0) for a in node.args)
-    return sum([below.get(node, 0).bit_count() for node in nodes])
+def _entangled(rows: Sequence[Node], leaves: Sequence[Node]) -> bool:
+    """Whether sweeps, one a row, would pass what rows share more than MOST times."""
+    moving, passed = depends(rows, leaves), 0
+    for first in range(0, len(rows), TOGETHER):
+        some = rows[first : first + TOGETHER]
+        above = dict.fromkeys(moving, 0)  # which rows, as bits of a number
+        for k, row in enumerate(some):
+            above[row] = above.get(row, 0) | 1 << k
+        for node in reversed(within(some, moving)):
+            passed += above[node].bit_count()
+            for argument in node.args:
+                if argument in moving:
+                    above[argument] |= above[node]
+        if passed > MOST * len(moving):
+            return True
+    return False
 
 
 def _values(places: Places, rows: Sequence[Node]) -> Function:

@@ -120,7 +120,7 @@ def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
 def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In C and in Python the same bits, and those by groups one column at a time and all at once."""
     few = _module(_program(name), tmp_path)
-    monkeypatch.setattr(derivatives, "MANY", 0)
+    monkeypatch.setattr(derivatives, "MOST", 0)
     both = _both(_program(name), tmp_path, name)
     interface, module, _, _, point = both
     assert not interface.derivatives and not hasattr(module, "PATTERNS")

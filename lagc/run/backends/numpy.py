@@ -23,7 +23,7 @@ def compiled(sources: Mapping[str, str]) -> CodeType:
     return compile(text, name, "exec", dont_inherit=True)
 
 
-TOGETHER = 64  # directions that derivatives are made along at once
+ROOM = 2**21  # operations that derivatives are made of at once, directions times those of a right-hand side
 
 
 class NumpyModel(Compiled):
@@ -159,12 +159,13 @@ class NumpySystem(CompiledSystem):
         height, columns = max(rows.stop for rows in self.model.rows.values()), self.interface.groups[group]
         table = numpy.zeros((height, len(columns)))
         if "along" in self.interface.functions:
-            for first in range(0, len(columns), TOGETHER):
-                directions = range(columns.start, columns.stop)[first : first + TOGETHER]
+            together = max(ROOM // max(self.interface.operations, 1), 1)
+            for first in range(0, len(columns), together):
+                directions = range(columns.start, columns.stop)[first : first + together]
                 changes: list[Any] = [0.0] * height
                 self._differentiated("along", t, x, a, lam, modes, self._seeds(directions), changes)
                 for k, change in enumerate(changes):
-                    table[k, first : first + TOGETHER] = change
+                    table[k, first : first + together] = change
         elif pattern := self.interface.derivatives[group]:
             found = [0.0] * len(pattern)
             self._differentiated(f"by_{group}", t, x, a, lam, modes, found)
