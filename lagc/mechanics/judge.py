@@ -77,9 +77,10 @@ class Judge:
     def vanish_each(self, asked: Sequence[Sequence[Node]]) -> list[bool | None]:
         """`vanish` of each; of those that clearly do not at a state, nothing else is asked."""
         nodes = [node for each in asked for node in each]
-        state = self._ground.states(None)[0]
-        sizes = dict(zip(nodes, magnitudes(nodes, state)))
-        clear = {node for node, (value, size) in sizes.items() if math.inf > abs(value) > _CLEARLY * size}
+        sizes = [
+            (x, *size) for s in self._ground.states(None)[:1] for x, size in zip(nodes, magnitudes(nodes, s))
+        ]
+        clear = {node for node, value, size in sizes if math.inf > abs(value) > _CLEARLY * size}
         return [self.vanish(each) if clear.isdisjoint(each) else None for each in asked]
 
     def _on_branches(self, asked: Sequence[Node], branches: Branches) -> tuple[bool | None, bool]:
