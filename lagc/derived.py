@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from lagc.run.linearize import Linear
     from lagc.run.solution import Solution
 
-ACCURACY = 1e-9  # of a motion that is followed to where it is linearised
+ACCURACY, COARSELY = 1e-9, 1e-4  # of a motion that is followed to where it is linearised; of one with a note
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
 HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
@@ -127,14 +127,17 @@ class Differentiable:
         no such time, ArithmeticError where the motion does not get to t or there are no finite
         derivatives."""
         from lagc.diagnostics.faults import Fault, Refused
+        from lagc.records import replace
         from lagc.run.linearize import linearize
 
         if not 0.0 <= float(t) < float("inf"):
             fault = f"the time about which a motion is linearised is finite and not before its start: {t:g} s"
             raise Refused([Fault("LAG0604", fault)])
+        notes = tuple[str, ...]()
         if x is None:
-            x = self._at(float(t), parameters, starts, progress)
-        return linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
+            x, notes = self._at(float(t), parameters, starts, progress)
+        found = linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
+        return replace(found, notes=(*notes, *found.notes)) if notes else found
 
     def equilibria(
         self,
@@ -154,7 +157,7 @@ class Differentiable:
         from lagc.run.linearize import linearize
 
         system = self.differentiated(parameters)
-        guess = self._at(0.0, parameters, starts)
+        guess, _ = self._at(0.0, parameters, starts)
         most = equilibria.tries_for(system) if tries is None else tries
         with stage("looking for equilibria", PER_OPERATION * self.interface.operations):
             found = equilibria.equilibria(system, guess, 0.0, most, seed)
@@ -178,15 +181,19 @@ class Differentiable:
         parameters: Mapping[str, Any] | None,
         starts: Mapping[str, Any] | None,
         progress: Callable[[float], None] | None = None,
-    ) -> list[float]:
+    ) -> tuple[list[float], tuple[str, ...]]:
+        """The state there; and what is to be said of it."""
         run = self.simulate(
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
+        notes = tuple[str, ...]()
         if run.status == "failed":
-            raise ArithmeticError(run.message)
+            if run.estimated is None or run.estimated > COARSELY or run.times[-1] != t:
+                raise ArithmeticError(run.message)
+            notes = (f"the state at t = {t:g} s is known to {run.estimated:.1g} of its size: {run.message}",)
         if run.times[-1] < t:
             raise ArithmeticError(f"the motion does not come to t = {t:g} s: {run.message}")
-        return run.states[-1][: self.interface.nq + self.interface.nv]
+        return run.states[-1][: self.interface.nq + self.interface.nv], notes
 
     def _columns(self, point: Point, of: str, word: str) -> Array:
         group, columns = self._places(word, held=of in HELD)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from math import acos, cos, pi, sin, sqrt
+from math import acos, cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -267,6 +267,28 @@ def test_what_changes_with_time_is_of_the_moment() -> None:
     assert linear.momentary and linear.stability is None
     driven = model_of("classic/driven_oscillator", "resonance").linearize(0.3)
     assert driven.linear and not driven.still and driven.stability == "asymptotically stable"
+
+
+FALLING = """model Falling
+  parameter Real[s-1] k = 5;
+  coordinate Length x(start = 1 [m], rate = -5 [m/s]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential W = -1/2*(1 [kg])*k^2*x^2;
+end Falling;
+"""
+
+
+def test_a_motion_that_rounding_moves_has_a_model_and_a_note() -> None:
+    """exp(-k t), which rounding leaves by 1e-16 exp(k t)."""
+    model = lagc.loads(FALLING).compile(backend="numpy")
+    linear = model.linearize(4.0)
+    (note,) = linear.notes
+    known = float(note.split("known to ")[1].split()[0])
+    assert abs(linear.x[0] - exp(-20.0)) <= known <= 1e-5
+    assert np.array_equal(linear.A, [[0.0, 1.0], [25.0, 0.0]])
+    assert not model.linearize(1.0).notes
+    with pytest.raises(ArithmeticError, match="foretold"):
+        model.linearize(8.0)
 
 
 def test_no_equilibrium() -> None:
