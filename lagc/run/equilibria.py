@@ -220,13 +220,19 @@ class _Search:
     def _moved(self, z: Array, step: Array, columns: Array, inverse: Array, share: float) -> Array:
         """As far along the step as it makes the next one shorter, by the same derivatives (P. Deuflhard,
         *Newton Methods for Nonlinear Problems*, Springer 2011, section 3.3)."""
-        moved = z + share * step * columns
+        moved = self._still(z + share * step * columns)
         for _ in range(HALVINGS):
             if np.linalg.norm(inverse @ self._residual(moved)) < np.linalg.norm(step):
                 break
             share /= 2.0
-            moved = z + share * step * columns
+            moved = self._still(z + share * step * columns)
         return moved
+
+    def _still(self, z: Array) -> Array:
+        """Speeds that are nothing beside their sizes are 0: dry friction acts on the least of them."""
+        speeds = slice(self.system.nq, self.system.nq + self.system.nv)
+        z[speeds][np.abs(z[speeds]) <= CLOSE * self.sizes[speeds]] = 0.0
+        return z
 
     def _rows(self, z: Array) -> tuple[Array, Array, Array, Array]:
         """The residuals, their derivatives, and sizes: of the unknowns, and what these change each row by."""

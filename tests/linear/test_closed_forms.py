@@ -291,6 +291,31 @@ def test_a_motion_that_rounding_moves_has_a_model_and_a_note() -> None:
         model.linearize(8.0)
 
 
+RUBBED = """model Rubbed
+  coordinate Angle a(start = 1.2), b(start = -0.3);
+  coordinate Length x(start = 0.9 [m]);
+  body pin = Particle(mass = 0.5 [kg], at = {0.3 [m]*cos(a), 0, 0.3 [m]*sin(a)});
+  body slider = Particle(mass = 1.1 [kg], at = {x, 0, 0});
+  constraint along: x = 0.3 [m]*cos(a) + 0.8 [m]*cos(b);
+  constraint level: 0 [m] = 0.3 [m]*sin(a) + 0.8 [m]*sin(b);
+  Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});
+  force rub = {-0.5 [N]*sign(der(x)), 0, 0} at slider;
+end Rubbed;
+"""
+
+
+def test_at_rest_dry_friction_pushes_neither_way() -> None:
+    """The pin of a slider-crank rests above or below its axle, and no linear model tells what is about it."""
+    model = lagc.loads(RUBBED).compile(backend="numpy")
+    system = model.differentiated()
+    postures = equilibria.equilibria(system, system.start(), tries=8)
+    assert postures
+    for one in postures:
+        assert abs(cos(one.x[0])) < CLOSE and one.x[3:] == [0.0, 0.0, 0.0]
+    with pytest.raises(ArithmeticError, match="forces jump"):
+        model.equilibria(tries=8)
+
+
 def test_no_equilibrium() -> None:
     assert found("classic/kepler") == []
 
