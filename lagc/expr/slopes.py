@@ -104,7 +104,7 @@ def by_sums(
     """The same by sums; None where that leaves not far fewer."""
     shared = _shared(nodes, places, few)
     found = _through(graph, nodes, places, size, shared) if shared else None
-    if found is None or len(found.nodes) > sum(map(len, found.columns)):
+    if found is None or sum(map(len, found.columns)) <= _WORTH * len(found.nodes):
         return None  # some derivatives turned out to be 0
     return found
 
