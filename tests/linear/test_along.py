@@ -11,7 +11,7 @@ from lagc.optimize import derivatives
 ROUNDING = 1e-12  # of the largest entry: a few hundred roundings
 AT = {
     "classic/chaplygin_sleigh_speeds": 0.3, "classic/four_bar": 0.3, "classic/sphere_on_turntable": 0.3,
-    "course/string_pendulum": 0.0, "classic/moving_rail": 0.0, "classic/whipple_bicycle": 0.0,
+    "course/string_pendulum": 0.0, "classic/moving_rail": 0.0, "classic/wheelset": 0.0,
 }  # fmt: skip
 
 
