@@ -71,6 +71,16 @@ class _Factoring:
     def enlarge(self, k: int, value: int) -> None:
         self.sizes[k] = self.block.add(self.sizes.get(k, self.block.zero), value)
 
+    @property
+    def factors(self) -> Factors:
+        return Factors(self.lower, self.inverse, self.health, self.sizes, self.own)
+
+    def eliminate(self, step: Step) -> None:
+        if step.definition:
+            self.substitution(step)
+        else:
+            self.pivot(step)
+
     def pivot(self, step: Step) -> None:
         block, k = self.block, step.unknown
         pivot = self.at(k, k)
@@ -161,25 +171,48 @@ def factor(block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None 
     """
     work = _Factoring(block, plan, matrix, guard)
     for step in plan.steps:
-        if step.definition:
-            work.substitution(step)
-        else:
-            work.pivot(step)
-    return Factors(work.lower, work.inverse, work.health, work.sizes, work.own)
+        work.eliminate(step)
+    return work.factors
 
 
 def substitute(
     block: Block, plan: Elimination, factors: Factors, matrix: Matrix, right: Sequence[int]
 ) -> list[int]:
     """The solution for a right-hand side, which is zero where it ends."""
-    x = [*right, *[block.zero] * (plan.structure.unknowns - len(right))]
+    x = _padded(block, plan, right)
     for step in plan.steps:
-        k = step.unknown
-        for u in step.definition:
-            x[u] = block.add(x[u], block.mul(matrix.coefficients[(k, u)], x[k]))
-        if not step.definition:
-            for i in step.near:
-                x[i] = block.sub(x[i], block.mul(factors.lower[(i, k)], x[k]))
+        _forward(block, step, factors.lower, matrix, x)
+    return _backward(block, plan, factors, matrix, x)
+
+
+def factor_and_substitute(
+    block: Block, plan: Elimination, matrix: Matrix, right: Sequence[int]
+) -> tuple[Factors, list[int]]:
+    """Both, step by step: what is done to the right-hand side goes on while a pivot is waited for."""
+    work, x = _Factoring(block, plan, matrix, None), _padded(block, plan, right)
+    for step in plan.steps:
+        work.eliminate(step)
+        _forward(block, step, work.lower, matrix, x)
+    return work.factors, _backward(block, plan, work.factors, matrix, x)
+
+
+def _padded(block: Block, plan: Elimination, right: Sequence[int]) -> list[int]:
+    return [*right, *[block.zero] * (plan.structure.unknowns - len(right))]
+
+
+def _forward(block: Block, step: Step, lower: Mapping[Entry, int], matrix: Matrix, x: list[int]) -> None:
+    """What a step of the elimination does to a right-hand side."""
+    k = step.unknown
+    for u in step.definition:
+        x[u] = block.add(x[u], block.mul(matrix.coefficients[(k, u)], x[k]))
+    if not step.definition:
+        for i in step.near:
+            x[i] = block.sub(x[i], block.mul(lower[(i, k)], x[k]))
+
+
+def _backward(
+    block: Block, plan: Elimination, factors: Factors, matrix: Matrix, x: list[int]
+) -> list[int]:
     when = {step.unknown: n for n, step in enumerate(plan.steps)}
     for step in reversed(plan.steps):
         k = step.unknown

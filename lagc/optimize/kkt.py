@@ -13,7 +13,7 @@ from lagc.expr.symbol import derived
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination
-from lagc.optimize.factoring import Factors, Guard, Matrix, factor, pair, refine, residual, substitute
+from lagc.optimize.factoring import Factors, Guard, Matrix, factor, factor_and_substitute, pair, refine, residual, substitute
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
@@ -59,8 +59,8 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     elif plan.structure.unknowns == plan.speeds == 2 and len(matrix.entries) == 3:
         (x, health), left = pair(block, matrix.entries, b), block.zero
     else:
-        factors = factor(block, plan, matrix)
-        x, left, health = substitute(block, plan, factors, matrix, b), block.zero, factors.health
+        factors, x = factor_and_substitute(block, plan, matrix, b)
+        left, health = block.zero, factors.health
         if plan.multipliers:
             _, left = residual(block, plan, factors, matrix, b, x)
         health = _with_inertia(block, plan, factors.inverse, [*x[: plan.size], left], health)

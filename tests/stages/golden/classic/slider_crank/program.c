@@ -3,11 +3,11 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 {
     const lagc_real r_ = p->r;
     prepared[13] = r_;
-    const lagc_real m2 = p->m2;
-    prepared[15] = m2;
     const lagc_real l = p->l;
     prepared[14] = l;
-    const lagc_real t0 = m2 * l;
+    const lagc_real m2 = p->m2;
+    prepared[15] = m2;
+    const lagc_real t0 = l * m2;
     prepared[0] = r_ * t0 * 0.5;
     const lagc_real t1 = l * t0;
     const lagc_real t2 = t1 * 0.3333333333333333;
@@ -30,7 +30,7 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     prepared[7] = t6 + 2.0 * t6;
     prepared[10] = t1 * 0.16666666666666666;
     prepared[11] = 0.5 * m3;
-    prepared[12] = t3 * 0.5 + J1 * 0.5;
+    prepared[12] = 0.5 * t3 + 0.5 * J1;
 }
 
 /* right-hand side: qdot, accelerations, multipliers */
@@ -39,12 +39,12 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real phi_ = x[0];
     const lagc_real psi_ = x[1];
     lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
-    const lagc_real t0 = sc0[0];
+    const lagc_real t0 = sc0[1];
     const lagc_real t1 = sc0[2];
-    const lagc_real t2 = sc0[1];
+    const lagc_real t2 = sc0[0];
     const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real t4 = (t0 * t1 - t2 * t3) * prepared0;
+    const lagc_real t4 = prepared0 * (t1 * t2 - t0 * t3);
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t5 = t4 * prepared1;
     const lagc_real prepared2 = p->prepared[2];
@@ -54,19 +54,19 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t8 = 1.0 / t6;
     const lagc_real t9 = prepared1 * t7;
     const lagc_real r_ = p->r;
-    const lagc_real t10 = t2 * r_;
+    const lagc_real t10 = t0 * r_;
     const lagc_real t11 = t10 + t4 * t9;
     const lagc_real t12 = t8 * t11;
     const lagc_real t13 = t1 * l;
     const lagc_real t14 = prepared1 * t13;
-    const lagc_real t15 = t0 * r_;
+    const lagc_real t15 = t2 * r_;
     const lagc_real t16 = 1.0 / (t7 * t9 + t11 * t12);
     const lagc_real t17 = t4 * t14 - t15;
     const lagc_real der_phi = x[3];
     /* der(phi) */
     xdot[0] = der_phi;
     const lagc_real t18 = der_phi * der_phi;
-    const lagc_real t19 = prepared0 * (t1 * t2 + t0 * t3);
+    const lagc_real t19 = (t0 * t1 + t2 * t3) * prepared0;
     const lagc_real t20 = t8 * t17;
     const lagc_real t21 = t13 * t9 + t17 * t12;
     const lagc_real t22 = t18 * t19;
@@ -78,20 +78,20 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real prepared3 = p->prepared[3];
     const lagc_real t25 = t19 * t23;
     const lagc_real t26 = t17 * t20 + (t13 * t14 + prepared3);
-    const lagc_real t27 = t5 * t22 - t25;
+    const lagc_real t27 = t22 * t5 - t25;
     const lagc_real t28 = t18 * t15 - t23 * t13;
     const lagc_real t29 = t21 * t24 - t26;
     const lagc_real t30 = t23 * t7 + t18 * t10;
     const lagc_real t31 = 1.0 / t29;
     const lagc_real t32 = t28 - t22 * t9 - t27 * t12;
-    const lagc_real t33 = t31 * (t30 - t22 * t14 - t27 * t20 - t24 * t32);
-    const lagc_real t34 = t16 * t32 + t24 * t33;
+    const lagc_real t33 = (t30 - t22 * t14 - t27 * t20 - t32 * t24) * t31;
+    const lagc_real t34 = t32 * t16 + t24 * t33;
     /* pin[2], slider_crank.lag:25 */
     lam[1] = t34;
-    const lagc_real t35 = t12 * t34 + (t8 * t27 - t20 * t33);
+    const lagc_real t35 = t12 * t34 + (t27 * t8 - t20 * t33);
     /* der(der(phi)) */
     xdot[3] = t35;
-    const lagc_real t36 = t14 * t33 - prepared1 * t22 - t9 * t34 - t5 * t35;
+    const lagc_real t36 = t14 * t33 - t22 * prepared1 - t9 * t34 - t5 * t35;
     /* der(der(psi)) */
     xdot[4] = t36;
     const lagc_real t37 = prepared3 * t33;

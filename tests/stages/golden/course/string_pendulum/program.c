@@ -40,7 +40,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     health[0] = 1.0;
     const lagc_real t8 = 1.0 / (t4 * t6 + t3 * t5);
     const lagc_real prepared1 = p->prepared[1];
-    const lagc_real t9 = t8 * (t6 * prepared1 - t7);
+    const lagc_real t9 = (t6 * prepared1 - t7) * t8;
     /* string, string_pendulum.lag:21 */
     lam[0] = t9;
     const lagc_real t10 = t5 * t9;
