@@ -147,7 +147,7 @@ def _divided(function: Function) -> Iterator[Run]:
         first = run.first
         while first < run.end:
             end = min(first + _LARGEST, run.end, stores if first < stores else run.end)
-            if end < stores and _TURNS.get(operations[end - 1].op) == operations[end].op:
+            if end < min(run.end, stores) and _TURNS.get(operations[end - 1].op) == operations[end].op:
                 end += 1  # that may be of one angle
             yield Run(first, end - first, 1)
             first = end

@@ -7,6 +7,7 @@ import random
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import lagc
@@ -81,6 +82,27 @@ def test_an_array_read_and_written_is_read_before_it_is_written() -> None:
     after, other = list(before), [0.0] * 58
     python["fn_f"](after, other)
     assert {"x": after, "y": other} == interpret(f, {"x": before})
+
+
+@needs_gcc
+@pytest.mark.usefixtures("short")
+def test_what_stands_before_a_loop_ends_where_it_begins(tmp_path: Path) -> None:
+    """Also where a sine is the last of one, and a cosine the first of the other."""
+    made = Builder("before", ("p", "t", "x"), (("y", 62),))
+    x = [made.load("x", k) for k in range(60)]
+    first = made.op("sin", made.op("mul", x[0], x[1]))
+    values = [first, *(made.op("cos", entry) for entry in x), made.op("add", first, x[0])]
+    for k, value in enumerate(values):
+        made.store("y", k, value)
+    f = rolled(made.function())
+    loop = next(run.first for run in f.runs if run.count > 1)
+    assert [f.operations[loop - 1].op, f.operations[loop].op] == ["sin", "cos"]
+    python, library = build([f], tmp_path)
+    given = [0.1 * k for k in range(60)]
+    ours, theirs = both(python, library, "before", [0.0, 1.0, 9.81], 0.0, given, 62)
+    assert ours == theirs
+    values = np.frombuffer(b"".join(ours))
+    assert np.abs(values - interpret(f, {"x": given})["y"]).max() <= 1e-15  # of sines and cosines
 
 
 @needs_gcc
