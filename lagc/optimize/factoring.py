@@ -210,9 +210,7 @@ def _forward(block: Block, step: Step, lower: Mapping[Entry, int], matrix: Matri
             x[i] = block.sub(x[i], block.mul(lower[(i, k)], x[k]))
 
 
-def _backward(
-    block: Block, plan: Elimination, factors: Factors, matrix: Matrix, x: list[int]
-) -> list[int]:
+def _backward(block: Block, plan: Elimination, factors: Factors, matrix: Matrix, x: list[int]) -> list[int]:
     when = {step.unknown: n for n, step in enumerate(plan.steps)}
     for step in reversed(plan.steps):
         k = step.unknown

@@ -13,7 +13,17 @@ from lagc.expr.symbol import derived
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination
-from lagc.optimize.factoring import Factors, Guard, Matrix, factor, factor_and_substitute, pair, refine, residual, substitute
+from lagc.optimize.factoring import (
+    Factors,
+    Guard,
+    Matrix,
+    factor,
+    factor_and_substitute,
+    pair,
+    refine,
+    residual,
+    substitute,
+)
 from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
