@@ -214,10 +214,15 @@ class Point:
 
 
 def _doubtful(entries: Array) -> Any:
-    """Which entries may be rounding, beside the largest of their rows or columns."""
+    """Which entries may be rounding, beside the largest of their rows or columns; of one column all."""
     sizes = np.abs(entries)
-    beside = np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
-    return (sizes > 0.0) & (sizes <= ROUNDING * beside)
+    return (sizes > 0.0) & ((sizes <= ROUNDING * largest_beside(entries)) | (entries.shape[1] == 1))
+
+
+def largest_beside(entries: Array) -> Any:
+    """The size of the largest in the row or the column of each."""
+    sizes = np.abs(entries)
+    return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
 
 
 def _inverse(table: Array) -> Any:

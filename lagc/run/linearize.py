@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lagc.records import dataclass, replace
-from lagc.run.derivatives import ROUNDING, Array, Point, rounded
+from lagc.run.derivatives import ROUNDING, Array, Point, largest_beside, rounded
 from lagc.run.independent import independent
 from lagc.run.problem import OK, Options
 from lagc.run.spectrum import Spectrum, spectrum
@@ -280,7 +280,8 @@ def _differs(point: Point, elsewhere: bool) -> bool:
         for group in ("state", "acceleration"):
             here = system.derivatives(group, point.t, point.x, point.a, point.lam)[:outputs]
             there = system.derivatives(group, t, x, a, lam)[:outputs]
-            if not (np.abs(there - here) <= ROUNDING * np.maximum(np.abs(here), np.abs(there))).all():
+            sizes = np.maximum(largest_beside(here), largest_beside(there))
+            if not (np.abs(there - here) <= ROUNDING * sizes).all():
                 return True
     return False
 
