@@ -27,6 +27,9 @@ class Entries(Mapping[int, Node]):
     def __len__(self) -> int:
         return len(self.slopes.columns[self.k])
 
+    def __contains__(self, j: object) -> bool:
+        return j in self.slopes.columns[self.k]
+
     def __getitem__(self, j: int) -> Node:
         if self._found is None:
             self._found = self.slopes.entries(self.k)

@@ -164,6 +164,9 @@ def test_actions_along_a_chain_are_derived_in_proportion(name: str) -> None:
 def test_entries_are_formed_when_asked_for() -> None:
     e = derive(ladder(60))
     assert len(formed_of([row.jacobian for row in e.rows])) < 30 * 60
+    before = len(e.graph.nodes)
+    assert [2 in row.jacobian for row in e.rows] == [k >= 2 for k in range(60)]
+    assert len(e.graph.nodes) == before
     row, dice = e.rows[-1], random.Random(2)
     assert len(row.jacobian) == 120 and list(row.jacobian) == list(range(120))
     state = {x: dice.uniform(-1.0, 1.0) for x in random_state(e, 1)}
