@@ -188,9 +188,10 @@ class Differentiable:
         )
         notes = tuple[str, ...]()
         if run.status == "failed":
-            if run.estimated is None or run.estimated > COARSELY or run.times[-1] != t:
+            known = run.estimated or 0.0
+            if not ACCURACY < known <= COARSELY or run.times[-1] != t:  # the motion is wrong, or not known
                 raise ArithmeticError(run.message)
-            notes = (f"the state at t = {t:g} s is known to {run.estimated:.1g} of its size: {run.message}",)
+            notes = (f"the state at t = {t:g} s is known to {known:.1g} of its size: {run.message}",)
         if run.times[-1] < t:
             raise ArithmeticError(f"the motion does not come to t = {t:g} s: {run.message}")
         return run.states[-1][: self.interface.nq + self.interface.nv], notes

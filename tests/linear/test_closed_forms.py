@@ -316,6 +316,17 @@ def test_at_rest_dry_friction_pushes_neither_way() -> None:
         model.equilibria(tries=8)
 
 
+def test_a_motion_that_is_wrong_has_none() -> None:
+    """On its cut the energy of an angle leaps, which no run sees: all agree on what is no motion."""
+    text = """model Leaping
+      coordinate Length x(start = 0.8), y(rate = 0.9);
+      body p = Particle(mass = 1 [kg], at = {x, y, 0});
+      potential V = 1/2*1 [N/m]*(x^2 + y^2) + 0.03 [J]*atan2(y, x);
+    end Leaping;"""
+    with pytest.raises(ArithmeticError, match="out of balance"):
+        lagc.loads(text).compile(backend="numpy").linearize(4.0)
+
+
 def test_no_equilibrium() -> None:
     assert found("classic/kepler") == []
 
