@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.expr.operators import INFIX
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
 Texts: TypeAlias = "dict[Node, tuple[str, int]]"  # of nodes, and how tightly they hold together
 _LONGEST = 120  # characters that are read at once
+_BREAKS = re.compile(r" (?:[-+<>=]+|and|or|then|else) |[*/]")
 
 
 def number(value: float) -> str:
@@ -38,10 +40,12 @@ def brief(node: Node, known: Texts | None = None) -> str:
 
 
 def _abridged(whole: str) -> str:
+    """Cut at operators; what is left out is said once."""
     if len(whole) <= _LONGEST:
         return whole
-    first, last = whole[: _LONGEST // 2].rsplit(" ", 1)[0], whole[-_LONGEST // 3 :].split(" ", 1)[-1]
-    return f"{first} ... {last}".replace("... ...", "...")
+    first, last = whole[: _LONGEST // 2].split("...")[0], whole[-_LONGEST // 3 :].split("...")[-1]
+    ends, begin = [found.end() for found in _BREAKS.finditer(first)], _BREAKS.search(last)
+    return f"{first[: ends[-1] if ends else None]}...{last[begin.start() if begin else 0 :]}"
 
 
 def _wrap(part: tuple[str, int], level: int) -> str:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import random
+import re
+
 import pytest
 from hypothesis import assume, given, settings
 
@@ -65,3 +69,17 @@ def test_of_what_is_long_people_read_the_beginning_and_the_end(graph: Graph) -> 
     found = brief(2.0 * total)
     assert len(found) < 150 and found.count("...") == 1
     assert found.startswith("2*(sin(a0) + sin(a1) + ") and found.endswith(" + sin(a299))")
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_left_out_is_said_once_and_no_name_is_cut(graph: Graph, seed: int) -> None:
+    chance, known = random.Random(seed), dict[Node, tuple[str, int]]()
+    leaves = [leaf(graph, f"stiffness{k}") for k in range(60)]
+    names = {text(x) for x in leaves}
+    nodes = list(leaves)
+    for _ in range(60):
+        some = chance.sample(nodes, 12)
+        nodes.append(graph.sum(some) if chance.random() < 0.5 else math.prod(some[1:], start=some[0]))
+        found = brief(nodes[-1], known)
+        assert len(found) <= 120 and found.count("...") <= 1
+        assert set(re.findall(r"[a-z]+\d*", found)) <= names
