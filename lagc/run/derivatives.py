@@ -75,16 +75,16 @@ class Point:
     def by(self, group: str) -> Array:
         """All of them by a group as a matrix, where a and lam are held."""
         if group not in self._groups:
-            entries = self._entries(self.system, group, self.t, self.x, self.a, self.lam)
+            entries = self.entries(self.system, group, self.t, self.x, self.a, self.lam)
             for k, (system, t, x, a, lam) in enumerate(self.beside if self.clean else ()):
                 if k >= FEW and not _doubtful(entries).any():
                     break
-                changes = np.abs(self._entries(system, group, t, x, a, lam) - entries)
+                changes = np.abs(self.entries(system, group, t, x, a, lam) - entries)
                 entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
             self._groups[group] = entries
         return self._groups[group]
 
-    def _entries(
+    def entries(
         self,
         system: NumpySystem,
         group: str,

@@ -271,6 +271,7 @@ def _differs(point: Point, elsewhere: bool) -> bool:
     """Whether derivatives of the equations by the state, a or lam are others at other times or, `elsewhere`,
     states too."""
     system, chance = point.system, random.Random(0)
+    own = Point(system, point.t, point.x, point.a, point.lam)  # on the branch of each state
     outputs = system.interface.stack["start"].start
     for _ in range(3):
         t = point.t + chance.uniform(0.1, 1.0)
@@ -278,8 +279,8 @@ def _differs(point: Point, elsewhere: bool) -> bool:
         if elsewhere:
             x, a, lam = ([value + chance.uniform(0.1, 1.0) for value in values] for values in (x, a, lam))
         for group in ("state", "acceleration"):
-            here = system.derivatives(group, point.t, point.x, point.a, point.lam)[:outputs]
-            there = system.derivatives(group, t, x, a, lam)[:outputs]
+            here = own.by(group)[:outputs]
+            there = own.entries(system, group, t, x, a, lam)[:outputs]
             sizes = np.maximum(largest_beside(here), largest_beside(there))
             if not (np.abs(there - here) <= ROUNDING * sizes).all():
                 return True

@@ -54,6 +54,13 @@ def test_a_pendulum_hangs_or_stands() -> None:
     assert down.stability and down.stability.startswith("neutral") and up.stability == "unstable"
 
 
+def test_drag_without_a_slope_at_rest_leaves_it_as_it_is() -> None:
+    """norm(v) v divides by the speed, which is 0; nothing depends on time for that."""
+    for one, other in zip(found("course/simple_pendulum", "room"), found("course/simple_pendulum", "vacuum")):
+        assert np.array_equal(one.A, other.A) and one.stability == other.stability
+        assert not one.of_time and not one.linear
+
+
 def test_on_a_string_it_does_the_same_and_the_string_pulls_or_pushes() -> None:
     down, up = found("course/string_pendulum")
     for linear, sign in ((down, 1.0), (up, -1.0)):

@@ -222,6 +222,23 @@ _CAREFUL["sine_cosine"] = _careful_sine_cosine
 """
 
 
+_EACH = '''\
+def _each_again(function, inputs, outputs):
+    """The same where entries of the last input may be arrays, of many directions: one after the other."""
+    *others, d = inputs
+    (changes,) = outputs
+    many = [b for b in d if hasattr(b, "__len__")]
+    if not many:
+        return _again(function, inputs, outputs)
+    found = [[0.0] * len(changes) for _ in many[0]]
+    for k, own in enumerate(found):
+        _again(function, (*others, [b[k] if hasattr(b, "__len__") else b for b in d]), (own,))
+    changes[:] = [0.0 * many[0] + row for row in zip(*found)]
+
+
+'''
+
+
 def function_text(function: Function, locals_: Mapping[tuple[str, int], str], numbers: Numbers = NONE) -> str:
     """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once.  `numbers` of its
     tables."""
@@ -243,8 +260,9 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     text += [f"        {line}" for line in body]
     text.append("    except (ArithmeticError, ValueError):")
     arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
-    text.append(f"        _again(fn_{function.spelled}, {arguments})")
-    return "\n".join(text) + "\n"
+    along = function.name == "along"
+    text.append(f"        {'_each_again' if along else '_again'}(fn_{function.spelled}, {arguments})")
+    return (_EACH if along else "") + "\n".join(text) + "\n"
 
 
 def _tuple(names: list[str]) -> str:
