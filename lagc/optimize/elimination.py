@@ -144,7 +144,7 @@ class _Search:
             else:
                 self.near[i].add(j)
                 self.near[j].add(i)
-        self.frees = _frees(structure, self.near)
+        self.frees = _frees(structure, self.near, self.massive)
         self.definitions = dict(structure.definitions)
         for k, row in structure.ties:
             self._tie(row, {k, *self.definitions.pop(k)})
@@ -238,19 +238,22 @@ class _Search:
                 self.near[j].add(u)
 
 
-def _frees(structure: Structure, near: Sequence[set[int]]) -> dict[int, tuple[int, ...]]:
+def _frees(
+    structure: Structure, near: Sequence[set[int]], massive: Sequence[bool]
+) -> dict[int, tuple[int, ...]]:
     """Those that wait for each unknown, beside what is near.
 
     A velocity waits for definitions that use it; where these are rows, a lifted one does not.  A
-    constraint on what is kept waits for the speeds in its definitions: all rows but these speeds depend
-    on each other, as what holds two parts together does where both are held at rest."""
+    constraint on what is kept waits for the speeds in its definitions that move a mass: all rows but these
+    speeds depend on each other, as what holds two parts together does where both are held at rest."""
     found = dict(structure.definitions)
     rows: dict[int, list[int]] = {}
     for k, row in structure.ties:
         found[row] = tuple([u for u in found.pop(k) if u < structure.speeds])
     if structure.kept:
+        moving = _moving_mass(structure, massive)
         for i in range(structure.speeds, structure.size):
-            for j in _nearest_speeds(structure, near[i]):
+            for j in _nearest_speeds(structure, near[i]) & moving:
                 rows.setdefault(j, []).append(i)
     return found | {j: tuple(waiting) for j, waiting in rows.items()}
 
@@ -264,4 +267,17 @@ def _nearest_speeds(structure: Structure, unknowns: Iterable[int]) -> set[int]:
             own = {u for u in left if u < structure.speeds}
             left = {u for k in left for u in structure.definitions.get(k, ())}
         found |= own
+    return found
+
+
+def _moving_mass(structure: Structure, massive: Sequence[bool]) -> set[int]:
+    """Speeds and lifted velocities that have a mass of their own, or one moves with."""
+    left = [k for k in range(structure.speeds) if massive[k]]
+    left += [k for k in structure.definitions if massive[k]]
+    found = set(left)
+    while left:
+        for u in structure.definitions.get(left.pop(), ()):
+            if u not in found:
+                found.add(u)
+                left.append(u)
     return found

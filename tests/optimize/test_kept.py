@@ -27,6 +27,11 @@ HEAVY = {
     ),
     "every other": large.LADDER.replace("mass = m,", "mass = m*(1 + 1e6*(i - 2*floor(i/2))),"),
     "closed": large.CLOSED,
+    "measured": large.LADDER.replace(  # by what has no mass
+        "  effect",
+        "  coordinate Length s(start = 1);\n  constraint measure: s = dot(P[2], {3/5, 0, 4/5});\n  effect",
+        1,
+    ),
 }
 
 
@@ -61,7 +66,7 @@ def test_loops(masses: str, n: int) -> None:
     assert solver is not None and state is not None
     wanted, condition = dense(e, state)
     *found, health, left = run(e, solved(e, solver), state)
-    assert health > (1e-4 if masses in ("even", "closed") else 1e-8)
+    assert health > (1e-4 if masses in ("even", "closed", "measured") else 1e-8)
     assert left < 1e-16
     assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
 
