@@ -19,7 +19,7 @@ from typing import Any, TypeAlias
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import LOOKED_UP
-from lagc.expr.walk import missing, symbols
+from lagc.expr.walk import missing
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms
@@ -76,17 +76,19 @@ class Point:
 
     def seek_roots(self, under: Sequence[Node], truths: Mapping[Node, int]) -> bool:
         """Draw symbols until what stands `under` roots has one, symbol by symbol: a random number has
-        a root in every second case, and some tens of them together next to never.  False: too many."""
-        order: dict[Node, list[Node]] = {}
-        needed = [sorted(symbols([x]), key=lambda symbol: symbol.index) for x in under]
-        for own in needed:
-            for symbol in own:
-                order.setdefault(symbol, [])
-        rank = {symbol: k for k, symbol in enumerate(order)}
-        for x, own in zip(under, needed):
-            if own:
-                order[max(own, key=lambda symbol: rank[symbol])].append(x)
-        for symbol, ready in order.items():
+        a root in every second case, and some tens of them together next to never.  False: too many.  No value
+        is known before."""
+        order = list[tuple[Node, list[Node]]]()  # symbols, and what has a value with each
+        latest = dict[Node, int]()  # of the symbols below a node
+        for x in under:
+            for node in missing([x], latest):
+                latest[node] = max([latest[a] for a in node.args], default=-1)
+                if node.op == "symbol":
+                    latest[node] = len(order)
+                    order.append((node, []))
+            if latest[x] >= 0:
+                order[latest[x]][1].append(x)
+        for symbol, ready in order:
             before = [len(found) for found in self._found]  # what no symbol from here on changes
             for _ in range(8 << len(ready) if len(ready) <= _MOST_ROOTS else 0):
                 self.symbols[symbol] = self.draw()
