@@ -191,7 +191,8 @@ class Differentiable:
             known = run.estimated or 0.0
             if not ACCURACY < known <= COARSELY or run.times[-1] != t:  # the motion is wrong, or not known
                 raise ArithmeticError(run.message)
-            notes = (f"the state at t = {t:g} s is known to {known:.1g} of its size: {run.message}",)
+            told = f"the state at t = {t:g} s is known to {known:.1g} of the largest on the way"
+            notes = (f"{told}: {run.message}",)
         if run.times[-1] < t:
             raise ArithmeticError(f"the motion does not come to t = {t:g} s: {run.message}")
         return run.states[-1][: self.interface.nq + self.interface.nv], notes

@@ -73,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
              "effects": list(interface.effects)}  # fmt: skip
     written = _deliver(found, facts, options)
     if options.json:
-        print_json({**facts, "linear": [linear.to_dict() for linear in found], "notes": _notes(found)})
+        print_json(_everything(found, facts))
     else:
         show(_text(found, options))
     return DONE if written else UNWRITTEN
@@ -112,6 +112,10 @@ def _text(found: list[Linear], options: argparse.Namespace) -> str:
         parts += [f"{number}{heading(linear)}", text(linear, options.verbose)]
     parts += [f"and {len(found) - MOST} more: --json or -v shows them"] if len(shown) < len(found) else []
     return "\n".join([*parts, *(f"note: {note}" for note in _notes(found)), ""])
+
+
+def _everything(found: list[Linear], facts: dict[str, Any]) -> dict[str, Any]:
+    return {**facts, "linear": [linear.to_dict() for linear in found], "notes": _notes(found)}
 
 
 def _notes(found: list[Linear]) -> list[str]:
@@ -164,8 +168,7 @@ def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
     if path.lower().endswith(".json"):
         from lagc.printable import json_text
 
-        everything = {**facts, "linear": [linear.to_dict() for linear in found]}
-        return (json_text(everything, indent=2) + "\n").encode()
+        return (json_text(_everything(found, facts), indent=2) + "\n").encode()
     import io
 
     import numpy

@@ -37,7 +37,8 @@ class Entries(Mapping[int, Node]):
 
 
 def gradients(graph: Graph, nodes: Sequence[Node], places: Mapping[Node, int]) -> list[Mapping[int, Node]]:
-    """The derivatives of each of `nodes` by what has `places`, zeros left out: place -> entry."""
+    """The derivatives of each of `nodes` by what has `places`, those left out that structure tells to be
+    zero: place -> entry."""
     found = slopes(graph, nodes, places, len(places), _FEW)
     return _entries(found) if found.sums else list(found.rows)
 

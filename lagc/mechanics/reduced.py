@@ -68,8 +68,8 @@ class Reduced:
         return max(map(abs, left.values()), default=0.0) <= VANISHES * self.sizes[line]
 
     def add(self, line: int, left: dict[int, float], factors: dict[int, float]) -> None:
-        """What is left of a line, where it is more than nothing, for those to come; its pivot is one that the
-        fewest of these have."""
+        """What is left of a line, where it is more than nothing, for those to come; its pivot is in the
+        column that these are done with first."""
         largest = max(map(abs, left.values()), default=0.0)
         if largest:
             pivots = [j for j, x in left.items() if abs(x) >= _WORTH * largest]

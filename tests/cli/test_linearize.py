@@ -142,6 +142,9 @@ def test_a_bend_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     file.write_text(text)
     assert main(["linearize", str(file)]) == 0
     assert "note: forces bend there" in capsys.readouterr().out
+    kept = tmp_path / "m.json"
+    assert main(["linearize", str(file), "--json", "-o", str(kept)]) == 0
+    assert json.loads(kept.read_text()) == json.loads(capsys.readouterr().out)
     file.write_text(text.replace("-4 [N/m]*max(x, 0 [m])", "-4 [N]*sign(x)"))
     assert main(["linearize", str(file)]) == 3
     assert "forces jump there, where x passes 0" in capsys.readouterr().err
