@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import frexp
 from typing import TypeAlias, TypeVar
 
@@ -25,8 +26,12 @@ def scale(c: Node | float, a: Vector) -> Vector:
     return (a[0] * c, a[1] * c, a[2] * c)
 
 
-def dot(a: tuple[T, T, T], b: tuple[T, T, T]) -> T:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def dot(a: Sequence[T], b: Sequence[T]) -> T:
+    """The sum of the products of elements: one or more, as many in a as in b."""
+    total = a[0] * b[0]
+    for x, y in zip(a[1:], b[1:]):
+        total = total + x * y
+    return total
 
 
 def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
@@ -37,7 +42,7 @@ def cross(a: tuple[T, T, T], b: tuple[T, T, T]) -> tuple[T, T, T]:
     )
 
 
-def norm(a: Vector) -> Node:
+def norm(a: Sequence[Node]) -> Node:
     """Its length; angles by which it is turned as a whole are not in it."""
     square = without_turns(dot(a, a))
     return square.graph.sqrt(square)

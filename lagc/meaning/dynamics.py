@@ -263,9 +263,8 @@ def _residuals(
                 )
             )
     else:
-        raise Wrong(
-            "LAG0306", f"the two sides differ in shape: {kind(left)} and {kind(right)}", source.relation_span
-        )
+        message = f"the two sides differ in shape: {kind(left)} and {kind(right)}"
+        raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
     found: list[tuple[Node, Dimension | None]] = []
     for a, b in pairs:
         if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
@@ -284,6 +283,14 @@ def _residuals(
             )
         found.append((a.node - b.node, a.dimension or b.dimension))
     return found
+
+
+def _zeros(left: Value, right: Value) -> str | None:
+    """The remedy where a bare 0 stands beside an array."""
+    for zero, array in ((left, right), (right, left)):
+        if isinstance(array, Array) and isinstance(zero, Scalar) and zero.node.is_zero:
+            return f"write `{{{', '.join('0' * len(array.elements))}}}` in place of `0`"
+    return None
 
 
 def condition(

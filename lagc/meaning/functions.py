@@ -20,6 +20,7 @@ from lagc.meaning.values import (
     Value,
     Wrong,
     constant,
+    numbers_of,
     scalar_of,
     shape,
     vector_of,
@@ -197,8 +198,11 @@ def _product(a: Dimension | None, b: Dimension | None) -> Dimension | None:
 
 @TABLE.enter("dot", "a", "b")
 def _dot(context: Context, span: Span, a: Argument, b: Argument) -> Value:
-    u, first = vector_of(a.value, a.span, "what `dot` takes")
-    w, second = vector_of(b.value, b.span, "what `dot` takes")
+    u, first = numbers_of(a.value, a.span, "what `dot` takes")
+    w, second = numbers_of(b.value, b.span, "what `dot` takes")
+    if len(u) != len(w):
+        message = f"`dot` takes two of one length, these have {len(u)} and {len(w)} elements"
+        raise Wrong("LAG0306", message, span)
     return Scalar(vectors.dot(u, w), _product(first, second))
 
 
@@ -211,7 +215,7 @@ def _cross(context: Context, span: Span, a: Argument, b: Argument) -> Value:
 
 @TABLE.enter("norm", "a")
 def _norm(context: Context, span: Span, a: Argument) -> Value:
-    vector, dimension = vector_of(a.value, a.span, "what `norm` takes")
+    vector, dimension = numbers_of(a.value, a.span, "what `norm` takes")
     return Scalar(vectors.norm(vector), dimension)
 
 

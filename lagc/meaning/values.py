@@ -115,6 +115,16 @@ def vector_of(value: Value, span: Span, what: str) -> tuple[Vector, Dimension | 
     raise Wrong("LAG0306", f"{what} is a vector {{x, y, z}}, this is {kind(value)}{size}", span)
 
 
+def numbers_of(value: Value, span: Span, what: str) -> tuple[tuple[Node, ...], Dimension | None]:
+    """The components of a vector, or the elements of an array, one at least, and their dimension.
+    Raises Wrong."""
+    if isinstance(value, Array) and len(value.elements) != 3:
+        scalars = tuple([x for x in value.elements if isinstance(x, Scalar)])
+        if scalars and len(scalars) == len(value.elements):
+            return tuple([x.node for x in scalars]), common_dimension(scalars, span)
+    return vector_of(value, span, what)
+
+
 def common_dimension(scalars: tuple[Scalar, ...], span: Span) -> Dimension | None:
     """The one dimension of all.  Raises Wrong."""
     found: Dimension | None = None

@@ -118,7 +118,7 @@ def _restricted(equations: EquationsOfMotion, q: Sequence[int], v: Sequence[int]
 
 
 def independent(equations: EquationsOfMotion, system: Lifted) -> tuple[str, ...]:
-    """A note where the motion falls into parts that no inertia, force or constraint ties; `system` are
+    """A note where the motion falls into parts that no inertia, force, constraint or event ties; `system` are
     its equations in any form."""
     parts = _Parts(system.structure.unknowns)
     ties = [*system.entries.items(), *system.coefficients.items()]
@@ -139,6 +139,10 @@ def independent(equations: EquationsOfMotion, system: Lifted) -> tuple[str, ...]
         _tie_to(parts, j, [h, tau], number)
     for k, row in enumerate(equations.rows):
         _tie_to(parts, len(equations.v) + k, [row.residual, row.gamma], number)
+    for when in equations.whens:
+        for state, value in when.changes:
+            if state in number:
+                _tie_to(parts, number[state], [when.condition, value], number)
     groups = parts.groups(len(equations.v))
     if len(groups) < 2 or len(groups) > _MOST_NAMED:
         return ()

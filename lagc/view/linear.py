@@ -29,7 +29,8 @@ def heading(linear: Linear) -> str:
     else:
         kind = f"the motion at {at}"
     verdict = linear.stability or "eigenvalues are those of this moment"
-    idle = f"; {', '.join(linear.idle)} act on nothing else" if linear.idle else ""
+    act = "acts" if len(linear.idle) == 1 else "act"
+    idle = f"; {', '.join(linear.idle)} {act} on nothing else" if linear.idle else ""
     return f"{kind}; {verdict}{idle}"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from math import cos, cosh, exp, sin, sqrt
 
 import pytest
@@ -21,6 +22,16 @@ def run(text: str, stop: float = 1.0) -> Run:
 
 def near(expected: float) -> object:
     return pytest.approx(expected, rel=10 * ACCURACY, abs=10 * ACCURACY)
+
+
+def test_the_remedy_for_a_number_beside_a_vector_mends_it() -> None:
+    text = "model A coordinate Length x, y; body b = Particle(mass = 2, at = {x, y, 0});"
+    text += "constraint c: velocity(b) = 0; end A;"
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(text).compile()
+    (fault,) = refused.value.faults
+    new, old = re.findall("`([^`]*)`", fault.remedy or "")
+    assert lagc.loads(text.replace(f"= {old};", f"= {new};")).compile().interface.nc == 2
 
 
 def test_a_rayleigh_function() -> None:

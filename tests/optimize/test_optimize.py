@@ -113,6 +113,22 @@ def test_independent_parts_are_noted() -> None:
     assert not any("independent" in n for n in compiled(double_pendulum()).interface.notes)
 
 
+@pytest.mark.parametrize("clause, parts", [
+    ("when x + y > 1 [m] then reinit(der(x), -der(x)); end when;", "(der(x), der(y)) (der(z))"),
+    ("when x > 1 [m] then reinit({der(x), der(y)}, {der(y), 0}); end when;", "(der(x), der(y)) (der(z))"),
+    ("when x > 1 [m] then reinit(z, 0); mark(\"back\"); end when;", "(der(x), der(z)) (der(y))"),
+    ("when time > 1 [s] then reinit({der(x), der(y)}, {0, 0}); end when;", "(der(x)) (der(y)) (der(z))"),
+    ("when x + y > 1 [m] then mark(\"there\"); end when;", "(der(x)) (der(y)) (der(z))"),
+])  # fmt: skip
+def test_events_tie_what_they_change_to_what_they_ask_for(clause: str, parts: str) -> None:
+    text = f"""model Balls
+      coordinate Length x, y, z;
+      body a = Particle(mass = 1 [kg], at = {{x, y, z}});
+      {clause}
+    end Balls;"""
+    assert f"the motion falls into independent parts: {parts}" in lagc.loads(text).compile().interface.notes
+
+
 def test_a_coordinate_without_inertia_is_refused() -> None:
     b = Builder()
     x, y = b.coordinate("x"), b.coordinate("y")
