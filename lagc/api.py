@@ -146,6 +146,9 @@ class CompiledModel(Differentiable):
             "_driven": None,
         }
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.interface.model}, scene {self.interface.scene}>"
+
     def __copy__(self) -> CompiledModel:
         return self
 

@@ -57,11 +57,13 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
     if matches:
         message = f"`{name}` is the name of several models"
         return Fault("LAG0701", message, remedy="say " + " or ".join(matches))
+    message = f"there is no file `{name}`, and no model of that name in the library"
+    if os.path.isfile(name + SUFFIX):
+        return Fault("LAG0701", message, remedy=f"did you mean the file `{name}{SUFFIX}`?")
     from lagc.diagnostics.suggest import closest
 
     short = [m.rpartition("/")[2] for m in models]
     close = closest(wanted, short + models)
-    message = f"there is no file `{name}`, and no model of that name in the library"
     return Fault("LAG0701", message, remedy=f"did you mean the library model `{close}`?" if close else None)
 
 

@@ -199,7 +199,9 @@ def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_pa
 
 def test_what_a_console_shows_is_one_line() -> None:
     pendulum = lagc.load("simple_pendulum")
-    run = pendulum.compile(backend="numpy").simulate(stop=1, points=4000)
+    system = pendulum.compile(backend="numpy")
+    run = system.simulate(stop=1, points=4000)
+    assert repr(system) == "<CompiledModel of SimplePendulum, scene vacuum>"
     assert repr(run).startswith("<Run of SimplePendulum, scene vacuum: ok, 4000 points to t = 1 s, estimated")
     for shown in (pendulum, run, run.accuracy, run.energy, run.cost):
         assert len(repr(shown)) < 200 and "\n" not in repr(shown)

@@ -18,6 +18,7 @@ from lagc.cli.main import main
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 PENDULUM = "simple_pendulum"
+COURSE = Path(__file__).parents[2] / "models" / "course"
 FALLING = """\
 model Falling
   parameter Mass m;
@@ -162,6 +163,7 @@ def test_a_failed_run_keeps_and_writes_what_was_computed(
         ([], 2, "FILE"),
         (["nofile.lag"], 2, "nofile.lag"),
         (["simple_pendulm"], 2, "did you mean the library model `simple_pendulum`"),
+        ([str(COURSE / "simple_pendulum")], 2, "simple_pendulum.lag`?"),
         (["."], 2, "cannot be read"),
         ([PENDULUM, "-p", "zz=1"], 2, "`zz`"),
         ([PENDULUM, "-p", "L=1"], 2, "did you mean `l`"),

@@ -51,17 +51,17 @@ class Options:
     def check(self) -> None:
         """Raises ValueError, naming the option that makes no sense."""
         if self.method not in METHODS:
-            raise ValueError(f"the option method is {' or '.join(METHODS)}, not {self.method!r}")
+            raise ValueError(f"the option method must be {' or '.join(METHODS)}, not {self.method!r}")
         if not self.max_steps >= 0:
-            raise ValueError(f"the option max_steps is not negative: {self.max_steps!r}")
+            raise ValueError(f"the option max_steps must be 0 or more, not {self.max_steps!r}")
         for name in ("rtol", "atol", "step", "first_step", "max_step"):
             value = getattr(self, name)
             if not 0.0 <= value < inf:
-                raise ValueError(f"the option {name} is finite and not negative: {value!r}")
+                raise ValueError(f"the option {name} must be 0 or more and finite, not {value!r}")
             if name == "rtol" and not value < 1.0:
-                raise ValueError(f"the option rtol is below 1: {value!r}")
+                raise ValueError(f"the option rtol must be below 1, not {value!r}")
             if name == "rtol" and value < 1e-15 and self.step == 0.0 == self.atol:
-                raise ValueError(f"the option rtol is 1e-15 at least where atol is 0: {value!r}")
+                raise ValueError(f"the option rtol must be 1e-15 at least where atol is 0, not {value!r}")
 
 
 class Trajectory:
