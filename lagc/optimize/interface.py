@@ -21,7 +21,7 @@ from lagc.records import names, replace
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns",
+    "part_ends", "part_columns", "written",
 )  # fmt: skip
 
 
@@ -94,6 +94,7 @@ def interface(
         solve="straight" if straight else "looped",
         work_size=work_size,
         operations=operations,
+        written=sum([function.written for function in functions.values()]),
         lifted=lifted,
         preparation=bind.cost if bind else 0,
         prepared=bind.outputs[0][1] if bind else 0,

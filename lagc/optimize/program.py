@@ -90,6 +90,12 @@ class Function:
         free = (*LEAVES, "neg")
         return sum(1 for o in self.operations if o.op not in free)
 
+    @property
+    def written(self) -> int:
+        """Operations and stores, those of loops once."""
+        loops = sum([run.period for run in self.runs])
+        return loops or len(self.operations) + len(self.stores)
+
     def verify(self) -> None:
         """Every operand comes before its use; every load and store is of an array of the signature."""
         outputs, count = dict(self.outputs), operands()
@@ -202,6 +208,7 @@ class Interface:
     solve: str  # "straight": rhs holds the LDL^T;  "looped": rhs = system + dense LDL^T of the support code
     work_size: int  # doubles of w that assemble/factor/solve use
     operations: int  # of one right-hand side
+    written: int  # operations and stores of all functions as their text has them
     functions: tuple[str, ...]  # the names that exist
     effects: tuple[str, ...]
     simulate: dict[str, float]

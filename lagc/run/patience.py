@@ -36,9 +36,11 @@ class Patience:
 
 
 def compile_time(interface: Interface) -> float:
-    """How long a C compiler will take, s: a guess from the size of the program."""
-    support = 0.8 if interface.nc else 0.4
-    return support + 1.0e-3 * interface.operations
+    """How long a C compiler will take, s: a guess from what it has to read, within a factor of two on a
+    machine of 2021."""
+    projections = 1.2 if interface.nc else 0.0
+    events = 0.4 if interface.switches else 0.0
+    return 0.5 + projections + events + 2e-4 * interface.written
 
 
 def _compiles() -> bool:

@@ -10,7 +10,7 @@ import pytest
 import lagc
 from lagc.run.backends import compile as c_compiler
 from lagc.run.files import CannotSave
-from lagc.run.patience import Patience, TakesLong
+from lagc.run.patience import Patience, TakesLong, compile_time
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -160,6 +160,13 @@ def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: 
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
+
+
+def test_what_compiling_takes_is_guessed_from_the_text_not_from_how_often_it_is_gone_through() -> None:
+    """The text of a chain does not grow with it."""
+    few, many = (lagc.load("chain").compile(parameters={"n": n}, backend="numpy") for n in (50, 200))
+    assert many.operations > 3.9 * few.operations
+    assert compile_time(many.interface) < 1.1 * compile_time(few.interface)
 
 
 def test_auto_without_a_compiler_is_numpy(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
