@@ -252,13 +252,15 @@ def _linearized(
         raise ArithmeticError("the derivatives have no finite value there")
     moving = changing[chosen.indices].tolist()
     scales = _scales(point, chosen.indices, a)
+    pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
+    time = 1.0 / float(pace) if pace else 1.0
     return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
-                  _differs(point, False), not _differs(point, True))  # fmt: skip
+                  _differs(point, time, 0.0 * far), not _differs(point, time, far))  # fmt: skip
 
 
 def _changing(point: Point, rates: Array, sizes: Array) -> Array:
     """Which entries of x change in the motion, now or by their second derivative."""
-    far = np.maximum(np.abs(point.x), size_of_states(point.system))
+    far = _far(point)
     once = np.array([*point.value("qdot"), *point.a])
     once[(np.abs(once) <= STILL * (sizes @ far)) | point.rounding_rates()] = 0.0
     twice = rates @ once + point.total("rate", "time")[:, 0]
@@ -267,22 +269,25 @@ def _changing(point: Point, rates: Array, sizes: Array) -> Array:
     return changes
 
 
-def _differs(point: Point, elsewhere: bool) -> bool:
-    """Whether derivatives of the equations by the state, a or lam are others at other times or, `elsewhere`,
-    states too."""
+def _far(point: Point) -> Array:
+    """What is no small part of the state."""
+    return np.maximum(np.abs(point.x), size_of_states(point.system))
+
+
+def _differs(point: Point, time: float, sizes: Array) -> bool:
+    """Whether derivatives of the equations by the state, a or lam are others up to so much later, at states
+    that are up to `sizes` off."""
     system, chance = point.system, random.Random(0)
     own = Point(system, point.t, point.x, point.a, point.lam)  # on the branch of each state
     outputs = system.interface.stack["start"].start
     for _ in range(3):
-        t = point.t + chance.uniform(0.1, 1.0)
-        x, a, lam = point.x, point.a, point.lam
-        if elsewhere:
-            x, a, lam = ([value + chance.uniform(0.1, 1.0) for value in values] for values in (x, a, lam))
+        t = point.t + time * chance.uniform(0.1, 1.0)
+        x = [value + size * chance.uniform(0.1, 1.0) for value, size in zip(point.x, sizes.tolist())]
         for group in ("state", "acceleration"):
             here = own.by(group)[:outputs]
-            there = own.entries(system, group, t, x, a, lam)[:outputs]
-            sizes = np.maximum(largest_beside(here), largest_beside(there))
-            if not (np.abs(there - here) <= ROUNDING * sizes).all():
+            there = own.entries(system, group, t, x, point.a, point.lam)[:outputs]
+            largest = np.maximum(largest_beside(here), largest_beside(there))
+            if not (np.abs(there - here) <= ROUNDING * largest).all():
                 return True
     return False
 

@@ -276,6 +276,28 @@ def test_what_changes_with_time_is_of_the_moment() -> None:
     assert driven.linear and not driven.still and driven.stability == "asymptotically stable"
 
 
+SPRING = """model Spring
+  parameter Length l = 1 [m];
+  parameter AngularVelocity w = 1 [rad/s];
+  coordinate Length x(start = 0.1*l);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  potential V = (1 [kg])*w^2*(x^2/2 FURTHER);
+end Spring;
+"""
+
+
+@pytest.mark.parametrize(
+    "further, linear, of_time",
+    [("", True, False), ("+ x^4/l^2/4", False, False), ("- 0.3*x^2*sin(w*time)", False, True)],
+)
+def test_what_it_depends_on_does_not_depend_on_units(further: str, linear: bool, of_time: bool) -> None:
+    model = lagc.loads(SPRING.replace("FURTHER", further)).compile(backend="numpy")
+    for size in (1e-12, 1.0, 1e16):
+        for pace in (1e-14, 1.0, 1e9):
+            found = model.linearize(parameters={"l": size, "w": pace})
+            assert (found.linear, found.of_time) == (linear, of_time), (size, pace)
+
+
 FALLING = """model Falling
   parameter Real[s-1] k = 5;
   coordinate Length x(start = 1 [m], rate = -5 [m/s]);
