@@ -43,12 +43,19 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
 def _final(run: Solution, verbose: bool) -> list[str]:
     final = run.final()
     units = run.units
-    names = list(final) if verbose or len(final) <= MOST else list(final)[:MOST]
+    names = list(final) if verbose else _shown(run, list(final))
     width = max((len(n) for n in names), default=0)
     lines = [f"{n:{width}} = {value_text(final[n], units[n])}" for n in names]
     if len(names) < len(final):
         lines.append(f"and {len(final) - len(names)} more: --json or -v shows them")
     return lines
+
+
+def _shown(run: Solution, names: list[str]) -> list[str]:
+    """The first of `names`, but outputs rather than states: somebody asked for them."""
+    asked = {output.name for output in run.system.interface.outputs}
+    chosen = set(sorted(names, key=lambda name: name not in asked)[:MOST])
+    return [name for name in names if name in chosen]
 
 
 def _events(run: Solution, verbose: bool) -> list[str]:

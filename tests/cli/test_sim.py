@@ -39,6 +39,12 @@ def falling(tmp_path: Path) -> str:
     return str(path)
 
 
+def test_outputs_are_among_what_is_shown_of_many(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sim", "chain", "-p", "n=20", "--stop", "0.01"]) == 0
+    printed = capsys.readouterr().out
+    assert "th[1]" in printed and " E " in printed and "more: --json or -v" in printed
+
+
 def sim(*words: str) -> int:
     return main(["sim", *words, "--backend", "numpy"])
 
@@ -250,6 +256,8 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
         "1e5",
         "--rtol",
         "1e-12",
+        "--max-time",
+        "none",
         "--every",
         "1",
         "-o",
