@@ -34,8 +34,7 @@ class Classified:
 def classify(states: States) -> list[Classified]:
     """The rows of the model's constraints, holonomic first, each kind in the order of declaration.
 
-    Raises Refused: LAG0407 a row that depends on an input, LAG0408 a row that no motion meets,
-    LAG0409 a row without any coordinate or speed.
+    Raises Refused: LAG0407 a row that depends on an input, LAG0408 a row that no motion meets.
     """
     model = states.model
     labels = [(c, k) for c in model.constraints for k in range(len(c.residuals))]
@@ -75,9 +74,6 @@ def classify(states: States) -> list[Classified]:
             effect=c.effect,
         )
         found.append(Classified(row, c, _drive(states, row, raw[n])))
-    empty = [_motionless(x) for x in found if not x.row.jacobian]
-    if empty:
-        raise Refused(empty)
     return sorted(found, key=lambda x: not x.row.holonomic)
 
 
@@ -130,14 +126,4 @@ def _impossible(c: Constraint, k: int, node: Node) -> Fault:
         c.left.span,
         ((c.right.span, "differs from this"),),
         remedy="correct one of the two sides, or remove the constraint",
-    )
-
-
-def _motionless(x: Classified) -> Fault:
-    c, row = x.constraint, x.row
-    return Fault(
-        "LAG0409",
-        f"the constraint `{row.label}` restricts no coordinate and no speed",
-        c.span,
-        remedy="a condition between parameters belongs in the default of a parameter; remove it here",
     )

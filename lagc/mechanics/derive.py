@@ -92,14 +92,16 @@ def _cuts(states: States) -> tuple[Fault, ...]:
 
 def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]]]:
     """The rows of the constraints that stay, and label and reason of those left out."""
-    rows = classify(states)
-    if not rows:
+    found = classify(states)
+    if not found:
         return [], []
-    from lagc.mechanics.redundancy import drop_redundant  # loaded where there are rows
+    from lagc.mechanics.redundancy import drop_idle, drop_redundant  # loaded where there are rows
     from lagc.mechanics.touching import refuse_touching
 
+    rows, idle = drop_idle(states, found)
     refuse_touching(states, rows)
-    return drop_redundant(states, rows)
+    kept, dropped = drop_redundant(states, rows)
+    return kept, idle + dropped
 
 
 def _warnings(

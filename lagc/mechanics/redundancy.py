@@ -34,6 +34,37 @@ class Redundant:
     others: tuple[int, ...]
 
 
+def drop_idle(
+    states: States, classified: Sequence[Classified]
+) -> tuple[list[Classified], list[tuple[str, str]]]:
+    """The rows that hold a coordinate or speed, and label and reason of others, which are proved to hold
+    always, as may a component of a vector, by what places of bodies say already.
+
+    Raises Refused: LAG0409 a row without any coordinate or speed of which that is not proved.
+    """
+    idle = [x.row for x in classified if not x.row.jacobian]
+    if not idle:
+        return list(classified), []
+    from lagc.mechanics.grounds import anywhere  # what proves is loaded where there is a question
+    from lagc.mechanics.judge import Judge
+
+    judge = Judge(anywhere(states))
+    faults = [_motionless(row) for row in idle if not judge.vanish([row.residual])]
+    if faults:
+        raise Refused(faults)
+    return [x for x in classified if x.row.jacobian], [(row.label, _reason(row, ())) for row in idle]
+
+
+def _motionless(row: Row) -> Fault:
+    return Fault(
+        "LAG0409",
+        f"the constraint `{row.label}` restricts no coordinate and no speed",
+        row.span,
+        remedy="remove it, also where it repeats what places of bodies say already; a condition between "
+        "parameters belongs in the default of a parameter",
+    )
+
+
 def drop_redundant(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[tuple[str, str]]]:

@@ -75,3 +75,20 @@ def test_pair_moves_alike(first: str, second: str, stop: float, seen1: Map, seen
         if name.startswith("theta"):
             difference = math.remainder(difference, 2.0 * math.pi)
         assert abs(difference) <= ACCURACY * scale, (name, one[name], two[name])
+
+
+def test_disc_rolls_alike_with_its_height_built_in() -> None:
+    """What is left of the vertical row of rolling is 0 = 0 then, and bears nothing."""
+    disc = lagc.load("rolling_disc").source.text
+    built_in = disc.replace("y, z(start = r*cos(lean0));", "y;").replace(
+        "G = {x, y, z}", "G = {x, y, r*cos(lean)}"
+    )
+    built_in = built_in.replace("  constraint touch: z = r*cos(lean);\n", "")
+    built_in = built_in.replace("  output", "  output Force up = reaction(roll)[3];\n  output")
+    one, two = (
+        lagc.loads(text).compile(backend="numpy").simulate(2.0, accuracy=ACCURACY / 10, points=2).final()
+        for text in (disc, built_in)
+    )
+    assert two.pop("up") == 0.0 and len(two) == len(one) - 2  # z and its rate
+    for name, value in two.items():
+        assert abs(one[name] - value) <= ACCURACY * max(1.0, abs(value)), name
