@@ -27,6 +27,7 @@ Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 HALF = Fraction(1, 2)
 HIGHEST = 8  # power of a sum that is multiplied out
 TABLE = "table "  # before the name of one, where an operator stands
+LONG = 12  # terms of what is named
 READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
 
 
@@ -53,6 +54,7 @@ class Algebra:
 
     def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 60_000) -> None:
         self.atoms: list[Atom] = []
+        self.named: dict[int, Node] = {}  # sums, by atom, that are written as symbols
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}
@@ -292,8 +294,6 @@ class NamingAlgebra(Algebra):
     """Takes `shared` nodes, and whatever gets long, as symbols, those of `graph`; `definitions` says what
     they are.  It has no limit: nothing is multiplied out that would be long."""
 
-    LONG = 12  # terms
-
     def __init__(self, graph: Graph, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
         super().__init__(nonnegative, limit=1 << 62)
         self._graph = graph
@@ -302,7 +302,7 @@ class NamingAlgebra(Algebra):
         self.definitions: list[tuple[Node, Polynomial]] = []
 
     def multiply(self, p: Polynomial, q: Polynomial) -> Polynomial:
-        if len(p) * len(q) > self.LONG**2 and min(len(p), len(q)) > 1:
+        if len(p) * len(q) > LONG**2 and min(len(p), len(q)) > 1:
             p, q = self._name(p), self._name(q)
         return super().multiply(p, q)
 
@@ -322,7 +322,7 @@ class NamingAlgebra(Algebra):
 
     def _convert(self, node: Node) -> Polynomial:
         p = super()._convert(node)
-        if len(p) < 2 or (node not in self._shared and len(p) <= self.LONG):
+        if len(p) < 2 or (node not in self._shared and len(p) <= LONG):
             return p
         return self._name(p)
 

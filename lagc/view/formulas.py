@@ -14,7 +14,7 @@ from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.records import dataclass
 from lagc.view.abridged import ALL, MOST, chosen
-from lagc.view.algebra import Algebra, NamingAlgebra, NotFinite, Polynomial, TooLarge, scaled
+from lagc.view.algebra import LONG, Algebra, NamingAlgebra, NotFinite, Polynomial, TooLarge, scaled
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names
 from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
@@ -116,8 +116,13 @@ def _sheet(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> She
         *_rows(equations, collector, asked.rows),
         *_events(equations, collector),
     ]
-    if isinstance(algebra, NamingAlgebra):
-        definitions = _definitions(algebra, collector, shown)
+    named = (
+        algebra.definitions
+        if isinstance(algebra, NamingAlgebra)
+        else _long_sums(equations, algebra, formulas)
+    )
+    if named:
+        definitions = _definitions(named, collector, shown)
         if left_out and len(definitions) > MOST:
             left_out["shared"] = f"and {len(definitions) - MOST} more: {ALL}"
             del definitions[MOST:]
@@ -141,12 +146,39 @@ def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
     )
 
 
-def _definitions(algebra: NamingAlgebra, collector: Collector, shown: dict[Node, Name]) -> list[Formula]:
+def _long_sums(
+    equations: EquationsOfMotion, algebra: Algebra, formulas: Sequence[Formula]
+) -> list[tuple[Node, Polynomial]]:
+    """A symbol for each long sum under a root or below a line that is written twice or more, and the sum."""
+    times: dict[int, int] = {}
+    pending: list[int | Sum | None] = [part for f in formulas for part in (f.left, f.right, f.condition)]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, Sum):
+            pending += [base for product in part.terms for base, _ in product.factors]
+        elif part is not None:
+            times[part] = times.get(part, 0) + 1
+            if times[part] == 1:
+                inner = algebra.atoms[part].args
+                pending += [atom for p in inner for monomial, _ in p for atom, _ in monomial]
+    found: list[tuple[Node, Polynomial]] = []
+    for number in sorted(times):  # those within others come first
+        atom = algebra.atoms[number]
+        if times[number] > 1 and atom.op == "sum" and len(atom.args[0]) > LONG:
+            algebra.named[number] = equations.graph.symbol("shown part", str(len(found)))
+            found.append((algebra.named[number], tidy(equations, algebra, dict(atom.args[0]))))
+    return found
+
+
+def _definitions(
+    named: Sequence[tuple[Node, Polynomial]], collector: Collector, shown: dict[Node, Name]
+) -> list[Formula]:
     """s1 = ..., for the parts that were named."""
+    algebra = collector.algebra
     taken = {name.base for name in shown.values()}
     letter = next(c for c in ("s", "part", "shared_part") if not any(n.startswith(c) for n in taken))
     formulas = []
-    for number, (node, p) in enumerate(algebra.definitions, 1):
+    for number, (node, p) in enumerate(named, 1):
         shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
         formulas.append(
             Formula(

@@ -12,7 +12,7 @@ from functools import cached_property
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
 from lagc.view.abridged import FEW, TERMS, Series, Term, linear, series
-from lagc.view.algebra import TABLE, Exponent, Frozen
+from lagc.view.algebra import HALF, TABLE, Exponent, Frozen
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
 
@@ -114,9 +114,12 @@ class TextWriter:
         return written
 
     def factor(self, base: int | Sum, exponent: Exponent) -> str:
+        if not isinstance(base, Sum) and base in self.algebra.named:
+            name = self.symbol(self.algebra.named[base], 1)
+            return self.root(name) if exponent == HALF else self.raised(name, exponent)
         atomic = isinstance(base, Sum) or self.algebra.atoms[base].op == "sum"
         if exponent.denominator == 2 and atomic:
-            if exponent == Fraction(1, 2):
+            if exponent == HALF:
                 return self.root(self._inside(base))
             return self.raised(self.parentheses(self._inside(base)), exponent)
         if atomic:

@@ -65,3 +65,25 @@ def test_powers_and_products_of_sums_have_the_value_of_what_was_meant() -> None:
 def test_what_is_not_finite_is_refused() -> None:
     with pytest.raises(Refused, match="LAG0590"):
         written("body r = Particle(mass = 1 [kg], at = {exp(1e200*a/1[m])*1[m], 0, 0});")
+
+
+@pytest.mark.parametrize("outer", ["sqrt({})", "1/({})", "1/sqrt({})", "({})^1.5"])
+def test_long_sums_below_roots_and_lines_are_written_once(outer: str) -> None:
+    inner = "1 + (a + 2*b + 3*c + 4*d + 5)^2 + (b - c*d)^2"
+    plain = re.sub(r"([abcd])", r"(\1/1[m])", inner)
+    text = written(f"potential V = 1 [J]*{outer.format(plain)};")
+    assert text.count("s1 = ") == 1
+    at = dict(zip(NAMES, (0.3, -0.2, 0.7, 0.1)))
+    symbols = {n: sympy.Symbol(n) for n in NAMES}
+    slope = sympy.diff(sympy.sympify(outer.format(inner).replace("^", "**"), locals=symbols), symbols["a"])
+    ratio = [
+        value(text, x) / float(slope.subs({symbols[n]: x[n] for n in NAMES})) for x in (at, {**at, "b": 0.4})
+    ]
+    assert ratio[0] == pytest.approx(ratio[1], rel=1e-12)
+
+
+def test_a_ladder_is_written_on_a_page() -> None:
+    text = write(lagc.load("large/truss").compile(backend="numpy").equations)
+    roots = re.findall(r"sqrt\(((?:[^()]|\([^()]*\))*)\)", text)
+    assert len(text) < 6000
+    assert all(roots.count(root) == 1 or len(re.split(" [+-] ", root)) <= 12 for root in roots)
