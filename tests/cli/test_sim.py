@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import re
 import signal
 import subprocess
 import sys
@@ -161,6 +162,10 @@ def test_a_failed_run_keeps_and_writes_what_was_computed(
     assert found["status"] == "failed"
     assert 0.9 < found["t"] <= 1.0
     assert len(out.read_text().splitlines()) > 100
+    assert sim(str(model), "--stop", "2", "--every", "0.3") == 3
+    said = re.search(r"recorded last, at t = (\S+) s\s+x += (\S+) m\n", capsys.readouterr().out)
+    assert said is not None
+    assert float(said[1]) ** 2 + float(said[2]) ** 2 == pytest.approx(1.0, rel=1e-5)
 
 
 @pytest.mark.parametrize(
