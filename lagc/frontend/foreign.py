@@ -6,6 +6,7 @@ from lagc.records import dataclass
 
 OPERATORS: dict[str, str | None] = {
     "**": "^", "!=": "<>", "&&": "and", "||": "or", "&": "and", "|": "or", "!": "not", ":=": "=", ".*": "*",
+    "./": "/", ".^": "^",
     "+=": None, "-=": None, "*=": None, "/=": None, "..": ":", "...": None, "%": None,
 }  # fmt: skip
 

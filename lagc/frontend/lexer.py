@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.records import dataclass
+from lagc.records import dataclass, replace
 
 WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "symbol", "end"
 
@@ -50,13 +50,14 @@ _PATTERN = re.compile(
   | (?P<number>(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)
   | (?P<string>"(?:[^"\\\n]|\\.)*")
   | (?P<unclosed>/\*|")
-  | (?P<symbol>:=|==|<=|>=|<>|!=|\*\*|&&|\|\||\.\*|\.\.\.?|\+=|-=|\*=|/=|[-+*/^=<>(){}\[\],;:.!%&|?@\#$~`'\\])
+  | (?P<symbol>:=|==|<=|>=|<>|!=|\*\*|&&|\|\||\.[*/^]|\.\.\.?|[-+*/]=|[-+*/^=<>(){}\[\],;:.!%&|?@\#$~`'\\])
   | (?P<odd>.)
     """,
     re.VERBOSE | re.DOTALL,
 )
 _UNIT = re.compile(r"\[[^\[\]\n]*\]")
 _UNIT_START = re.compile(r"\[[^\[\]\n,;)}]*")
+_PRIMES = re.compile("'+")
 _UNKNOWN = frozenset("?@#$~`'\\")  # no sign of any use here; the parser explains the other ones
 
 # What is typed, or pasted, for an ASCII character that the language has.
@@ -116,7 +117,7 @@ def tokenise(source: Source) -> Lexed:
             if symbol == "[" and tokens and _unit_follows(tokens[-1]):
                 end = _unit(source, lexed, position)
             elif symbol in _UNKNOWN:
-                lexed.faults.append(_odd(source, symbol, position))
+                _unknown(source, lexed, symbol, position)
             else:
                 tokens.append(Token(SYMBOL, symbol, position, end))
         elif kind == "comment":
@@ -202,6 +203,21 @@ def _odd(source: Source, character: str, start: int) -> Fault:
         Span(source, start, start + 1),
         remedy=_HINTS.get(character),
     )
+
+
+def _unknown(source: Source, lexed: Lexed, character: str, start: int) -> None:
+    """A sign of no use; of `x'` and `x''`, as equations print rates, one fault for all primes."""
+    if character == "'" and source.text[start - 1] == "'":
+        return
+    fault = _odd(source, character, start)
+    before = lexed.tokens[-1] if lexed.tokens else None
+    if character == "'" and before is not None and before.kind == WORD and before.end == start:
+        primes = _PRIMES.match(source.text, start)
+        assert primes is not None
+        order = len(primes[0])
+        rate = "der(" * order + before.text + ")" * order if order < 3 else f"der({before.text})"
+        fault = replace(fault, span=Span(source, start, primes.end()), remedy=f"write `{rate}`")
+    lexed.faults.append(fault)
 
 
 def _foreign_word(source: Source, word: str, start: int) -> Fault:

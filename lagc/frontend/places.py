@@ -134,6 +134,8 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
         remedy = f"declare it outside, with subscripts: `{kind} Type name[n]`"
     else:
         remedy = f"it belongs {' or '.join(good)}"
+    if kind == "instance" and container == "scene":
+        remedy += "; the effects of a scene stand behind `uses`: `scene name uses gravity;`"
     if kind in ("effect", "scene") and container == "effect":
         remedy += "; is an `end` missing before it?"
     faults.append(Fault("LAG0120", f"{shown} cannot stand {_SHOWN[container]}", begin, remedy=remedy))

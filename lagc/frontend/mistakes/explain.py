@@ -52,6 +52,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     words.constraint_parts,
     words.description_last,
     signs.missing_semicolon,
+    signs.missing_comma,
     signs.missing_operator,
     signs.missing_sign,
     signs.unit_behind_expression,

@@ -234,6 +234,16 @@ _FUNCTIONS = frozenset(
 )
 
 
+def missing_comma(w: Where) -> Explained | None:
+    """`Particle(mass = m at = P)`."""
+    named = w.token.kind == WORD and w.tokens[w.position + 1].text == "="
+    if not named or not w.brackets or w.new_line() or not w.accepts("COMMA"):
+        return None
+    message = f"a `,` is missing between `{w.before.text}` and `{w.token.text}`"
+    fault = Fault("LAG0130", message, w.span(w.before, w.token), remedy="write `,`")
+    return Explained(fault, w.insert(","))
+
+
 def missing_operator(w: Where) -> Explained | None:
     operand = w.token.kind in (WORD, NUMBER) or w.token.text in ("(", "{")
     if not operand or w.new_line() or not w.accepts("TIMES") or w.before.kind == STRING:
