@@ -103,7 +103,7 @@ def _early(context: Context, node: Node, written: tree.Expression, what: str) ->
             f"{what} depends on an acceleration, a reaction or an energy of the run, which are known once "
             "the equations are solved",
             written.span,
-            "use these in outputs",
+            "an `output` records it; `when time > T` may act at the time T that it shows",
         )
 
 

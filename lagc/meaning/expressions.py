@@ -16,7 +16,7 @@ from lagc.meaning.constants import outside, packaged
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import all_values, each, evaluate, integer, integers
 from lagc.meaning.members import element, member, part
-from lagc.meaning.scope import Environment
+from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.types import CONSTANTS, describe
 from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
 from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
@@ -88,8 +88,14 @@ def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
         "LAG0201",
         f"`{e.name}` is not known here",
         e.span,
-        remedy=foreign(e.name) or did_you_mean(e.name, known),
+        remedy=foreign(e.name) or _strength(e.name, instance) or did_you_mean(e.name, known),
     )
+
+
+def _strength(name: str, instance: Instance) -> str | None:
+    """Equations call `field.g` shortly `g`."""
+    fields = [e.name for e in instance.entries.values() if e.kind == "gravity"] if name == "g" else []
+    return f"write {' or '.join(f'`{field}.g`' for field in fields)}" if fields else None
 
 
 def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:

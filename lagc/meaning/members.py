@@ -81,6 +81,13 @@ def _of_body(body: Body, name: str) -> Value:
     return vector_value(body.position, M)
 
 
+def _of_reaction(value: Value) -> str | None:
+    """Rows are called `roll[1]` in reports."""
+    if isinstance(value, Thing) and value.entry.kind == "constraint":
+        return f"the force of a row is an element of all: `reaction({value.entry.name})[1]`"
+    return None
+
+
 def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
     instance = part.instance
     entry = instance.entries.get(e.name)
@@ -121,7 +128,7 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
     value: Value = base
     for number, index in zip(numbers, e.indices):
         if not isinstance(value, Array):
-            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span)
+            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span, _of_reaction(value))
         if not 1 <= number <= len(value.elements):
             raise Wrong(
                 "LAG0207",

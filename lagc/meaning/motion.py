@@ -43,7 +43,8 @@ def derivative(context: Context, node: Node, span: Span) -> Node:
             "write it as a function of `time`",
         )
     if mask & LATE:
-        raise Wrong("LAG0219", "the time derivative of an acceleration or of a reaction is not known", span)
+        what = "an acceleration, a reaction or an energy of the run"
+        raise Wrong("LAG0219", f"the time derivative of {what} is not known", span)
     return context.clock.derivative(node)
 
 
