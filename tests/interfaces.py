@@ -30,7 +30,7 @@ def interface(model: str = "m", nq: int = 1, nv: int = 1, nc: int = 0, **more: A
         "start_places": ("m.lag:1",) * (nq + nv),
         "row_places": ("m.lag:2",) * nc, "initial_places": (), "condition_ends": (), "condition_columns": (),
         "solve": "straight", "work_size": 0,
-        "operations": 1, "functions": ("system",), "effects": (), "simulate": {}, "notes": (),
+        "operations": 1, "written": 1, "functions": ("system",), "effects": (), "simulate": {}, "notes": (),
         "warnings": (), "dropped": (),
     }  # fmt: skip
     given = {**plain, **more}
