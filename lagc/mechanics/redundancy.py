@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
+from lagc.expr.walk import reachable
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.magnitude import VANISHES, magnitudes
@@ -38,7 +39,8 @@ def drop_idle(
     states: States, classified: Sequence[Classified]
 ) -> tuple[list[Classified], list[tuple[str, str]]]:
     """The rows that hold a coordinate or speed, and label and reason of others, which are proved to hold
-    always, as may a component of a vector, by what places of bodies say already.
+    always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
+    the parameters are: that of a root may not, as sqrt(l^2) = l where l > 0.
 
     Raises Refused: LAG0409 a row without any coordinate or speed of which that is not proved.
     """
@@ -49,7 +51,12 @@ def drop_idle(
     from lagc.mechanics.judge import Judge
 
     judge = Judge(anywhere(states))
-    faults = [_motionless(row) for row in idle if not judge.vanish([row.residual])]
+    faults = [
+        _motionless(row)
+        for row in idle
+        if any(node.op in ("sqrt", "abs") for node in reachable([row.residual]))
+        or not judge.vanish([row.residual])
+    ]
     if faults:
         raise Refused(faults)
     return [x for x in classified if x.row.jacobian], [(row.label, _reason(row, ())) for row in idle]

@@ -23,6 +23,8 @@ MISTAKES = [
     ("when a = b then terminate(1); end when;", "= b", "LAG0116", "write `==`"),
     ("parameter Mass m = 0,5 [kg];", "0,5", "LAG0105", "write `0.5`"),
     ("scene s start x = 1,5; end s;", "1,5", "LAG0105", "write `1.5`"),
+    ("parameter Mass m = 0.5,0.2 [kg];", "0.2", "LAG0132", "name is missing"),
+    ("parameter Mass m = 5,.2 [kg];", ".2", "LAG0132", "name is missing"),
     ("scene s start x = 1, y = 2; end s;", ", y", "LAG0110", "`; start y`"),
     ("scene s start x = 1 [m], der(y[2]) = 2; end s;", ", der(y[2])", "LAG0110", "`; start der(y[2])`"),
     ("parameter Mass m = 5 kg;", "kg;", "LAG0121", "write `5 [kg]`"),

@@ -77,7 +77,7 @@ def decimal_comma(w: Where) -> Explained | None:
     whole, comma, part = w.tokens[max(at - 1, 0)], w.tokens[at], w.tokens[min(at + 1, len(w.tokens) - 1)]
     if (whole.kind, comma.text, part.kind) != (NUMBER, ",", NUMBER):
         return None
-    if whole.end != comma.start or comma.end != part.start:
+    if whole.end != comma.start or comma.end != part.start or not (whole.text + part.text[:1]).isdigit():
         return None
     number = token_of("0", whole.start)
     number.kind, number.text, number.end = NUMBER, f"{whole.text}.{part.text}", part.end
