@@ -21,7 +21,7 @@ from lagc.records import names, replace
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns", "written",
+    "part_ends", "part_columns", "written", "conservative",
 )  # fmt: skip
 
 
@@ -114,6 +114,7 @@ def interface(
         timed=flowing or ("sides" in functions and _timed(functions["sides"])),
         flowing=flowing,
         doubtful=_doubtful(model),
+        conservative=equations.power.is_zero and all([row.holonomic for row in equations.rows]),
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
         derivatives=dict(derivatives),
     )

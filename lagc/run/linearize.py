@@ -13,7 +13,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from functools import cached_property
-from math import inf, pi
+from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -146,7 +146,26 @@ class Linear:
         growth = max(self._own.values.real, default=0.0)
         if growth > 0.0:
             return "unstable"
-        return "asymptotically stable" if growth < 0.0 else "neutral: the linear model does not decide"
+        if growth < 0.0:
+            return "asymptotically stable"
+        return "stable: energy is least there" if self._least else "neutral: the linear model does not decide"
+
+    @property
+    def _least(self) -> bool:
+        """Whether energy, which is kept, has a strict minimum at this equilibrium, which is stable then
+        (G. Lejeune Dirichlet, *J. reine angew. Math.* 32, 1846).
+
+        Of M q'' + K q = 0, M positive definite, no force of the speeds, all motions oscillate where K is
+        positive definite, and there alone.  Where rates are 0 to STILL, K may be off by its root, as beside
+        the flat place of q^3."""
+        interface, n = self.system.interface, len(self.A)
+        speeds = [k for k, i in enumerate(self.indices) if i >= self.system.nq]
+        kept = interface.conservative and not (interface.doubtful or interface.switches or interface.whens)
+        alone = 2 * len(speeds) == n and not self.A[np.ix_(speeds, speeds)].any()
+        if not (kept and self.still and alone) or self.free:
+            return False
+        squares = np.abs(self.eigenvalues) ** 2
+        return bool(squares.min() > sqrt(STILL) * squares.max())
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers in SI."""

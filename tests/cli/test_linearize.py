@@ -20,9 +20,8 @@ pytestmark = pytest.mark.usefixtures("own_cache")
 def test_equilibria_are_told_with_their_modes(capsys: Capture) -> None:
     assert main(["linearize", "simple_pendulum", "--scene", "vacuum", "--equilibrium"]) == 0
     shown = capsys.readouterr().out
-    assert (
-        "1 of 2 found: an equilibrium; neutral" in shown and "2 of 2 found: an equilibrium; unstable" in shown
-    )
+    assert "1 of 2 found: an equilibrium; stable: energy is least there" in shown
+    assert "2 of 2 found: an equilibrium; unstable" in shown
     frequency = sqrt(9.81 / 0.5) / (2 * pi)
     assert f"0 +- 4.42944692i      {frequency:.8g}" in shown and "theta 1" in shown
 
