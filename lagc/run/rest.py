@@ -3,6 +3,7 @@ constraints leave no other."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from lagc.run.problem import FAILED, OK, System, Trajectory, rates_at, row_gradients
@@ -11,6 +12,7 @@ from lagc.run.rounding import ULP, rounded_rates
 WAYS = 8  # in which time, state and parameters are changed in their last place
 CLEAR = 2.0**26  # times what last places change: a rate that keeps half its digits is no rounding
 SEVERAL = 2.0  # such changes of a rate are rounding
+NORMAL = sys.float_info.min  # a last place of what is less may be all of it
 MET = 1e-13  # scaled residual: farther off, a mechanism at a singular posture may seem to be locked
 
 
@@ -18,7 +20,7 @@ def rests(system: System, x: Sequence[float], times: Sequence[float]) -> bool:
     """Whether nothing but rounding moves the state x, where no time moves it either: no coordinate changes
     in the last place of the largest of its kind over the whole time, and changes of state and parameters
     in their last place, or other rounding, change each acceleration by as much as it is."""
-    if system.interface.timed:
+    if system.interface.timed or any(0.0 < abs(p) < NORMAL for p in system.parameters):
         return False
     nq, span = system.nq, times[-1] - times[0]
     kinds = system.interface.kinds[:nq]
