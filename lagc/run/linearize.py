@@ -141,7 +141,7 @@ class Linear:
     def stability(self) -> str | None:
         """What the eigenvalues say of an equilibrium or steady motion, `idle` states aside; None where they
         say nothing."""
-        if self.momentary:
+        if self.momentary or not self.states:
             return None
         growth = max(self._own.values.real, default=0.0)
         if growth > 0.0:

@@ -28,7 +28,9 @@ def heading(linear: Linear) -> str:
         kind = "what seems a steady motion"
     else:
         kind = f"the motion at {at}"
-    verdict = linear.stability or "eigenvalues are those of this moment"
+    verdict = linear.stability or (
+        "eigenvalues are those of this moment" if linear.states else "nothing moves"
+    )
     act = "acts" if len(linear.idle) == 1 else "act"
     idle = f"; {', '.join(linear.idle)} {act} on nothing else" if linear.idle else ""
     return f"{kind}; {verdict}{idle}"

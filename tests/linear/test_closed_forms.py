@@ -12,6 +12,7 @@ import pytest
 import lagc
 from lagc.run import equilibria
 from lagc.run.linearize import Linear
+from lagc.view.linear import heading
 
 G = 9.81
 CLOSE = 1e-10  # relative: eigenvalues of small matrices, of equilibria that Newton's method found
@@ -81,6 +82,15 @@ def test_where_energy_is_least_a_motion_stays(energy: str, more: str, verdict: s
     text = LEAST.replace("{ENERGY}", energy).replace("MORE", more)
     (linear, *_) = lagc.loads(text).compile(backend="numpy").equilibria()
     assert linear.stability and linear.stability.startswith(verdict)
+
+
+def test_where_nothing_moves_nothing_is_said_of_stability() -> None:
+    still = lagc.loads(
+        LEAST.replace("{ENERGY}", "x^2").replace("MORE", "constraint c: x = 1 [m]; constraint d: y = x;")
+    )
+    linear = still.compile(backend="numpy").linearize()
+    assert not linear.states and linear.stability is None and linear.to_dict()["stability"] is None
+    assert heading(linear) == "an equilibrium; nothing moves"
 
 
 def test_drag_without_a_slope_at_rest_leaves_it_as_it_is() -> None:
