@@ -30,10 +30,9 @@ def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
             continue
         if node.op == "add":
             new[node] = _sum(graph, node, inner, users, new)
-        elif node.args:
-            new[node] = graph.rebuild(node, tuple([new[a] for a in node.args]))
         else:
-            new[node] = node
+            args = tuple([new[a] for a in node.args])
+            new[node] = node if args == node.args else graph.rebuild(node, args)
     return [new[node] for node in nodes]
 
 

@@ -309,7 +309,7 @@ def made(
 
     def make(nodes: Sequence[Node]) -> Function:
         block = Block()
-        following = iter(lower(places, block, nodes)[1])
+        following = iter(lower(places, block, nodes, seldom)[1])
         for number, (array, indices) in enumerate(stored):
             for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""

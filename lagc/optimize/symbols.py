@@ -21,7 +21,8 @@ from lagc.records import dataclass
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
 _LARGEST_SELDOM = 100  # nodes, of a function that no step calls
-_LARGEST_PLAN = 4000  # nodes; beyond, the search for shared products costs more than it saves
+_LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
+_LARGEST_PLAN = 4000  # nodes; beyond, the search for common factors and shared products does
 _WEIGHTS = {
     "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
     **{op: row.weight for op, row in OPERATORS.items()},
@@ -57,13 +58,18 @@ def places(
     return Places(equations, found, tuple([p.symbol for p in parameters]), state)
 
 
-def lower(places: Places, block: Block, nodes: Sequence[Node]) -> tuple[Lowering, list[int]]:
-    """The values of `nodes` in `block`, and the lowering for more.  Symbols are loaded from
-    their places."""
+def lower(
+    places: Places, block: Block, nodes: Sequence[Node], seldom: bool = False
+) -> tuple[Lowering, list[int]]:
+    """The values of `nodes` in `block`, of a function that is called `seldom` or often, and the lowering for
+    more.  Symbols are loaded from their places."""
     graph = places.graph
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
-    if len(reachable(nodes)) > _LARGEST_PLAN:
-        lowering = Lowering(block, known)
+    size = len(reachable(nodes))
+    if size > _LARGEST_GATHERED:
+        if size <= _LARGEST_PLAN:
+            nodes = factored(graph, nodes)
+        lowering = Lowering(block, known, None if seldom or size > _LARGEST_PLAN else plan(nodes))
         return lowering, lowering(nodes)
     found = Coefficients(graph, nodes, places.constants)
     nodes, meaning = factored(graph, found.nodes), factored(graph, list(found.meaning.values()))
