@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from lagc.records import dataclass
 
 MOST_ROWS = 1_000_000
-_HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\])?", re.DOTALL)
+_INDEX = re.compile(r"\s*\d+(?:\s*,\s*\d+)*\s*", re.ASCII)
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 
 
@@ -77,5 +77,11 @@ def columns(text: str) -> Columns:
 
 
 def _head(written: str) -> tuple[str, str | None]:
-    found = _HEAD.fullmatch(written.strip())
-    return (found[1], found[2]) if found else (written.strip(), None)
+    """Name and unit.  An index right behind a name belongs to it: `th[1]`, `K[1,2] [N/m]`."""
+    text = written.strip()
+    name, bracket, inner = text[:-1].rpartition("[")
+    if not (text.endswith("]") and bracket) or "]" in inner:
+        return text, None
+    if name[-1:].strip() and _INDEX.fullmatch(inner):
+        return text, None
+    return name.rstrip(), inner

@@ -18,6 +18,7 @@ from lagc.expr.derivative import tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph
 from lagc.expr.interpolants import interpolant
+from lagc.meaning.data import columns
 from lagc.view.equations import write
 from tests.render.tools import bits
 
@@ -258,6 +259,41 @@ def test_what_a_run_writes_is_a_table_with_its_units(tmp_path: Path) -> None:
     save(run, str(tmp_path / "d.csv"), units=True)
     system = model_of(tmp_path, 'table(time, "d.csv", "theta", "cubic")', "Angle").compile(backend="numpy")
     assert [system.system.outputs(t, [0.0] * 3)[0] for t in run.t] == list(run["theta"])
+
+
+@pytest.mark.parametrize("units", [True, False])
+def test_each_column_that_a_run_writes_is_found(units: bool, tmp_path: Path) -> None:
+    """Arrays, rates, rotations and sensitivities too."""
+    from lagc.run.files import save
+
+    model = lagc.loads(
+        """model M parameter Stiffness k[2, 1] = {{1}, {2}}; coordinate Length x[2](each start = 0.1);
+        coordinate Orientation o(rate = {1, 2, 3}); frame B = rotate(world, o);
+        body s = Solid(mass = 1, inertia = {1, 1, 1}, frame = B, com = {x[1], x[2], 0});
+        force f = {-k[1, 1]*x[1], -k[2, 1]*x[2], 0} at s;
+        output Force K[1, 2] = {{k[1, 1]*x[1], 0}}; end M;"""
+    )
+    run = model.compile(backend="numpy").simulate(0.5, points=3, sensitivity=["k[2,1]", "start(x[1])"])
+    save(run, str(tmp_path / "d.csv"), units)
+    assert {"x[1]", "der(x[2])", "K[1,2]", "d(x[1])/d(k[2,1])", "o.rate.x"} <= set(run.columns)
+    for name in run.columns:
+        kind = f"Real[{run.units[name]}]" if units and run.units[name] else "Real"
+        found = model_of(tmp_path, f'table(time, "d.csv", "{name}")', kind).compile(backend="numpy").system
+        assert [found.outputs(t, [0.0] * 3)[0] for t in run.t] == list(run[name]), name
+
+
+@pytest.mark.parametrize(
+    "head, name, unit",
+    [
+        ("u[N]", "u", "N"),
+        ("u [1]", "u", "1"),
+        ("u [m ]", "u", "m "),
+        ("K[ 1, 2 ] [N/m]", "K[ 1, 2 ]", "N/m"),
+        ("u]", "u]", None),
+    ],
+)
+def test_an_index_stands_right_behind_a_name(head: str, name: str, unit: str | None) -> None:
+    assert columns(f'"{head}"\n1\n').heads == [(name, unit)]
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,8 @@ def test_the_command_line_takes_numbers_expressions_and_columns(
     path.parent.mkdir()
     path.write_text(CART)
     (tmp_path / "drive.csv").write_text("t [ms],u [N],v\n0,0,4\n1000,2,4\n5000,2,4\n")
+    (tmp_path / "Drive (1).CSV").write_text("time,x[1],der(x[1]) [N]\n0,0,0\n1,1,2\n")
+    (tmp_path / "it's.csv").write_text("time,u\n0,0\n1,2\n")
     monkeypatch.chdir(tmp_path)
 
     def final(*said: str) -> float:
@@ -90,6 +92,8 @@ def test_the_command_line_takes_numbers_expressions_and_columns(
     assert final(f"u={SHAKEN}") == pytest.approx(shaken(1.0), rel=1e-8)
     assert final("u=drive.csv:u") == pytest.approx(1.0 / 6.0, rel=1e-8)
     assert final(f"u={tmp_path}/drive.csv:v", "w[2]=-1[N]") == pytest.approx(3.0 / 4.0, rel=1e-8)
+    assert final("u=Drive (1).CSV:der(x[1])") == pytest.approx(1.0 / 6.0, rel=1e-8)
+    assert final("u=it's.csv") == pytest.approx(1.0 / 6.0, rel=1e-8)
     assert final('u=2*table(time, "drive.csv", "u")') == pytest.approx(1.0 / 3.0, rel=1e-8)
     assert final("u=0", "w[2]=1[N/s]*time") == pytest.approx(1.0 / 12.0, rel=1e-8)
     assert final("u=4[N]*(1 - x/1[m])", "w={0, 0}") == pytest.approx(1.0 - cos(2.0**0.5), rel=1e-7)
