@@ -17,7 +17,7 @@ from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.given import Input, Value, parted, quantities, seconds
+from lagc.given import Input, Value, parted, quantities, seconds, words
 from lagc.limits import running
 from lagc.loaded import Loaded
 from lagc.records import dataclass, names, replace
@@ -62,8 +62,8 @@ class ModelFile:
         scene: str | None = None,
         *,
         model: str | None = None,
-        use: Sequence[str] = (),
-        without: Sequence[str] = (),
+        use: str | Sequence[str] = (),
+        without: str | Sequence[str] = (),
         parameters: Mapping[str, Value] | None = None,
         inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
@@ -83,7 +83,7 @@ class ModelFile:
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
         given = quantities(parameters or {})
         numbers, courses = parted(inputs or {})
-        choice = Choice(model, scene, tuple(use), tuple(without), {**given, **numbers}, courses, until)
+        choice = Choice(model, scene, words(use), words(without), {**given, **numbers}, courses, until)
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
@@ -242,7 +242,7 @@ class CompiledModel(Differentiable):
         inputs: Mapping[str, Input] | None = None,
         until: str | None = None,
         starts: Mapping[str, Value] | None = None,
-        sensitivity: Sequence[str] = (),
+        sensitivity: str | Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Run:
         """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
@@ -265,7 +265,7 @@ class CompiledModel(Differentiable):
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
             starts=bound_starts(self.interface, quantities(starts or {})),
-            sensitivity=(sensitivity,) if isinstance(sensitivity, str) else tuple(sensitivity),
+            sensitivity=words(sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
         return self.run(request, self._bound(parameters), progress)
@@ -291,6 +291,7 @@ class CompiledModel(Differentiable):
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
         """Simulate with the array p given."""
+        parameters = [float(value) for value in parameters]
         if not request.sensitivity:
             return self._moved(request, parameters, progress)
         from lagc.run.sensitivity import sensitivities
@@ -370,7 +371,7 @@ class CompiledModel(Differentiable):
             raise ArithmeticError(f"the right-hand side has no value at t = {t:g} (status {status})")
         return numpy.array(xdot[: len(state)])
 
-    def start(self, parameters: Mapping[str, Value] | None = None, **starts: float) -> Array:
+    def start(self, parameters: Mapping[str, Value] | None = None, **starts: Value) -> Array:
         """A consistent start x = (q, v), for other integrators.  Raises Refused where there is none."""
         import numpy
 
@@ -378,7 +379,7 @@ class CompiledModel(Differentiable):
 
         system = self._with(parameters)
         try:
-            found = begin(system, Request(starts=bound_starts(self.interface, starts)))
+            found = begin(system, Request(starts=bound_starts(self.interface, quantities(starts))))
         except NoStart as none:
             raise self._placed(none) from None
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from lagc.compiler import PER_OPERATION
+from lagc.limits import Exhausted, reached
 from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
@@ -60,16 +61,17 @@ class Differentiable:
         them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
         Without x at the start values as they are written.  Where forces bend there it is that of the side on
         which what they depend on is larger, with a RuntimeWarning.  Raises KeyError for another word,
-        ValueError where x has another length, ArithmeticError where there is no finite value, or a jump.
+        ValueError where x, a or lam has another length, ArithmeticError where there is no finite value, or a
+        jump.
         """
         import numpy
 
         from lagc.run.derivatives import Point
 
         system = self.differentiated(parameters)
-        state = system.start() if x is None else [float(value) for value in x]
-        if len(state) != system.nx:
-            raise ValueError(f"x has {len(state)} entries, not {system.nx}")
+        state = _entries("x", system.start() if x is None else x, system.nx)
+        a = None if a is None else _entries("a", a, system.nv)
+        lam = None if lam is None else _entries("lam", lam, system.nc)
         if of not in ALONG and of not in HELD:
             raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *HELD))}")
         words = [wrt] if isinstance(wrt, str) else list(wrt)
@@ -124,8 +126,8 @@ class Differentiable:
     ) -> Linear:
         """The linear model about x = (q, v), which meets the constraints, or about the motion from the start
         at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start or
-        no such time, ArithmeticError where the motion does not get to t or there are no finite
-        derivatives."""
+        no such time, ValueError where x has another length, ArithmeticError where the motion does not get
+        to t or there are no finite derivatives."""
         from lagc.diagnostics.faults import Fault, Refused
         from lagc.records import replace
         from lagc.run.linearize import linearize
@@ -136,7 +138,8 @@ class Differentiable:
         notes = tuple[str, ...]()
         if x is None:
             x, notes = self._at(float(t), parameters, starts, progress)
-        found = linearize(self.differentiated(parameters), float(t), [float(value) for value in x])
+        system = self.differentiated(parameters)
+        found = linearize(system, float(t), _entries("x", x, system.nx))
         return replace(found, notes=(*notes, *found.notes)) if notes else found
 
     def equilibria(
@@ -187,6 +190,8 @@ class Differentiable:
             t, accuracy=ACCURACY, points=2, parameters=parameters, starts=starts, progress=progress
         )
         notes = tuple[str, ...]()
+        if run.interrupted:  # of half a motion nothing follows
+            raise Exhausted if reached() else KeyboardInterrupt
         if run.status == "failed":
             known = run.estimated or 0.0
             if not ACCURACY < known <= COARSELY or run.times[-1] != t:  # the motion is wrong, or not known
@@ -224,3 +229,10 @@ class Differentiable:
         raise KeyError(
             f"{word!r} is no coordinate, speed, parameter or input, nor one of {', '.join(groups)}"
         )
+
+
+def _entries(name: str, values: Sequence[float], wanted: int) -> list[float]:
+    found = [float(value) for value in values]
+    if len(found) != wanted:
+        raise ValueError(f"{name} has {len(found)} entries, not {wanted}")
+    return found

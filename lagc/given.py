@@ -66,6 +66,11 @@ def _float(value: object) -> float:
     return found
 
 
+def words(given: str | Sequence[str]) -> tuple[str, ...]:
+    """Names; a text is one."""
+    return (given,) if isinstance(given, str) else tuple(given)
+
+
 def seconds(name: str, value: Value | None) -> float | None:
     if value is None:
         return None

@@ -5,6 +5,8 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
+from operator import index
+from typing import Any, SupportsFloat
 
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
@@ -53,7 +55,7 @@ class Request:
 
         Raises Refused (LAG0604) where a number makes no sense.
         """
-        values = dict(self.__dict__)
+        values = {name: _plain(name, v) if name in _NUMBERS else v for name, v in self.__dict__.items()}
         skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
         if self.by_hand:
             skipped |= {"accuracy"}
@@ -146,7 +148,7 @@ class Quantity:
 Given = Mapping[str, float | Quantity]
 
 
-_COLUMN = r"""([^"'()\\]+\.csv)(?::([^"'()\\]+))?"""
+_COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""
 
 
 def expression(text: str) -> Source:
@@ -155,9 +157,10 @@ def expression(text: str) -> Source:
 
     column = re.fullmatch(_COLUMN, text.strip())
     if column is not None:
-        words = ", ".join(f'"{word}"' for word in column.groups() if word is not None)
+        named = [word.replace("\\", "\\\\") for word in column.groups() if word is not None]
+        words = ", ".join(f'"{word}"' for word in named)
         text = f"table(time, {words})"
-    return Source("<input>", text)
+    return Source("<input>", text, asked=True)
 
 
 def bound_parameters(
@@ -272,6 +275,20 @@ def _adapts(method: str) -> bool:
     from lagc.kernels.methods import adapts
 
     return adapts(method)
+
+
+def _plain(name: str, value: Any) -> float | int | None:
+    """Python's own number, whatever kind a caller has: what is computed and kept of it is of that kind.
+    Raises Refused where it is none."""
+    try:
+        if value is None or name == "points":
+            return None if value is None else index(value)
+        if isinstance(value, SupportsFloat):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    kind = "whole number" if name == "points" else "number"
+    raise Refused([_request(f"`{name}` must be a {kind}, not {value!r}")])
 
 
 def _request(message: str) -> Fault:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,6 +14,7 @@ import lagc
 from lagc.run.backends import compile as c_compiler
 from lagc.run.files import CannotSave
 from lagc.run.patience import Patience, TakesLong, compile_time
+from lagc.run.request import Request
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -75,6 +79,64 @@ def test_wrong_values_are_refused(pendulum: lagc.CompiledModel) -> None:
         pendulum.simulate(stop=1, starts={"phi": 1.0})
     with pytest.raises(ValueError, match="backend"):
         lagc.load("simple_pendulum").compile(backend="fortran")
+
+
+@pytest.mark.parametrize("backend", ["numpy", pytest.param("c", marks=needs_c)])
+def test_numbers_of_every_kind_are_those_that_they_are(backend: str) -> None:
+    """Also where the accuracy of the same run is known by then."""
+    numpy = pytest.importorskip("numpy")
+    pendulum = lagc.load("simple_pendulum").compile(backend=backend)
+    given = {"points": numpy.int64(5), "accuracy": numpy.float32(2.0**-20), "stop": numpy.float64(0.5)}
+    plain = pendulum.simulate(0.5, points=5, accuracy=2.0**-20)
+    own = numpy.array(pendulum.system.parameters)
+    for _ in range(2):
+        run = pendulum.simulate(**given)
+        assert run.x.tolist() == plain.x.tolist()
+        assert json.loads(json.dumps(run.to_dict()))["accuracy"] == {
+            "asked": 2.0**-20, "estimated": run.estimated
+        }  # fmt: skip
+        request = Request(stop=numpy.float64(0.5), points=numpy.int32(5), accuracy=Fraction(1, 2**20))
+        assert pendulum.run(request, own).x.tolist() == plain.x.tolist()
+
+
+@pytest.mark.parametrize(
+    "given", [{"points": 3.5}, {"points": "5"}, {"accuracy": "1e-6"}, {"rtol": (1e-6, "1")}, {"atol": 1j},
+              {"accuracy": 10**400}],
+)  # fmt: skip
+def test_what_is_no_number_is_refused(pendulum: lagc.CompiledModel, given: dict[str, Any]) -> None:
+    with pytest.raises(lagc.Refused, match=f"LAG0604: `{next(iter(given))}` must be a"):
+        pendulum.simulate(1.0, **given)
+
+
+def test_arrays_of_another_length_are_refused(pendulum: lagc.CompiledModel) -> None:
+    for x in ([], [1.0], [1.0, 2.0, 3.0]):
+        for call in (pendulum.linearize, lambda t, x: pendulum.jacobian("rates", "state", t, x)):
+            with pytest.raises(ValueError, match=f"x has {len(x)} entries, not 2"):
+                call(0.0, x)
+    string = lagc.load("string_pendulum").compile(backend="numpy")
+    for name, wanted in (("a", 2), ("lam", 1)):
+        for given in ([], [1.0] * (wanted + 1)):
+            with pytest.raises(ValueError, match=f"{name} has {len(given)} entries, not {wanted}"):
+                string.jacobian("forces", "state", 0.0, [0.3, -0.4, 0.0, 0.0], **{name: given})
+
+
+def test_starts_have_units_and_names_may_be_one(pendulum: lagc.CompiledModel) -> None:
+    assert pendulum.start(theta=(30, "deg"))[0] == pytest.approx(math.pi / 6.0, rel=1e-15)
+    assert pendulum.start(**{"der(theta)": (60, "rpm")})[1] == pytest.approx(2.0 * math.pi, rel=1e-15)
+    model = lagc.load("simple_pendulum")
+    assert model.compile(use="air").interface.effects == model.compile(use=["air"]).interface.effects
+    assert "gravity" not in model.compile(without="gravity").interface.effects
+
+
+def test_half_a_motion_has_no_linear_model(pendulum: lagc.CompiledModel) -> None:
+    with pytest.raises(lagc.Refused, match="LAG0801: the run took longer"), lagc.Limits(time=0.3):
+        pendulum.linearize(1e9)
+
+    def interrupted(t: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        pendulum.linearize(100.0, progress=interrupted)
 
 
 def test_a_text_is_a_model_too() -> None:
