@@ -22,13 +22,17 @@ _WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EA
 
 
 def code_of(faults: Iterable[Fault]) -> int:
-    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in a file, or
+    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in its text, or
     is one of its mechanics, its generated code, or its start.  Else what was asked for is wrong: USAGE."""
     faults = tuple(faults)
     if any(f.code.startswith("LAG08") for f in faults):
         return LIMITED
-    of_model = any(f.span is not None or f.code.startswith(("LAG04", "LAG05", "LAG061")) for f in faults)
-    return REFUSED if of_model else USAGE
+    return REFUSED if any(map(_of_model, faults)) else USAGE
+
+
+def _of_model(fault: Fault) -> bool:
+    placed = fault.span is not None and not fault.span.source.asked
+    return placed or fault.code.startswith(("LAG04", "LAG05", "LAG061"))
 
 
 class Usage(Exception):

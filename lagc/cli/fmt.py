@@ -30,7 +30,8 @@ def run(options: argparse.Namespace) -> int:
     differs = False
     for name in options.files:
         if name != "-" and not os.path.isfile(name):
-            raise Usage(f"there is no file `{name}`")
+            there = os.path.exists(name)
+            raise Usage(f"`{name}` is no regular file" if there else f"there is no file `{name}`")
         source = library.read(name)
         text = format_source(source)
         if name == "-" and not options.check:

@@ -125,7 +125,7 @@ def _notes(found: list[Linear]) -> list[str]:
 def _check_output(path: str | None) -> None:
     from lagc.saving import obstacle
 
-    if path:
+    if path is not None:
         if os.path.splitext(path)[1].lower() not in FORMATS:
             raise Usage(
                 f"`{path}` cannot be written: the ending says the format; there are {' '.join(FORMATS)}"

@@ -11,6 +11,7 @@ from typing import NoReturn
 
 from lagc.cli.exits import DONE, INTERNAL, INTERRUPTED, UNWRITTEN, USAGE, Unwritten, Usage, code_of
 from lagc.cli.output import begin, code, print_faults, print_json, say, show
+from lagc.cli.signals import SIGNALS
 from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
 
@@ -49,6 +50,9 @@ def main(arguments: list[str] | None = None) -> int:
     except SystemExit as stop:  # argparse has said what it had to say
         return code(stop.code if isinstance(stop.code, int) else USAGE)
     except Exception as error:  # the last resort: nobody gets a traceback
+        if SIGNALS.number:  # what was being loaded makes errors of its own of an interruption
+            say("interrupted")
+            return INTERRUPTED
         return _internal_error(error, verbose)
 
 

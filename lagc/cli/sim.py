@@ -95,6 +95,8 @@ def run(options: argparse.Namespace) -> int:
     until = options.until or [None]
     if len(until) > 1:
         raise Usage(f"`--until` is given twice: one condition, such as '{' or '.join(until)}'")
+    if until[0] is not None and not until[0].strip():
+        raise Usage("`--until` is given no condition, such as 'x > 3[m]'")
     choice = replace(choice_of(options), until=until[0])
     source = library.read(options.file)
     model = CompiledModel(Compilation(source, choice), options.backend)
@@ -119,7 +121,7 @@ def run(options: argparse.Namespace) -> int:
 
 def check_files(options: argparse.Namespace) -> None:
     """Before anything is computed for them."""
-    if options.output:
+    if options.output is not None:
         from lagc.run.files import CannotSave, check_path
 
         try:

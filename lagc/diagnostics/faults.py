@@ -10,10 +10,11 @@ from lagc.records import dataclass, field
 
 @dataclass(frozen=True)
 class Source:
-    """A model text and the name it is shown under."""
+    """A model text and the name it is shown under.  `asked`: of a command or a caller, not of a file."""
 
     name: str
     text: str = field(repr=False)
+    asked: bool = field(default=False, repr=False)
 
     @cached_property
     def line_starts(self) -> tuple[int, ...]:

@@ -59,7 +59,7 @@ def ending(context: Context, until: str) -> tree.When:
     Refused where it is no expression."""
     from lagc.frontend.parse import parse_expression
 
-    source = Source("<until>", until)
+    source = Source("<until>", until, asked=True)
     context.importer.free.append(source)
     condition = parse_expression(source)
     span = condition.span

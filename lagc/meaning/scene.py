@@ -24,6 +24,7 @@ SIMULATE: dict[str, Dimension] = {
     "atol": NONE,
 }  # fmt: skip
 
+_BELOW_ONE = {"accuracy": "error", "rtol": "tolerance"}
 _ALTERNATIVES = (
     ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
     ("step", "maxstep"), ("every", "points"),
@@ -284,8 +285,10 @@ def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> d
         assert isinstance(number, float)
         if number <= 0:
             raise Wrong("LAG0308", f"`{name}` is positive", argument.value.span)
-        if name == "accuracy" and number >= 1:
-            raise Wrong("LAG0308", "`accuracy` is a relative error, below 1", argument.value.span)
+        if name in _BELOW_ONE and number >= 1:
+            raise Wrong("LAG0308", f"`{name}` is a relative {_BELOW_ONE[name]}, below 1", argument.value.span)
+        if name == "points" and (number < 2 or number % 1):
+            raise Wrong("LAG0308", "`points` is a whole number, 2 or more", argument.value.span)
         for first, second in _ALTERNATIVES:
             if (name == second and first in found) or (name == first and second in found):
                 raise Wrong("LAG0209", f"`{first}` and `{second}` exclude each other", argument.span)

@@ -55,7 +55,9 @@ class Request:
 
         Raises Refused (LAG0604) where a number makes no sense.
         """
-        values = {name: _plain(name, v) if name in _NUMBERS else v for name, v in self.__dict__.items()}
+        values: dict[str, Any] = dict(self.__dict__)
+        for name in _NUMBERS:
+            values[name] = _plain(name, values[name])
         skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
         if self.by_hand:
             skipped |= {"accuracy"}

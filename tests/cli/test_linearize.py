@@ -26,6 +26,13 @@ def test_equilibria_are_told_with_their_modes(capsys: Capture) -> None:
     assert f"0 +- 4.42944692i      {frequency:.8g}" in shown and "theta 1" in shown
 
 
+def test_a_limit_of_time_ends_the_motion_to_it(capsys: Capture) -> None:
+    words = ["--at", "1e9", "--max-time", "0.5", "--json"]
+    assert main(["linearize", "simple_pendulum", *words]) == 4
+    (fault,) = json.loads(capsys.readouterr().out)["faults"]
+    assert fault["code"] == "LAG0801" and fault["message"].startswith("the run took longer than ")
+
+
 def test_the_start_is_that_of_a_run(capsys: Capture) -> None:
     words = ["linearize", "simple_pendulum", "--scene", "vacuum", "--start", "theta=0", "-p", "l=1", "--json"]
     assert main(words) == 0

@@ -6,6 +6,7 @@ import random
 import re
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -99,3 +100,27 @@ def test_an_unknown_option_is_wrong_usage(capsys: pytest.CaptureFixture[str]) ->
 def test_what_is_said_twice_is_not_chosen_from(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sim", "simple_pendulum", *words]) == 2
     assert "twice" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "words", [["sim", "simple_pendulum", "-o", ""], ["linearize", "simple_pendulum", "-o", ""],
+              ["sim", "simple_pendulum", "--until", " "], ["fmt", ""]],
+)  # fmt: skip
+def test_an_empty_word_is_none(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert capsys.readouterr().err.startswith("lagc: ")
+
+
+@pytest.mark.parametrize(
+    "words", [["--until", "q > 1"], ["--until", "theta >"], ["--input", "l=2*q"], ["--input", "l=none.csv"]]
+)
+def test_what_is_wrong_in_a_command_is_not_the_model(
+    words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["sim", "simple_pendulum", *words]) == 2
+    assert " --> <" in capsys.readouterr().err
+
+
+def test_what_is_no_file_is_not_laid_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fmt", str(tmp_path)]) == 2 and "is no regular file" in capsys.readouterr().err
+    assert main(["fmt", str(tmp_path / "a.lag")]) == 2 and "there is no file" in capsys.readouterr().err

@@ -17,6 +17,7 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
+from lagc.cli.signals import SIGNALS
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="signals")
 KILLS = int(os.environ.get("LAGC_KILLS", "10"))
@@ -223,6 +224,23 @@ def test_a_pipe_that_nobody_reads_is_given_up_and_its_content_kept(
     kept = [path.name for path in tmp_path.iterdir() if path != pipe]
     assert len(kept) == 2 and all(name in said or name.endswith(".csv.json") for name in kept), kept
     assert all(is_whole(tmp_path / name) for name in kept)
+
+
+def test_what_is_loaded_may_make_an_error_of_its_own_of_an_interruption(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As libraries in C do, whose initialization then failed."""
+
+    def load(_: object) -> None:
+        try:
+            SIGNALS._came(signal.SIGTERM, None)
+        except KeyboardInterrupt:
+            raise ImportError("initialization failed") from None
+
+    monkeypatch.setattr(SIGNALS, "number", 0)
+    monkeypatch.setattr("lagc.cli.cache.run", load)
+    assert main(["cache"]) == 130 and SIGNALS.code == 143
+    assert capsys.readouterr().err == "interrupted\n"
 
 
 # A signal ends `main`, in a call of which nothing may be raised where it is `lost`; another one comes at the
