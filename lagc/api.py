@@ -280,14 +280,15 @@ class CompiledModel(Differentiable):
         if not courses and not fixed and until is None:
             return self
         wanted = (dict(courses), fixed, until)
-        if self._driven is None or self._driven[0] != wanted:
+        recent = self._driven  # another thread may put its own there at any time
+        if recent is None or recent[0] != wanted or not recent[1].compilation.is_current:
             kept = {name: given for name, given in choice.inputs.items() if name not in numbers}
             given = {name: value for name, value in self._given.items() if name not in courses}
             chosen = replace(choice, parameters={**given, **fixed}, inputs={**kept, **courses},
                              until=choice.until if until is None else until)  # fmt: skip
             made = Compilation(self.compilation.source, chosen, self.compilation.roots)
-            self._driven = wanted, CompiledModel(made, self.asked_backend)
-        return self._driven[1]
+            recent = self._driven = wanted, CompiledModel(made, self.asked_backend)
+        return recent[1]
 
     def run(self, request: Request, parameters: Sequence[float], progress: Progress | None = None) -> Run:
         """Simulate with the array p given."""
@@ -328,7 +329,7 @@ class CompiledModel(Differentiable):
                 progress(0.0)  # it begins again: nothing is kept of what was computed
             try:
                 self._loaded.system("c")
-            except CannotCompile as error:
+            except (CannotCompile, Refused) as error:  # a file that it was made of has changed
                 return self._run("numpy", request, parameters, progress, str(error))
             return self._run("c", request, parameters, progress, "a long run")
 

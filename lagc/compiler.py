@@ -274,20 +274,36 @@ def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
 
 class Compilation:
     """One choice of one source, compiled as far as it is asked for; each stage at most once, whatever
-    the number of threads.  It pickles as its source and choice."""
+    the number of threads.  It pickles as its source and choice, and what was `read` of other files."""
 
     differentiates = False  # whether the program has derivatives
 
-    def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = ()):
-        self.source, self.choice, self.roots = source, choice, roots
+    def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None):
+        self.source, self.choice, self.roots, self.read = source, choice, roots, read
         self.lock = RLock()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.source, self.choice, self.roots)
+        return type(self), (self.source, self.choice, self.roots, self.read)
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the files that it was made of are as they were."""
+        return self.read is not None and self.read.is_current
+
+    def agree(self, read: Head) -> None:
+        """All that is made of it is made of the same files.  Raises Refused where one has changed."""
+        before, now = dict((self.read or read).imports), dict(read.imports)
+        changed = [path for path in {**before, **now} if before.get(path) != now.get(path)]
+        if changed:
+            message = f"`{changed[0]}` has changed since the model was compiled"
+            raise Refused([Fault("LAG0705", message, remedy="compile the model again")])
+        self.read = read
 
     @once
     def model(self) -> Model:
-        return resolve(parse(self.source), self.choice, self.roots)
+        found = resolve(parse(self.source), self.choice, self.roots)
+        self.agree(Head(found.imports, found.built_in))
+        return found
 
     @once
     def equations(self) -> EquationsOfMotion:
@@ -310,7 +326,10 @@ class Compilation:
 
     def cached_artifact(self, target: str) -> Artifact | None:
         head = load_head(self._head_name)
-        return None if head is None else load_artifact(self._artifact_name(target, head))
+        found = None if head is None else load_artifact(self._artifact_name(target, head))
+        if head is not None and found is not None:
+            self.agree(head)
+        return found
 
     @once
     def _head_name(self) -> str:
@@ -357,6 +376,9 @@ class _Differentiated(Compilation):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.base,)
+
+    def agree(self, read: Head) -> None:
+        self.base.agree(read)
 
     @once
     def model(self) -> Model:

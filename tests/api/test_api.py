@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import pickle
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -159,6 +160,31 @@ def test_structural_integers_are_built_in() -> None:
     assert (two.interface.nq, three.interface.nq) == (2, 3)
     again = chain.compile(parameters={"n": 2}, backend="numpy")
     assert again.interface == two.interface
+
+
+@pytest.mark.parametrize("kept", [False, True])
+def test_all_of_a_compiled_model_is_of_the_same_files(
+    kept: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where what was compiled first came out of the cache."""
+    part = "partial model P parameter Stiffness k = {} [N/m]; coordinate Length x(start = 1);\
+            body b = Particle(mass = 1, at = {{x, 0, 0}}); potential v = 1/2*k*x^2; end P;"
+    (tmp_path / "m.lag").write_text('import "p.lag"; model M extends P; end M;')
+
+    def compiled(k: float, text: str = part) -> lagc.CompiledModel:
+        (tmp_path / "p.lag").write_text(text.format(k))
+        return lagc.load(str(tmp_path / "m.lag")).compile(backend="numpy")
+
+    if kept:
+        compiled(1.0)
+    model = pickle.loads(pickle.dumps(compiled(1.0)))
+    newer = compiled(4.0)
+    with pytest.raises(lagc.Refused, match=r"LAG0705: .*p\.lag` has changed since"):
+        model.linearize()
+    assert model.simulate(math.pi)["x"][-1] == pytest.approx(-1.0, rel=1e-6)
+    assert newer.linearize().A[1][0] == -4.0
+    compiled(1.0)
+    assert model.linearize().A[1][0] == -1.0
 
 
 def test_what_is_built_in_belongs_to_no_run() -> None:

@@ -99,6 +99,14 @@ def test_the_command_line_takes_numbers_expressions_and_columns(
     assert final("u=4[N]*(1 - x/1[m])", "w={0, 0}") == pytest.approx(1.0 - cos(2.0**0.5), rel=1e-7)
 
 
+def test_a_file_that_changes_drives_the_next_run(tmp_path: Path) -> None:
+    model, path = compiled(), tmp_path / "drive.csv"
+    for force in (4.0, 8.0, 4.0):
+        path.write_text(f"time,u\n0,{force}\n1,{force}\n")
+        run = model.simulate(1.0, inputs={"u": f"{path}:u"})
+        assert run["x"][-1] == pytest.approx(force / 4.0, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     "said, code",
     [

@@ -17,6 +17,11 @@ ENTRIES: dict[str, Entry] = {
     ),
     "LAG0703": Entry("a model file is not UTF-8 text", "Save it as UTF-8; a byte order mark is allowed."),
     "LAG0704": Entry("a model file is too large", "The largest that is read has 4 MB; none is read in part."),
+    "LAG0705": Entry(
+        "a file has changed since the model was compiled",
+        "A compiled model never changes: what is compiled of it later, as its derivatives or its C, is made "
+        "of the same imports and files of numbers.  Load and compile it again for the new ones.",
+    ),
     "LAG0799": Entry(
         "internal error of lagc",
         "This is never your fault: please report it, with the model.  With `-v` the details are written to a "
