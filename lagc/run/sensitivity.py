@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -80,7 +81,7 @@ class Sensitivities:
         found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
         return found
 
-    @property
+    @cached_property
     def _names(self) -> dict[str, tuple[str, Direction]]:
         interface = self.system.interface
         rates = [derived(name) for name in interface.q_names]

@@ -165,13 +165,13 @@ class Solution:
         if name in states:
             i = states.index(name)
             return self._columns.setdefault(name, [x[i] for x in self.states])
+        if self.sensitivities is not None and name in self.sensitivities:
+            return self._columns.setdefault(name, self.sensitivities.column(name))
         if name not in self.units:
             fault = unknown(name, self.units, "quantity", "LAG0601")
             raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else ""))
         if name in {o.name for o in self.system.interface.outputs}:
             self._fill_outputs()
-        elif self.sensitivities is not None and name in self.sensitivities:
-            self._columns[name] = self.sensitivities.column(name)
         else:
             self._fill_rates()
         return self._columns[name]

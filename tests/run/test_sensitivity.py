@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from math import exp, pi, sqrt
+from math import exp, pi, sin, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -390,3 +390,23 @@ def test_a_start_on_a_change_has_none(condition: str, name: str) -> None:
     )
     run = lagc.loads(text).compile(backend="numpy").simulate(1.0, sensitivity=[name])
     assert run.status == "failed" and "at the start itself" in run.message
+
+
+def test_many_quantities_are_told_in_time_in_proportion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """x = cos(w t) with w^2 = k; the unit of each is made once."""
+    n, asked = 100, [0]
+
+    def counted(above: str, below: str) -> str:
+        asked[0] += 1
+        return quotient(above, below)
+
+    model = lagc.loads(
+        f"""model W parameter Stiffness k = 1; coordinate Length x[{n}](each start = 1);
+        for i in 1:{n} loop body b[i] = Particle(mass = 1, at = {{x[i], 0, 0}});
+        force f[i] = {{-k*x[i], 0, 0}} at b[i]; end for; end W;"""
+    )
+    run = model.compile(backend="numpy").simulate(0.5, points=2, method="rk4", step=0.01, sensitivity="k")
+    monkeypatch.setattr("lagc.run.sensitivity.quotient", counted)
+    final = run.final()
+    assert len(final) == 4 * n and 0 < asked[0] <= 4 * len(final)
+    assert final[f"d(x[{n}])/d(k)"] == pytest.approx(-0.25 * sin(0.5), rel=1e-6)
