@@ -33,6 +33,11 @@ class Head:
     structural: tuple[str, ...]  # parameters that are built into the generated code
 
     @property
+    def paths(self) -> list[str]:
+        """The files that there were."""
+        return [path for path, found in self.imports if found is not None]
+
+    @property
     def is_current(self) -> bool:
         return all(_fingerprint(path) == found for path, found in self.imports)
 

@@ -27,6 +27,7 @@ from lagc.numerals import whole
 from lagc.records import replace
 
 if TYPE_CHECKING:
+    from lagc.compiler import Compilation
     from lagc.run.request import Request
 
 PICTURES = (".png", ".svg", ".pdf", ".jpg", ".webp", ".eps")
@@ -100,6 +101,7 @@ def run(options: argparse.Namespace) -> int:
     choice = replace(choice_of(options), until=until[0])
     source = library.read(options.file)
     model = CompiledModel(Compilation(source, choice), options.backend)
+    spare(options.output, model.compilation)
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts)
@@ -129,6 +131,13 @@ def check_files(options: argparse.Namespace) -> None:
         except CannotSave as error:
             raise Usage(str(error)) from None
     check_picture(options)
+
+
+def spare(output: str | None, compilation: Compilation) -> None:
+    """Refuses to write over what is read."""
+    read = compilation.read.paths if compilation.read else []
+    if output and os.path.realpath(output) in map(os.path.realpath, read):
+        raise Usage(f"`{output}` is read by the model, and not written over: name another file")
 
 
 def check_picture(options: argparse.Namespace) -> None:

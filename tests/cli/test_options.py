@@ -124,3 +124,22 @@ def test_what_is_wrong_in_a_command_is_not_the_model(
 def test_what_is_no_file_is_not_laid_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["fmt", str(tmp_path)]) == 2 and "is no regular file" in capsys.readouterr().err
     assert main(["fmt", str(tmp_path / "a.lag")]) == 2 and "there is no file" in capsys.readouterr().err
+
+
+def test_what_a_run_reads_it_does_not_write_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "m.lag").write_text(
+        "model M input Force u = 0; coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});"
+        'force f = {u + 1 [N]*table(time, "own.csv"), 0, 0} at b; end M;'
+    )
+    numbers = "time,u\n0,1\n1,2\n"
+    for name in ("own.csv", "drive.csv", "other.csv"):
+        (tmp_path / name).write_text(numbers)
+    (tmp_path / "link.csv").symlink_to("drive.csv")
+    (tmp_path / "inner").mkdir()
+    monkeypatch.chdir(tmp_path)
+    sim = ["sim", "m.lag", "-q", "--stop", "1", "--input", "u=drive.csv:u", "-o"]
+    for _ in range(2):  # the second time it was compiled before
+        for name in ("own.csv", "drive.csv", "link.csv", str(tmp_path / "inner" / ".." / "own.csv")):
+            assert main([*sim, name]) == 2
+        assert (tmp_path / "own.csv").read_text() == (tmp_path / "drive.csv").read_text() == numbers
+    assert main([*sim, "other.csv"]) == 0 and (tmp_path / "other.csv").read_text() != numbers
