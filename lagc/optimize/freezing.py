@@ -19,11 +19,11 @@ from lagc.expr.walk import depends, missing, union
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.intervals import extended
 from lagc.mechanics.jacobian import formed_of, with_values
+from lagc.optimize.program import FARTHEST
 from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
 _TIME, _MOVES, _LOOSE = 1, 2, 4  # time; what states move; modes of switches without a slope
-FARTHEST = 1.7e308  # an end that no side comes to
 
 
 @dataclass(frozen=True, slots=True)

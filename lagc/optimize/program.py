@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 from lagc.records import dataclass, field
 
+FARTHEST = 1.7e308  # in tables: an end that no number comes to
+
 if TYPE_CHECKING:
     from lagc.expr.table import Table
 

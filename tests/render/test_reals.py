@@ -25,9 +25,9 @@ HERE = Path(__file__).parent
 WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror", "-ffp-contract=off"]
 
 
-def built(name: str, real: Arithmetic, folder: Path) -> Path:
-    """The program of `reals.c` for a model of the library."""
-    program = of_model(name)
+def built(model: str | Program, real: Arithmetic, folder: Path) -> Path:
+    """The program of `reals.c` for a model, of the library by its name."""
+    program = of_model(model) if isinstance(model, str) else model
     own = prefix(program.interface.model)
     for file, text in render(program, False, real).items():
         (folder / file).write_text(text)
@@ -97,6 +97,19 @@ def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path)
             size[kind] = max(size[kind], abs(value))
     for kind, a, b in zip(interface.kinds, found, truth.states[-1]):
         assert abs(a - b) <= 5e-3 * size[kind]
+
+
+@pytest.mark.parametrize("real", TYPES)
+@pytest.mark.parametrize("over", ["time", "y/1 [m/s]"])
+def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path) -> None:
+    """Beyond their ends too: a force that rises and falls for 1 s each leaves 1 kg at 1 m, with 1 m/s."""
+    text = """model T coordinate Length x, y(rate = 1 [m/s]); body a = Particle(mass = 1, at = {x, 0, 0});
+    body b = Particle(mass = 1, at = {0, y, 0});
+    force f = {table(OVER, {0, 1, 2}, {0, 1, 0}), 0, 0} at a; end T;"""
+    model = compiler.resolve(compiler.parse(Source("t.lag", text.replace("OVER", over))), compiler.Choice())
+    run = built(compiler.optimize(compiler.derive(model), True), TYPES[real], tmp_path)
+    x, y, vx, vy = (float(v) for v in end(run, 3.0, "1e-5", ["0", "0", "0", "1"])[:4])
+    assert (x, y, vx, vy) == pytest.approx((2.0, 3.0, 1.0, 1.0), rel=1e-4)
 
 
 def test_the_command_line_builds_for_floats(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import inf, isqrt, ulp
+from math import copysign, inf, isqrt, ulp
 
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.optimize.program import FARTHEST
 from lagc.records import dataclass
 
 STANDS_FOR_ZERO = 1e-300  # in Programs
@@ -36,14 +37,16 @@ class Arithmetic:
 
     def literal(self, value: float | Fraction | str) -> str:
         """The value, so that reading it gives the same bits as rounding it once.  What stands for zero where
-        it divides zero is so to the type; in a wider one what is meant by a double (`meant`) is all there.
-        Raises Refused (LAG0590) where a narrower one does not hold the value."""
+        it divides zero, and for what is farther than all, is so to the type; in a wider one what is meant by
+        a double (`meant`) is all there.  Raises Refused (LAG0590) where a narrower one does not hold it."""
         if value == STANDS_FOR_ZERO:
             return f"{('1e-30', '1e-300', '1e-4000')[self.column]}{self.suffix}"
         if self.column == 2:  # wider than a double
             exact = meant(value) if isinstance(value, float | int) else value
             return (exact if isinstance(exact, str) else _decimal(exact)) + self.suffix
         value = float(value)
+        if self.column == 0 and abs(value) == FARTHEST:
+            value = copysign(3.2e38, value)  # as far below the largest number
         if value and not self.least <= abs(value) <= self.largest:
             message = f"a number of the equations is too large or too small for a {self.name}: {value!r}"
             raise Refused((Fault("LAG0590", message, None),))
