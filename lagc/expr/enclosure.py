@@ -151,12 +151,11 @@ class _Enclosure:
         )
 
     def _power(self, node: Node, x: Sequence[Ends]) -> Ends:
-        """Of a positive base; an exponent that moves is not followed."""
-        graph, (low, high) = self.graph, x[0]
-        if x[1][0] is not x[1][1]:
-            return graph.zero, self.unknown[1]
-        exponent = x[1][0]
-        ends = [
-            graph.pow(graph.binary("max", end, graph.const(1.0 / UNKNOWN)), exponent) for end in (low, high)
-        ]
-        return self._hull(ends)
+        """Of a positive base."""
+        graph = self.graph
+        bases = [graph.binary("max", end, graph.const(1.0 / UNKNOWN)) for end in x[0]]
+        if x[1][0] is x[1][1]:
+            return self._hull([graph.pow(base, x[1][0]) for base in bases])
+        logarithms = [graph.unary("log", base) for base in bases]
+        least, most = self._times((logarithms[0], logarithms[1]), x[1])
+        return graph.unary("exp", self._growing(least)), graph.unary("exp", self._growing(most))

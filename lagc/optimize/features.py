@@ -1,7 +1,7 @@
 """What of the equations may be narrow: terms that are nothing for most of a motion, and much for a moment.
 
-exp, tanh and atan of what moves, and quotients by what is never zero, as of a bell or a smooth step.  Each is
-put into a measure in which 1 is much.
+exp, tanh and atan of what moves, powers whose exponent does, and quotients by what is never zero, as
+of a bell or a smooth step.  Each is put into a measure in which 1 is much.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ MOST = 10_000  # beyond, none is looked at
 def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
     """Those of the equations, each once."""
     changing = [equations.time, *equations.q, *equations.v]
-    moved = sorted(depends(deciding(equations), changing), key=lambda node: node.index)
-    found = [node for node in moved if node.op in _STEEP]
+    moving = depends(deciding(equations), changing)
+    moved = sorted(moving, key=lambda node: node.index)
+    found = [node for node in moved if node.op in _STEEP or (node.op == "pow" and node.args[1] in moving)]
     bases = [
         base for node in moved if node.op == "mul" for base, e in zip(node.args, node.value)
         if e < 0 and not base.is_const

@@ -18,7 +18,7 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
     if depth == 0:
         return chance.choice([*leaves, graph.const(chance.uniform(-2.0, 2.0))])
     a, b = (expression(graph, leaves, chance, depth - 1) for _ in range(2))
-    kind = chance.randrange(10)
+    kind = chance.randrange(11)
     if kind < 3:
         return (a + b, a - b, a * b)[kind]
     if kind < 6:
@@ -29,6 +29,8 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
         return graph.div(b, graph.power(a, 2) + 0.5)
     if kind == 8:
         return graph.unary("exp", graph.unary("sin", a))
+    if kind == 9:
+        return graph.pow(graph.power(a, 2) + 0.5, b)
     return graph.binary(chance.choice(("min", "max")), a, b)
 
 
