@@ -1,20 +1,32 @@
-"""Narrow features: terms that are nothing at both ends of a step, and much within it."""
+"""What a step may hide: terms that are nothing at both its ends, and much within it; divisors that come much
+nearer to zero there."""
 
 from __future__ import annotations
 
-from math import fabs
+from math import fabs, inf
 
 from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
 from lagc.kernels.locating import THINNEST
 from lagc.kernels.method import last, method_at
-from lagc.kernels.model import fn_feature_bounds, fn_feature_bounds_on, fn_features, fn_features_on
+from lagc.kernels.model import (
+    fn_feature_bounds,
+    fn_feature_bounds_on,
+    fn_features,
+    fn_features_on,
+    fn_pole_bounds,
+    fn_pole_bounds_on,
+    fn_poles,
+    fn_poles_on,
+)
 from lagc.kernels.records import State, Trial, Work
-from lagc.kernels.sizes import NFEAT, NMODE, NX
+from lagc.kernels.sizes import NFEAT, NMODE, NPOLE, NX
 from lagc.kernels.statuses import failed
 from lagc.kernels.words import Params, Real, Vec
 
 MUCH = 0.1  # in the measure of features
 NEARLY_ALL = 0.9
+MUCH_NEARER = 0.0625  # of what a divisor is at the ends
+AT_ZERO = 1e-8  # of what a divisor is at the other end: there the rates show what it does
 
 
 def bound_features(p: Params, w: Work) -> None:
@@ -67,34 +79,73 @@ def limit_features(rtol: Real, w: Work) -> None:
         w.tops[k] = (one if one > other else other) + more
 
 
-def is_seen(p: Params, w: Work) -> bool:
-    """Whether no feature goes beyond that in w.box."""
-    bound_features(p, w)
-    for k in range(NFEAT):
-        if not (w.bounds[2 * k] >= w.floors[k] and w.bounds[2 * k + 1] <= w.tops[k]):
+def bound_poles(p: Params, w: Work) -> None:
+    """w.divisors in w.box."""
+    if NMODE > 0:
+        fn_pole_bounds_on(p, w.modes, w.box, w.divisors)
+    else:
+        fn_pole_bounds(p, w.box, w.divisors)
+
+
+def poles_at(p: Params, t: Real, x: Vec[NX], values: Vec[NPOLE], w: Work) -> None:
+    if NMODE > 0:
+        fn_poles_on(p, t, x, w.modes, values)
+    else:
+        fn_poles(p, t, x, values)
+
+
+def from_zero(k: int, w: Work) -> Real:
+    """How far this divisor stays from it, at least; below zero where it may pass."""
+    return w.divisors[2 * k] if w.divisors[2 * k] > 0.0 else -w.divisors[2 * k + 1]
+
+
+def limit_poles(p: Params, s: State, a: Trial, w: Work) -> None:
+    """w.clear, where a divisor may change by much in w.box."""
+    bound_poles(p, w)
+    w.wary = False
+    for k in range(NPOLE):
+        most = fabs(w.divisors[2 * k])
+        if fabs(w.divisors[2 * k + 1]) > most:
+            most = fabs(w.divisors[2 * k + 1])
+        if not from_zero(k, w) >= MUCH_NEARER * most:
+            w.wary = True
+    if not w.wary:
+        return
+    poles_at(p, s.t, s.x, w.here, w)
+    poles_at(p, a.t_new, s.y, w.there, w)
+    for k in range(NPOLE):
+        least = fabs(w.here[k])
+        most = fabs(w.there[k])
+        if most < least:
+            least = fabs(w.there[k])
+            most = fabs(w.here[k])
+        w.clear[k] = MUCH_NEARER * least if least > AT_ZERO * most else -inf
+
+
+def stays_clear(p: Params, w: Work) -> bool:
+    """Whether no divisor comes nearer to zero than it is to in w.box."""
+    bound_poles(p, w)
+    for k in range(NPOLE):
+        if not from_zero(k, w) >= w.clear[k]:
             return False
     return True
 
 
-def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
-    """The part of the step from s.x to s.y after which a feature begins that its ends do not show; NONE;
-    below zero where that cannot be told."""
-    features_at(p, s.t, s.x, w.floors, w)
-    features_at(p, a.t_new, s.y, w.tops, w)
-    far = goes_far(w)
-    if far:
-        if failed(dense_of_trial(p, s, method, a, w)):
-            return -1.0
-        begins = steep(p, s, method, a, w)
-        if begins < 1.0:
-            return begins
-    limit_features(rtol, w)
-    enclose_step(s, a, s.k[last(method)], w)
-    if is_seen(p, w):
-        return NONE
-    if not far:
-        if failed(dense_of_trial(p, s, method, a, w)):
-            return -1.0
+def is_seen(p: Params, w: Work) -> bool:
+    """Whether w.box hides nothing."""
+    if NFEAT > 0:
+        bound_features(p, w)
+        for k in range(NFEAT):
+            if not (w.bounds[2 * k] >= w.floors[k] and w.bounds[2 * k + 1] <= w.tops[k]):
+                return False
+    if NPOLE > 0:
+        if w.wary:
+            return stays_clear(p, w)
+    return True
+
+
+def first_unseen(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """The part of a step with dense output from which on `is_seen` does not hold; NONE."""
     left = 0.0
     width = COARSEST
     w.left_x[:] = s.x
@@ -114,3 +165,43 @@ def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work
         left = right
         w.left_x[:] = w.right_x
     return NONE
+
+
+def next_to_zero(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
+    """The part of a step after which a divisor is next to nothing; NONE."""
+    for k in range(NPOLE):
+        w.clear[k] *= AT_ZERO
+    part = first_unseen(p, s, method, a, w)
+    return part if part < 1.0 and not stays_clear(p, w) else NONE
+
+
+def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work) -> Real:
+    """The part of the step from s.x to s.y after which something begins that its ends do not show; NONE;
+    below zero where that cannot be told."""
+    far = False
+    if NFEAT > 0:
+        features_at(p, s.t, s.x, w.floors, w)
+        features_at(p, a.t_new, s.y, w.tops, w)
+        far = goes_far(w)
+        if far:
+            if failed(dense_of_trial(p, s, method, a, w)):
+                return -1.0
+            begins = steep(p, s, method, a, w)
+            if begins < 1.0:
+                return begins
+        limit_features(rtol, w)
+    enclose_step(s, a, s.k[last(method)], w)
+    if NPOLE > 0:
+        limit_poles(p, s, a, w)
+    if is_seen(p, w):
+        return NONE
+    if not far:
+        if failed(dense_of_trial(p, s, method, a, w)):
+            return -1.0
+    part = first_unseen(p, s, method, a, w)
+    if NPOLE > 0:
+        if part < 1.0 and w.wary:
+            zero = next_to_zero(p, s, method, a, w)
+            if zero < 1.0:
+                return zero
+    return part

@@ -20,6 +20,8 @@ from lagc.kernels.sizes import (
     NLOOK,
     NM,
     NMODE,
+    NNEAR,
+    NPOLE,
     NQ,
     NR,
     NREACH,
@@ -190,6 +192,12 @@ class Work:
         values: Vec[NFEAT]
         floors: Vec[NFEAT]  # between which each is seen
         tops: Vec[NFEAT]
+    if NPOLE > 0:
+        divisors: Vec[NNEAR]  # between which each is
+        clear: Vec[NPOLE]  # how far from zero each is to stay
+        here: Vec[NPOLE]
+        there: Vec[NPOLE]
+        wary: bool  # whether any is to
     if NLOOK > 0:
         box: Vec[NBOX]  # least time and states, largest time and states
         arrived: Vec[NX]

@@ -25,7 +25,7 @@ from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NC, NFEAT, NFREE, NMODE, NQUAT, NTIMED, NWHEN
+from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN
 from lagc.kernels.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status
@@ -221,7 +221,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             keep_parameters(p, s)
             return stop(s, pass_change(p, s, a.direction, w), w)
     cause = OK
-    if NFEAT > 0:
+    if NHIDE > 0:
         shrunk = 0
     while True:
         if o.max_steps > 0 and s.steps + s.rejected - s.entered >= o.max_steps:
@@ -241,7 +241,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
                     return stop(s, pass_change(p, s, a.direction, w), w)
             return stop(s, cause if cause != OK else STEP_UNDERFLOW, w)
         status = try_step(p, s, o, a, w)
-        if NFEAT > 0:
+        if NHIDE > 0:
             if not failed(status) and a.error <= 1.0 and o.step == 0.0 and shrunk < MOST_SHRUNK:
                 hidden = first_hidden(p, s, o.method, a, o.rtol, w)
                 if hidden < 1.0:

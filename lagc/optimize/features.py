@@ -6,18 +6,11 @@ of a bell or a smooth step.  Each is put into a measure in which 1 is much.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from lagc.expr.enclosure import enclosures
 from lagc.expr.graph import Node
 from lagc.expr.walk import depends
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.intervals import intervals
 from lagc.optimize.freezing import deciding
-from lagc.optimize.functions import made
-from lagc.optimize.program import Function
-from lagc.optimize.switching import boxed
-from lagc.optimize.symbols import Places
 
 _STEEP = ("exp", "tanh", "atan")
 MOST = 10_000  # beyond, none is looked at
@@ -38,17 +31,3 @@ def features(equations: EquationsOfMotion) -> tuple[Node, ...]:
     found += [graph.div(graph.const(least[base][0]), base) for base in bases if least[base][0] > 0.0]
     found = [node for node in dict.fromkeys(found) if not node.is_const]
     return tuple(found) if len(found) <= MOST else ()
-
-
-def narrow(along: Places, found: Sequence[Node]) -> list[Function]:
-    """`features`, and `feature_bounds` in a box of time and states; none where there are none."""
-    if not found:
-        return []
-    places, boxes = boxed(along)
-    ends = [end for pair in enclosures(along.graph, found, boxes) for end in pair]
-    inputs = ("p", *along.state[3:])
-    about = "what these keep to in a box"
-    return [
-        made(along, "features", along.state, (("e", found),), "terms that may be narrow", seldom=True),
-        made(places, "feature_bounds", (*inputs, "box"), (("e", ends),), about, seldom=True),
-    ]

@@ -111,6 +111,7 @@ def interface(
         switches_aside=tuple([int(switch.aside) for switch in switches]),
         whens=_clauses(equations),
         features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
+        poles=dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
         timed=flowing or ("sides" in functions and _timed(functions["sides"])),
         flowing=flowing,
         doubtful=_doubtful(model),

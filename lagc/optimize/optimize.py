@@ -11,7 +11,7 @@ from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
 from lagc.optimize.conditions import condition_slopes
 from lagc.optimize.derivatives import derivatives
-from lagc.optimize.features import features, narrow
+from lagc.optimize.features import features
 from lagc.optimize.forms import forms_matrix, solvers
 from lagc.optimize.freezing import Switch, frozen
 from lagc.optimize.interface import interface, used_parameters
@@ -19,11 +19,12 @@ from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import plain
 from lagc.optimize.limits import bounded
 from lagc.optimize.massless import with_pivots
+from lagc.optimize.poles import poles
 from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
 from lagc.optimize.prune import independent, prune, sources
 from lagc.optimize.rolling import rolled
-from lagc.optimize.switching import switching
+from lagc.optimize.switching import in_boxes, switching
 from lagc.optimize.symbols import Places, places, weight
 from lagc.optimize.whens import changing, whens
 from lagc.records import replace
@@ -123,7 +124,9 @@ def _functions(
     slopes = condition_slopes(at.equations)
     made += [functions.conditions(at, slopes), functions.measures(at)]
     made += [functions.limits(at), *switching(at, along, switches)]
-    made += [*whens(at, along), *narrow(along, features(along.equations))]
+    made += whens(at, along)
+    made += in_boxes(along, features(along.equations), "feature", "terms that may be narrow")
+    made += in_boxes(along, poles(along.equations), "pole", "divisors that may come near zero")
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
         found["rhs"] = balanced(found["rhs"])

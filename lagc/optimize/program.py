@@ -222,6 +222,7 @@ class Interface:
     switches_aside: tuple[int, ...] = ()  # 1: clauses `when` alone ask for it
     whens: tuple[Clause, ...] = ()
     features: int = 0  # terms that may be narrow
+    poles: int = 0  # divisors that may come near zero
     timed_switches: int = 0  # the first ones, which time alone changes, when is known
     timed: bool = False  # the rates, or when they change, depend on time itself
     flowing: bool = False  # the rates do between changes
@@ -335,6 +336,8 @@ class Program:
       limits      (p)             -> b[]   those of `limits`
       features    (p,t,x)         -> e[]    terms that may be narrow
       feature_bounds (p,box)      -> e[]    least and largest value of each, in a box
+      poles       (p,t,x)         -> e[]    divisors that may come near zero
+      pole_bounds (p,box)         -> e[]    least and largest value of each, in a box
     and with switches, where `rhs`, `system`, `assemble` and `power` are functions of (p,t,x,modes...):
       modes       (p,t,x)         -> modes[]   of the state: sign(e), floor(e), or the piece of a table
       sides       (p,t,x,modes)   -> e[]    what each changes at

@@ -98,3 +98,17 @@ def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
         boxes[leaf] = low, high
         arrays[low], arrays[high] = ("box", k), ("box", len(leaves) + k)
     return replace(along, arrays=arrays), boxes
+
+
+def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> list[Function]:
+    """Their values, and what they keep to in a box of time and states; none where there are none."""
+    if not found:
+        return []
+    places, boxes = boxed(along)
+    ends = [end for pair in enclosures(along.graph, found, boxes) for end in pair]
+    inputs = ("p", *along.state[3:], "box")
+    bounds = "what these keep to in a box"
+    return [
+        made(along, f"{name}s", along.state, (("e", found),), about, seldom=True),
+        made(places, f"{name}_bounds", inputs, (("e", ends),), bounds, seldom=True),
+    ]

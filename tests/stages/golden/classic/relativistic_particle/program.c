@@ -84,3 +84,25 @@ static void lagc_fn_start(const lagc_params *p, lagc_real *x)
     x[1] = 0.0;
     (void)(p);
 }
+
+/* divisors that may come near zero */
+static void lagc_fn_poles(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real der_x = x[1];
+    e[0] = 1.0 - der_x * der_x * p->prepared[1];
+    (void)(t);
+}
+
+/* what these keep to in a box */
+static void lagc_fn_pole_bounds(const lagc_params *p, const lagc_real *box, lagc_real *e)
+{
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real box2 = box[2];
+    const lagc_real box5 = box[5];
+    const lagc_real t0 = lagc_max(0.0, lagc_max(box2, -box5));
+    const lagc_real t1 = prepared1 * (t0 * t0);
+    const lagc_real t2 = lagc_max(-box2, box5);
+    const lagc_real t3 = prepared1 * (t2 * t2);
+    e[0] = 1.0 - lagc_max(t1, t3);
+    e[1] = 1.0 - lagc_min(t1, t3);
+}

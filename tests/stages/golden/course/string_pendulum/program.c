@@ -302,3 +302,29 @@ static void lagc_fn_measures(const lagc_params *p, lagc_real *s, lagc_real *larg
     largest[0] = lagc_max(0.0, fabs(p->l));
     (void)(s);
 }
+
+/* divisors that may come near zero */
+static void lagc_fn_poles(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *e)
+{
+    const lagc_real x_ = x[0];
+    const lagc_real z = x[1];
+    e[0] = x_ * x_ + z * z;
+    (void)(p);
+    (void)(t);
+}
+
+/* what these keep to in a box */
+static void lagc_fn_pole_bounds(const lagc_params *p, const lagc_real *box, lagc_real *e)
+{
+    const lagc_real box1 = box[1];
+    const lagc_real box6 = box[6];
+    const lagc_real t0 = lagc_max(0.0, lagc_max(box1, -box6));
+    const lagc_real box2 = box[2];
+    const lagc_real box7 = box[7];
+    const lagc_real t1 = lagc_max(0.0, lagc_max(box2, -box7));
+    e[0] = t0 * t0 + t1 * t1;
+    const lagc_real t2 = lagc_max(-box1, box6);
+    const lagc_real t3 = lagc_max(-box2, box7);
+    e[1] = t2 * t2 + t3 * t3;
+    (void)(p);
+}

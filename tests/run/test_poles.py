@@ -1,0 +1,116 @@
+"""Steps never pass over what happens where a divisor is next to nothing: encounters, barriers, walls."""
+
+from __future__ import annotations
+
+from math import atan, cos, cosh, hypot, sin, sinh, sqrt
+
+import pytest
+from mpmath import mp, mpf, quad
+from scipy.special import sici
+
+import lagc
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+
+LINE = """model M
+  coordinate Length x(start = 1 [m], rate = {v!r} [m/s]);
+  body b = Particle(mass = 1 [kg], at = {{x, 0, 0}});
+  {action}
+end M;"""
+
+
+def run(text: str, stop: float, accuracy: float, backend: str = "numpy") -> lagc.Run:
+    found = lagc.loads(text).compile(backend=backend).simulate(stop, accuracy=accuracy, points=21)
+    assert found.status == "ok", found.message
+    return found
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("near", [1e-3, 1e-5, 1e-7])
+def test_encounters(near: float, accuracy: float, backend: str) -> None:
+    """Kepler's hyperbola a (e - cosh F), b sinh F past a centre that turns the speed of 1 m/s by much within
+    `near` of the 4 m before and behind: the end mirrors the start."""
+    a, e = near, 2.0  # GM = a v^2
+    b = a * sqrt(e * e - 1.0)
+    far = mp.findroot(lambda f: a * (e * mp.cosh(f) - 1) - 4, mp.acosh(4 / (a * e)))
+    f = float(far)
+    half, r = a * (e * sinh(f) - f), a * (e * cosh(f) - 1.0)
+    x, y = a * (e - cosh(f)), -b * sinh(f)
+    vx, vy = a * sinh(f) / r, b * cosh(f) / r
+    found = run(
+        f"""model Encounter
+  parameter Real[m3/s2] GM = {a!r};
+  coordinate Length x(start = {x!r}, rate = {vx!r}), y(start = {y!r}, rate = {vy!r});
+  body b = Particle(mass = 1, at = {{x, y, 0}});
+  potential V = -1 [kg]*GM/norm(position(b));
+end Encounter;""",
+        2.0 * half,
+        accuracy,
+        backend,
+    )
+    assert found["der(x)"][-1] == pytest.approx(-vx, abs=3 * accuracy)
+    assert found["der(y)"][-1] == pytest.approx(vy, abs=3 * accuracy)
+    assert hypot(found["x"][-1] - x, found["y"][-1] + y) <= 3 * accuracy * 4.0
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("cut", [False, True])
+def test_hard_cores(cut: bool, size: float, accuracy: float) -> None:
+    """(s/x)^12, whole or cut off, sends back: until then and from then on the way is the integral of v dt."""
+    force = f"120 [J]/x*({size!r} [m]/x)^12"
+    force = f"if x < 3*({size!r} [m]) then {force} else 0" if cut else force
+    found = run(LINE.format(v=-1.0, action=f"force f = {{{force}, 0, 0}} at b;"), 2.0, accuracy)
+    s, energy = mpf(size), mpf("0.5") + (mpf(10) / 3**12 if cut else 10 * mpf(size) ** 12)
+    turn = s * (10 / energy) ** (mpf(1) / 12)
+
+    def late(w: mpf) -> mpf:
+        """dx (1/v - 1), by the root of what x is beyond `turn`."""
+        return 2 * w * (1 / mp.sqrt(2 * energy * -mp.expm1(-12 * mp.log1p(w * w / turn))) - 1)
+
+    ends = [2 * s, 3 * s] if cut else [2 * s, 10 * s, mpf(1)]
+    behind = 2 * quad(late, [0, *(mp.sqrt(x - turn) for x in ends)]) - 2 * turn
+    assert found["der(x)"][-1] == pytest.approx(1.0, abs=3 * accuracy)
+    assert found["x"][-1] == pytest.approx(float(1 - behind), abs=3 * accuracy)
+
+
+@pytest.mark.parametrize("strength", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
+def test_centrifugal_barriers(strength: float, accuracy: float) -> None:
+    """c/x^2: x^2 is x0^2 + 2 x0 v0 t + 2 E t^2."""
+    found = run(LINE.format(v=-1.0, action=f"potential V = {strength!r} [J.m2]/x^2;"), 2.3, accuracy)
+    energy = 0.5 + strength
+    assert found["x"][-1] == pytest.approx(sqrt(1.0 - 4.6 + 2.0 * energy * 2.3**2), abs=3 * accuracy)
+
+
+def test_poles_of_functions() -> None:
+    """A spike of tan(a)^2 at a quarter turn sends back as a wall does."""
+    text = """model M
+  coordinate Angle a(start = 1, rate = 3);
+  kinetic K = 1/2*1 [kg.m2]*der(a)^2;
+  potential V = 1e-9 [J]*tan(a)^2;
+end M;"""
+    found = run(text, 0.5, 1e-6)
+    energy, c = 4.5 + 1e-9 * (sin(1.0) / cos(1.0)) ** 2, 1e-9
+    # sin(a) = A sin(w t + phase), with w = sqrt(2 (E + c)), A^2 = E/(E + c)
+    w, most = sqrt(2.0 * (energy + c)), sqrt(energy / (energy + c))
+    phase = atan(sin(1.0) / sqrt(most**2 - sin(1.0) ** 2))
+    assert sin(found["a"][-1]) == pytest.approx(most * sin(w * 0.5 + phase), abs=1e-5)
+    assert found["a"].max() < 1.5708 and found["der(a)"][-1] < 0.0
+
+
+def test_quotients_that_have_a_value_there() -> None:
+    """sin(x)/x is passed many times: V = 3/2 x^2 + 0.8 x - Si(x) keeps the energy."""
+    action = "force f = {1 [N]*(sin(x/(1 [m]))/(x/(1 [m])) - 0.8) - 3 [N/m]*x, 0, 0} at b;"
+    found = run(LINE.format(v=0.0, action=action), 30.0, 1e-7)
+    energy = [0.5 * v * v + 1.5 * x * x + 0.8 * x - sici(x)[0] for x, v in zip(found["x"], found["der(x)"])]
+    assert energy == pytest.approx([energy[0]] * len(energy), abs=1e-5)
+
+
+def test_what_has_none_pays_nothing() -> None:
+    from lagc.compiler import Choice, program
+    from lagc.library import read
+
+    assert program(read("kepler"), Choice()).interface.poles == 1
+    assert "poles" not in program(read("double_pendulum"), Choice()).functions
