@@ -58,6 +58,8 @@ class _Enclosure:
             return self._tangent(x[0])
         if op == "pow":
             return self._power(node, x)
+        if op == "atan2":
+            return self._angle(*x)
         if op == "select" and x[0][0] is x[0][1]:
             return graph.select(x[0][0], x[1][0], x[2][0]), graph.select(x[0][0], x[1][1], x[2][1])
         if op == "acos":
@@ -149,6 +151,16 @@ class _Enclosure:
             graph.select(one, graph.unary("tan", x[0]), self.unknown[0]),
             graph.select(one, graph.unary("tan", x[1]), self.unknown[1]),
         )
+
+    def _angle(self, y: Ends, x: Ends) -> Ends:
+        """Beside the cut extremes are at corners; with it, all turns."""
+        graph, zero = self.graph, self.graph.zero
+        low, high = self._hull([graph.binary("atan2", b, a) for b in y for a in x])
+        sides = [graph.binary("lt", zero, x[0]), graph.binary("lt", zero, y[0])]
+        sides.append(graph.binary("lt", y[1], zero))
+        beside = graph.binary("or", sides[0], graph.binary("or", sides[1], sides[2]))
+        least, most = OPERATORS["atan2"].within
+        return graph.select(beside, low, graph.const(least)), graph.select(beside, high, graph.const(most))
 
     def _power(self, node: Node, x: Sequence[Ends]) -> Ends:
         """Of a positive base."""

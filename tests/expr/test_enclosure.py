@@ -18,7 +18,7 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
     if depth == 0:
         return chance.choice([*leaves, graph.const(chance.uniform(-2.0, 2.0))])
     a, b = (expression(graph, leaves, chance, depth - 1) for _ in range(2))
-    kind = chance.randrange(11)
+    kind = chance.randrange(12)
     if kind < 3:
         return (a + b, a - b, a * b)[kind]
     if kind < 6:
@@ -31,6 +31,8 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
         return graph.unary("exp", graph.unary("sin", a))
     if kind == 9:
         return graph.pow(graph.power(a, 2) + 0.5, b)
+    if kind == 10:
+        return graph.binary("atan2", a, b)
     return graph.binary(chance.choice(("min", "max")), a, b)
 
 

@@ -66,6 +66,19 @@ def test_barriers_and_wells(seed: int) -> None:
     assert found["x"][-1] == pytest.approx(5.0 - float(taken), abs=2e-6)
 
 
+def test_terms_of_angles() -> None:
+    """exp(atan2(y, x)) on circles is exp(x1) along x1 = w t, but for last places."""
+    text = """model M
+  coordinate Length x(start = 1 [m]), y(rate = 0.5 [m/s]), s;
+  body b = Particle(mass = 1 [kg], at = {x, y, s});
+  potential V = 1/8*(1 [N/m])*(x^2 + y^2);
+  force f = {0, 0, 1 [N]*exp(atan2(y, x))} at b;
+end M;"""
+    found = lagc.loads(text).compile(backend="numpy").simulate(6.0, accuracy=1e-8)
+    assert found.status == "ok", found.message
+    assert found["der(s)"][-1] == pytest.approx(2.0 * (math.exp(3.0) - 1.0), rel=1e-7)
+
+
 def test_what_has_none_pays_nothing() -> None:
     """A chain of exponential springs shows all that it is at the ends of its steps."""
     from lagc.compiler import Choice, program
