@@ -62,7 +62,11 @@ class Files:
         draft = _Draft(None, beside, target, fresh)
         self._drafts.append(draft)  # before there is such a file: a signal may come at any time
         flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        draft.file = os.fdopen(os.open(beside, flags, 0o666 if old is None else 0o600), "wb")
+        try:
+            draft.file = os.fdopen(os.open(beside, flags, 0o666 if old is None else 0o600), "wb")
+        except OSError as error:
+            error.filename = path  # the other name says nothing to anybody
+            raise
         if old is not None:
             _like(beside, old)
         return draft.file

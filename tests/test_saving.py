@@ -345,3 +345,10 @@ def test_what_the_dead_left_goes_and_nothing_else(tmp_path: Path, monkeypatch: p
     with saving.scratch() as own:
         assert {path.name for path in tmp_path.iterdir()} == kept | {"new", os.path.basename(own)}
     assert len(left) == 2 and {path.name for path in tmp_path.iterdir()} == kept | {"new"}
+
+
+def test_the_file_that_was_asked_for_is_blamed(tmp_path: Path) -> None:
+    path = str(tmp_path / "none" / "a.svg")
+    with pytest.raises(FileNotFoundError) as found:
+        saving.write(path, b"")
+    assert found.value.filename == path
