@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from lagc.cli.program import ALONE
+from lagc.run.backends import compile as compile_
 
 for each in ALONE:  # before NumPy is loaded
     os.environ.setdefault(each, "1")
@@ -37,7 +38,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 
 def pytest_configure() -> None:
-    """What a shell made the tests ignore, a program that they start would ignore too."""
+    """What a shell made the tests ignore, a program that they start would ignore too.  Libraries that tests
+    load themselves are not optimized, which takes a quarter of the time and changes no bit, as `tests/render`
+    tests."""
+    compile_.FLAGS = tuple(flag for flag in compile_.FLAGS if flag != "-O2")
     for each in {"SIGINT", "SIGHUP"} & set(dir(signal)):
         number = getattr(signal, each)
         if signal.getsignal(number) == signal.SIG_IGN:

@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ import pytest
 import lagc
 from lagc import cache
 from lagc.cli.main import main
-from lagc.run.backends import compile as compile_
 from lagc.run.backends import library
 from lagc.run.backends.compile import build_library, compiler
 from tests.cli.test_cache import DAMAGES
@@ -39,14 +37,6 @@ end A;
 LIBRARY = "constant Mass m0 = 2 [kg];"
 needs_c = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 only_posix = pytest.mark.skipif(os.name != "posix", reason="signals and pipes are of other systems")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def compiled_fast() -> Iterator[None]:
-    """Not optimised: that changes no bit."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compile_, "FLAGS", tuple(f for f in compile_.FLAGS if f != "-O2"))
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -1,32 +1,17 @@
 """C and NumPy compute the same bits: every model of the library with most of its effects, 400
-steps of each backend.  The C is compiled without optimization, which takes less time; that levels change no
-bit is tested in `tests/render`."""
+steps of each backend."""
 
 from __future__ import annotations
-
-from collections.abc import Iterator
 
 import pytest
 
 from lagc.run.backends.compile import compiler
-from tests.fuzz.trial import quick_compiler
 from tests.physics.library import compiled, fullest
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")
 
 SCENES = fullest()
 STEPS = 400
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quickly_compiled(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    with pytest.MonkeyPatch.context() as patch:
-        quick = quick_compiler(tmp_path_factory.mktemp("compiler"))
-        if quick is not None:
-            patch.setenv("LAGC_CC", quick)
-            compiler.cache_clear()
-        yield
-    compiler.cache_clear()
 
 
 @pytest.mark.parametrize(("name", "scene"), SCENES, ids=[f"{n}-{s}" for n, s in SCENES])
