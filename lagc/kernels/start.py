@@ -159,7 +159,9 @@ def calm(p: Params, t: Real, w: StartWork) -> None:
     confine(NE, w)
     w.let[:] = w.loose
     if lay_still(w):
+        w.whole = True
         attempt(p, t, w.answer, w)
+        w.whole = False
         same = farthest(p, t, w.answer, w.ended, w) <= CLOSE
         for i in range(NU):
             same = same and fabs(w.answer[i] - w.y[i]) <= TRACE * w.weights[i]
@@ -211,6 +213,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
                 w.culprit = NCOND + k
                 return INCONSISTENT
     w.ease = SLIGHT
+    w.whole = False
     w.first = 0
     w.other = 0
     w.work = 0

@@ -67,6 +67,7 @@ class StartWork:
     work: int  # factorisations so far
     first: int  # the spread that led to a start
     other: int  # the one that did where most was free
+    whole: bool  # steps are not halved: all is met next to there or not at all
     count: int  # of columns
     left_out: int  # rows that the last step does without
     positions: int  # of the rows that follow: conditions of positions come first

@@ -81,7 +81,7 @@ def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real
     least = shortest * longest
     factor = 1.0
     size = inf
-    while least > 0.0 and factor >= (least if size < OVERSHOT * missed else TINIEST):
+    while least > 0.0 and factor >= (least if w.whole or size < OVERSHOT * missed else TINIEST):
         w.trial[:] = y
         move_along(w.trial, factor, w)
         meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
@@ -180,7 +180,7 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
                 return
             longest = longest_part(w)
             some = some or (turn == 0 and w.left_out > 0)
-            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE else SHORTEST
+            shortest = WHOLE if turn == EXACTLY or missed <= CLOSE or w.whole else SHORTEST
             size = try_parts(p, t, y, first, end, missed, longest, shortest, w)
             if size >= 0.0:
                 break

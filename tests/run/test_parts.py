@@ -10,6 +10,8 @@ from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.optimize.conditions import condition_slopes
+from lagc.run.backends.numpy import NumpySystem
+from lagc.run.begin import consistent_start
 
 N = 18
 TEXT = """model Way
@@ -68,3 +70,19 @@ def test_there_are_as_many_parts_as_the_model_is_long() -> None:
         counts.append(sum(len(own) for own in (*slopes.rows, *slopes.sums)))
     one, two, four = counts
     assert four - two == 2 * (two - one)
+
+
+def test_what_cannot_be_left_as_guessed_is_found_in_few_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Far down a ladder, speeds move by traces that its rungs need: that shows at whole steps."""
+    count, evaluate = 0, NumpySystem.conditions
+
+    def counted(self: NumpySystem, t: float, x: list[float]) -> tuple[list[float], list[float], list[float]]:
+        nonlocal count
+        count += 1
+        return evaluate(self, t, x)
+
+    monkeypatch.setattr(NumpySystem, "conditions", counted)
+    system = lagc.load("large/truss").compile(parameters={"n": 20}, backend="numpy").load("numpy")
+    found = consistent_start(system)
+    rungs = system.conditions(0.0, found.x)[0]
+    assert max(map(abs, rungs)) < 1e-12 and count < 40
