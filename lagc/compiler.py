@@ -180,6 +180,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
     parameters of `choice` are given to those that have them."""
     from lagc.frontend.scenes import ByScene
+    from lagc.meaning.degrees import whole_radians
     from lagc.meaning.variants import variants
 
     try:
@@ -188,7 +189,8 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         return list(refused.faults)
     known: set[str] = set()
     if choice.scene is not None:
-        return [*_faults(tree, choice, roots, known).values(), *_unknown(choice, known)]
+        found = _faults(tree, choice, roots, known)
+        return [*whole_radians(tree), *found.values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
     models: set[str | None] = set()
     scenes = ByScene(tree)
@@ -210,7 +212,7 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
-    return [*faults.values(), *_unknown(choice, known)]
+    return [*whole_radians(tree), *faults.values(), *_unknown(choice, known)]
 
 
 def _faults(
@@ -269,7 +271,7 @@ def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
     from lagc.run.request import unknown
 
     names = [name for name in choice.parameters if known and name not in known]
-    return [unknown(name, known, "parameter", "LAG0601") for name in names]
+    return [unknown(name, known, "parameter or input", "LAG0601") for name in names]
 
 
 class Compilation:

@@ -132,10 +132,12 @@ def _whens(context: Context) -> list[nouns.When]:
 def _check_given(context: Context, instance: Instance) -> None:
     """Report what is given to names that take nothing."""
     for table, what, code in (
-        (context.parameters, "parameter", "LAG0215"),
+        (context.parameters, "parameter or input", "LAG0215"),
         (context.starts, "coordinate, rate or speed", "LAG0224"),
     ):
-        kinds = ("parameter", "structural", "input") if what == "parameter" else ("coordinate", "speed")
+        kinds = (
+            ("parameter", "structural", "input") if table is context.parameters else ("coordinate", "speed")
+        )
         for name, given in table.items():
             if name in context.taken:
                 continue

@@ -9,7 +9,7 @@ depend on others but can never hold with them are refused.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
@@ -51,15 +51,15 @@ def drop_idle(
     from lagc.mechanics.judge import Judge
 
     judge = Judge(anywhere(states))
-    faults = [
-        _motionless(row)
-        for row in idle
-        if any(node.op in ("sqrt", "abs") for node in reachable([row.residual]))
-        or not judge.vanish([row.residual])
-    ]
+    faults = [_motionless(row) for row in idle if _rooted([row.residual]) or not judge.vanish([row.residual])]
     if faults:
         raise Refused(faults)
     return [x for x in classified if x.row.jacobian], [(row.label, _reason(row, ())) for row in idle]
+
+
+def _rooted(nodes: Iterable[Node]) -> bool:
+    """Whether a root is below them, of which only the values at hand say which sign it has."""
+    return any(node.op in ("sqrt", "abs") for node in reachable(nodes))
 
 
 def _motionless(row: Row) -> Fault:
@@ -92,7 +92,9 @@ def drop_redundant(
         others = [classified[k] for k in redundant.others]
         if contradiction:
             faults.append(_contradiction(x, others))
-        elif not x.row.holonomic and _steady(states, classified, redundant):
+        elif x.row.holonomic or (not others and _rooted(x.row.jacobian.values())):
+            continue
+        elif _steady(states, classified, redundant):
             from lagc.mechanics.following import follows  # what proves is loaded where there is a question
 
             if not follows(states, x.row, independent):

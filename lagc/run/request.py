@@ -180,7 +180,7 @@ def bound_parameters(
     values: dict[str, float] = {}
     for name, number in given.items():
         if name not in known:
-            faults.append(unknown(name, known, "parameter", "LAG0601"))
+            faults.append(unknown(name, known, "parameter or input", "LAG0601"))
             continue
         value = si(name, number, known[name].unit, faults)
         if value is not None:

@@ -61,7 +61,7 @@ error[LAG0301]: the elements differ in dimension: Length [m] and a number
    |                                        ------- Length [m]
    = help: a bare number has no unit within an expression: write `2 [m]`
 
-error[LAG0215]: there is no parameter `ll`
+error[LAG0215]: there is no parameter or input `ll`
   --> m.lag:7:21
    |
  7 |   scene s parameter ll = 3; start thta = 3; end s;

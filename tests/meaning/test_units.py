@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lagc.compiler import Choice, check
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
@@ -116,3 +117,24 @@ def test_the_remedy_for_a_wrong_unit_mends_it() -> None:
             resolve(parse(Source("a.lag", text.replace(value, new))))
             mended += 1
     assert mended > 40
+
+
+@pytest.mark.parametrize(
+    "written, warned",
+    [
+        ("coordinate Angle q(start = 45);", ["45"]),
+        ("coordinate Angle q(start = -45);", ["45"]),
+        ("coordinate Angle q(start = 45 [rad]);", []),
+        ("coordinate Angle q(start = 45 [deg]);", []),
+        ("coordinate Angle q(start = 7.5e1); scene s start q = 20; end s;", ["7.5e1", "20"]),
+        ("coordinate Angle q(start = 3);", []),
+        ("coordinate Angle q(start = 12.5);", []),
+        ("parameter Angle a = 30; coordinate Angle q(start = a);", ["30"]),
+        ("coordinate Real q(start = 45);", []),
+    ],
+)
+def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: list[str]) -> None:
+    text = f"model M {written} body b = Particle(mass = 1, at = {{sin(q)*1 [m], 0, 0}}); end M;"
+    found = check(Source("m.lag", text), Choice())
+    assert [f.code for f in found] == ["LAG0618"] * len(warned)
+    assert [text[f.span.start : f.span.end] for f in found if f.span] == warned

@@ -173,6 +173,14 @@ def test_relation_of_parameters() -> None:
     assert codes(b) == ["LAG0409"]
 
 
+def test_velocity_row_that_holds_for_one_sign_of_a_parameter_stays() -> None:
+    """(sqrt(l^2) - l) der(x) = 0 says nothing where l > 0, and forbids any motion where l < 0."""
+    b, (x, _, _) = plane()
+    length = b.parameter("l", 1.0)
+    b.constraint("c", (b.graph.sqrt(length * length) - length) * b.der(x))
+    assert [r.label for r in derive(b.model()).rows] == ["c"]
+
+
 def test_zero_rows_of_a_vector_are_no_rows() -> None:
     b, (x, y, _) = plane()
     b.constraint("c", x, 0.0, y)

@@ -156,6 +156,22 @@ model Bob
 end Bob;
 """,
     ),
+    "LAG0618": Entry(
+        "an angle of many whole radians",
+        "A number without a unit that is given to an angle is in radians; this one looks like degrees.",
+        """
+model Pendulum
+  coordinate Angle theta(start = 30);
+  body bob = Particle(mass = 1, at = {sin(theta)*1 [m], 0, -cos(theta)*1 [m]});
+end Pendulum;
+""",
+        """
+model Pendulum
+  coordinate Angle theta(start = 30 [deg]);
+  body bob = Particle(mass = 1, at = {sin(theta)*1 [m], 0, -cos(theta)*1 [m]});
+end Pendulum;
+""",
+    ),
     "LAG0620": Entry(
         "the simulation failed",
         "It ended before its time, or did not reach the accuracy asked; the message says where and why.  "

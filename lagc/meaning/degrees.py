@@ -1,0 +1,57 @@
+"""Numbers given to angles that were perhaps meant in degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from lagc.diagnostics.faults import Fault
+from lagc.frontend import tree
+
+_MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
+
+
+def whole_radians(file: tree.Tree) -> list[Fault]:
+    """Warnings: whole numbers of many radians, written without a unit, that a file gives to its angles."""
+    blocks = list(_blocks(file.declarations))
+    angles = {
+        declarator.name
+        for d in blocks
+        if isinstance(d, tree.Quantities) and d.type is not None and d.type.path == ("Angle",)
+        for declarator in d.declarators
+    }
+    return [
+        fault
+        for d in blocks
+        for name, value in _given(d)
+        if name in angles and (fault := _whole(name, value)) is not None
+    ]
+
+
+def _blocks(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
+    for d in declarations:
+        yield d
+        if isinstance(d, (tree.ModelDeclaration, tree.Package, tree.Effect, tree.Scene, tree.ForLoop)):
+            yield from _blocks(d.body)
+
+
+def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
+    """The names that a declaration gives values to."""
+    if isinstance(d, tree.Start) and isinstance(d.target, tree.Name):
+        yield d.target.name, d.value
+    elif isinstance(d, tree.Quantities):
+        for declarator in d.declarators:
+            yield declarator.name, declarator.value
+            yield from ((declarator.name, a.value) for a in declarator.arguments if a.name == "start")
+
+
+def _whole(name: str, value: tree.Expression | None) -> Fault | None:
+    number = value.operand if isinstance(value, tree.Unary) else value
+    if not isinstance(number, tree.Number) or number.value < _MANY or not number.value.is_integer():
+        return None
+    return Fault(
+        "LAG0618",
+        f"`{name}` is {number.text} radians",
+        number.span,
+        remedy=f"if degrees are meant, write `{number.text} [deg]`, else `{number.text} [rad]`",
+        severity="warning",
+    )
