@@ -13,7 +13,7 @@ from lagc.run.spectrum import spectrum
 
 
 def test_slow_oscillators_beside_fast_ones() -> None:
-    """Three masses that hang together by next to nothing: 1 mHz, 1 and 1e6 rad/s, and none is 0."""
+    """Three masses that hang together by next to nothing: 1e-3, 1 and 1e6 rad/s, and none is 0."""
     text = """model Scales
   coordinate Length x, y, z;
   body a = Particle(mass = 1e-6, at = {x, 0, 0});
