@@ -8,7 +8,7 @@ from lagc.kernels.calls import depart, keep_parameters, stop
 from lagc.kernels.control import adapt, plan, raised, retreat, too_small
 from lagc.kernels.enclosing import NONE
 from lagc.kernels.events import pass_change
-from lagc.kernels.kinds import enlarge
+from lagc.kernels.kinds import enlarge, not_finite
 from lagc.kernels.limits import LEAST_STEP, SPACING
 from lagc.kernels.listening import forget, reconsider
 from lagc.kernels.locating import (
@@ -25,7 +25,7 @@ from lagc.kernels.narrow import first_hidden
 from lagc.kernels.projection import project
 from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN
+from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN, NX
 from lagc.kernels.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
 from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status
@@ -49,6 +49,9 @@ def arrive(p: Params, s: State, t: Real, o: Options, w: Work) -> Status:
                 s.position_drift = w.position_left
             if w.velocity_left > s.velocity_drift:
                 s.velocity_drift = w.velocity_left
+    w.culprit = not_finite(s.y, NX)  # also of what no equation depends on
+    if w.culprit >= 0:
+        return NOT_FINITE
     s.rhs += 1
     return rhs_at(p, t, s.y, s.k[last(o.method)], w.lam, w)
 

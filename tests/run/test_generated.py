@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+import lagc
 from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render as render_python
@@ -206,3 +207,18 @@ def test_the_drive_of_a_rod_follows_the_closed_form(backend: str) -> None:
     period = 2.0 * 3.141592653589793 / sqrt(9.81) * (1.0 + a * a / 16.0 + 11.0 * a**4 / 3072.0)
     run = system.integrate(Options(rtol=1e-12, atol=1e-12), 0.0, x, [period])
     assert run.x[0] == pytest.approx(a, abs=1e-9) and run.x[2] == pytest.approx(0.0, abs=1e-7)
+
+
+@BACKENDS
+@pytest.mark.parametrize("options", [{"step": 0.5, "method": name} for name in ("rk4", "dop853", "dopri5")]
+                         + [{"rtol": 1e-6, "method": "dopri5"}])  # fmt: skip
+def test_a_place_beyond_all_numbers_ends_a_motion_though_nothing_depends_on_it(
+    options: dict[str, Any], backend: str
+) -> None:
+    text = "model F coordinate Length y; body b = Particle(mass = 1, at = {y, 0, 0}); end F;"
+    system = lagc.loads(text).compile(backend=backend).system
+    found = system.integrate(Options(**options), 0.0, [1.0, 1e308], [0.0, 1.0, 10.0], None)
+    assert found.status == NOT_FINITE
+    assert found.times[-1] < 10.0
+    slow = system.integrate(Options(**options), 0.0, [1.0, 1e300], [0.0, 10.0], None)
+    assert slow.status == OK and slow.states[-1][0] == pytest.approx(1e301, rel=1e-12)
