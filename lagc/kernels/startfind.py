@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import fabs, inf
 
-from lagc.kernels.limits import ACCEPTED
+from lagc.kernels.limits import ACCEPTED, FARTHEST
 from lagc.kernels.quaternions import normalise
-from lagc.kernels.sizes import NPOSITION, NQUAT, NU
+from lagc.kernels.sizes import NE, NPOSITION, NQUAT, NU
 from lagc.kernels.startalone import settle
 from lagc.kernels.startrecords import FIXED, UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, farthest, judge, meet, ratio, row_begin
+from lagc.kernels.startsizes import blur
 from lagc.kernels.startsteps import approach, attempt, strayed, unwind
 from lagc.kernels.starttable import table
 from lagc.kernels.tables import column, ends
@@ -18,6 +19,7 @@ from lagc.kernels.words import Length, Params, Real, Vec
 SPREADS = 8
 BESIDE = 2  # the spread that leaves a singular guess well behind
 NEAR = 8.0  # weights from the guess: one farther off is taken if none is nearer
+SURE = 1e3  # times what last places change a derivative by
 ALIKE = 1.01  # what attempts from near the guess miss: they ended at the same place
 
 
@@ -126,6 +128,32 @@ def begin_at(p: Params, t: Real, k: int, stated: bool, ease: Real, w: StartWork)
     return False
 
 
+def is_sure(j: int, w: StartWork) -> bool:
+    """Whether a derivative by unknown j is far more than rounding."""
+    for i in range(NE):
+        first = row_begin(i)
+        end = ends[i]
+        for k in range(first, end):
+            if column[k] == j and fabs(w.J[k]) > SURE * w.blurs[k]:
+                return True
+    return False
+
+
+def is_chance(p: Params, t: Real, w: StartWork) -> bool:
+    """Whether w.y meets conditions by last places of its positions: by something very far from the guess, by
+    which derivatives vanish but for rounding."""
+    if w.nearest < FARTHEST:
+        return False
+    meet(p, t, w.y, w.c, w.J, w.sizes)
+    blur(p, t, w.y, w.weights, w)
+    found = False
+    for j in range(NU):
+        if w.used[j] == 1 and fabs(w.y[j] - w.home[j]) > FARTHEST * w.weights[j]:
+            found = found or not is_sure(j, w)
+    w.blurs[:] = w.doubted
+    return found
+
+
 def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
     """Look for a start from the spreads begin..end-1, what is free moving; w.y is the best found: the first
     that is near, else the nearest."""
@@ -149,4 +177,4 @@ def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
         if k == BESIDE and k + 1 < end and w.nearest == inf and stuck(p, t, w):
             break
     w.y[:] = w.best
-    return w.nearest < inf
+    return w.nearest < inf and not is_chance(p, t, w)

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+import lagc
 from lagc.run.conditions import Conditions, Consistency
 from lagc.run.problem import INCONSISTENT, OK
 
@@ -229,3 +230,32 @@ def test_as_few_move_as_possible_in_the_plane() -> None:
         if found != moved_by_least_squares(rows, guess, levels):
             missed.append(seed)
     assert len(missed) <= 2, missed
+
+
+def test_a_stated_rate_gives_way_before_another_goes_to_the_end_of_the_world() -> None:
+    """The second body turns about the axis that it shares with the first.  Derivatives of that condition by
+    rates of the first vanish where it is met; rates of 1e12 rad/s meet any rate by what rounding leaves."""
+    model = lagc.loads("""model Hinge
+  coordinate Orientation o, p(rate = {1, 0, 0});
+  frame A = rotate(world, o);
+  frame B = rotate(A, p);
+  body first = Solid(mass = 1, inertia = {1, 2, 3}, frame = A, com = {0, 0, 0});
+  body second = Solid(mass = 1, inertia = {1, 2, 3}, frame = B, com = {0, 0, 0});
+  constraint axis: B.x = A.x;
+end Hinge;""").compile()
+    run = model.simulate(stop=0.0, starts={"p.rate.y": 1e-3})
+    rates = [run[f"{body}.rate.{axis}"][0] for body in "op" for axis in "xyz"]
+    assert run.status == "ok" and rates == pytest.approx([0.0, 0.0, 0.0, 1.0, 0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("condition", ["x^2 = 1e24 [m2]", "x*y = 1e20 [m2]", "sqrt(x/l) = 1e7"])
+def test_what_has_no_other_start_goes_far(condition: str) -> None:
+    model = lagc.loads(f"""model Far
+  parameter Length l = 1 [m];
+  coordinate Length x, y(fixed = true, start = l);
+  body b = Particle(mass = 1 [kg], at = {{x, y, 0}});
+initial
+  {condition};
+end Far;""").compile()
+    x = model.simulate(stop=0.0)["x"][0]
+    assert abs(x) == pytest.approx({"x^2": 1e12, "x*y": 1e20}.get(condition.partition(" ")[0], 1e14))
