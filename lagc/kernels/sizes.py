@@ -36,6 +36,7 @@ class NU(metaclass=SizeType): ...  # unknowns of a start: NQ + NV + NRATE
 class NE(metaclass=SizeType): ...  # its conditions: NCOND + NQUAT
 class NJ(metaclass=SizeType): ...  # derivatives of these
 class NSUM(metaclass=SizeType): ...  # sums by which derivatives of conditions are given, too
+class NSTRETCH(metaclass=SizeType): ...  # unknowns of these that follow each other
 class NPARTS(metaclass=SizeType): ...  # derivatives by unknowns and sums
 class NPARTED(metaclass=SizeType): ...  # NCOND + NSUM
 class NWHOLE(metaclass=SizeType): ...  # NU + NSUM

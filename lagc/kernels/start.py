@@ -18,7 +18,7 @@ from lagc.kernels.startsearch import choose, hold_little
 from lagc.kernels.startsizes import weigh
 from lagc.kernels.startsteps import attempt, loosen, rough, strayed
 from lagc.kernels.statuses import INCONSISTENT, INVALID, NOT_FINITE, OK
-from lagc.kernels.tables import column, ends, quaternion
+from lagc.kernels.tables import ends, quaternion
 from lagc.kernels.words import IVec, Params, Real, Status, Vec, present, public, size, vector
 
 
@@ -71,11 +71,11 @@ def least_owner(i: int, w: StartWork) -> int:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if w.levels[column[k]] < FIXED and w.picked[column[k]] < found:
-            found = w.picked[column[k]]
+        if w.levels[w.column[k]] < FIXED and w.picked[w.column[k]] < found:
+            found = w.picked[w.column[k]]
     for k in range(first, end):
-        if w.levels[column[k]] < FIXED:
-            w.picked[column[k]] = found
+        if w.levels[w.column[k]] < FIXED:
+            w.picked[w.column[k]] = found
     return found
 
 

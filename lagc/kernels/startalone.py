@@ -8,7 +8,7 @@ from lagc.kernels.limits import ACCEPTED
 from lagc.kernels.sizes import NU
 from lagc.kernels.startrecords import UNSTATED, Place, StartWork
 from lagc.kernels.startrows import judge, meet, ratio, row_begin
-from lagc.kernels.tables import column, ends
+from lagc.kernels.tables import ends
 from lagc.kernels.words import Params, Real, Vec
 
 RUNGS = 12  # looked at on either side of 0, up and down from the size of an unknown
@@ -31,7 +31,7 @@ def look(p: Params, t: Real, y: Vec[NU], i: int, j: int, value: Real, at: Place,
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if column[k] == j:
+        if w.column[k] == j:
             at.slope = w.J[k]
 
 
@@ -153,10 +153,10 @@ def left_alone(i: int, w: StartWork) -> int:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if w.marks[column[k]] == 1:
+        if w.marks[w.column[k]] == 1:
             if alone >= 0:
                 return -1
-            alone = column[k]
+            alone = w.column[k]
     return alone
 
 

@@ -11,7 +11,7 @@ from lagc.kernels.startfind import BESIDE, find
 from lagc.kernels.startrecords import StartWork
 from lagc.kernels.startrows import judge, meet, ratio, row_begin
 from lagc.kernels.starttable import find_ways, pivot, table
-from lagc.kernels.tables import column, ends
+from lagc.kernels.tables import ends
 from lagc.kernels.words import IVec, Params, Real, Vec
 
 MOST_SETS = 128.0  # sets of columns whose linear prediction is looked at
@@ -125,7 +125,7 @@ def bend(p: Params, t: Real, y: Vec[NU], to: Vec[NU], w: StartWork) -> Real:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            value += w.J[k] * (to[column[k]] - y[column[k]])
+            value += w.J[k] * (to[w.column[k]] - y[w.column[k]])
         size = ratio(w.c[i], w.floors[i], w.scales[i])
         if size > missed:
             missed = size

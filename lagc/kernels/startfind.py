@@ -13,7 +13,7 @@ from lagc.kernels.startrows import SLIGHT, farthest, judge, meet, ratio, row_beg
 from lagc.kernels.startsizes import blur
 from lagc.kernels.startsteps import approach, attempt, strayed, unwind
 from lagc.kernels.starttable import table
-from lagc.kernels.tables import column, ends
+from lagc.kernels.tables import ends
 from lagc.kernels.words import Length, Params, Real, Vec
 
 SPREADS = 8
@@ -75,7 +75,7 @@ def hopeless(p: Params, t: Real, w: StartWork) -> bool:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            if w.loose[column[k]] == 1:
+            if w.loose[w.column[k]] == 1:
                 held = False
         if held and not ratio(w.c[i], w.floors[i], w.scales[i]) <= ACCEPTED:
             return True
@@ -134,7 +134,7 @@ def is_sure(j: int, w: StartWork) -> bool:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            if column[k] == j and fabs(w.J[k]) > SURE * w.blurs[k]:
+            if w.column[k] == j and fabs(w.J[k]) > SURE * w.blurs[k]:
                 return True
     return False
 

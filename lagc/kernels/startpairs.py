@@ -12,7 +12,7 @@ from math import fabs, floor, inf
 from lagc.kernels.sizes import NE, NJ, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, is_blurred, row_begin
-from lagc.kernels.tables import angle, column, ends
+from lagc.kernels.tables import angle, ends
 from lagc.kernels.words import Real
 
 FINE = 1024.0  # parts of a logarithm that are whole: sums of such are exact
@@ -43,7 +43,7 @@ def logarithm(a: Real) -> Real:
 
 def is_free(k: int, w: StartWork) -> bool:
     """Whether derivative k is by an unknown that is zero so far, and that nobody stated."""
-    j = column[k]
+    j = w.column[k]
     steep = 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf
     return steep and w.levels[j] == UNSTATED and w.home[j] == 0.0 and not is_blurred(k, w)
 
@@ -60,7 +60,7 @@ def is_uneven(w: StartWork) -> bool:
         for k in range(first, end):
             if is_free(k, w):
                 some = True
-                own = fabs(w.J[k]) * w.now[column[k]]
+                own = fabs(w.J[k]) * w.now[w.column[k]]
                 rest += own if own < largest else largest
                 largest = own if own > largest else largest
         if some and 0.0 < rest and rest < SLIGHT * largest:
@@ -75,7 +75,7 @@ def offer(i: int, gain: Real, w: StartWork) -> bool:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        j = column[k]
+        j = w.column[k]
         if w.trial_J[k] == inf:
             continue
         if w.marks[j] == 0:
@@ -114,7 +114,7 @@ def pair(i: int, w: StartWork) -> None:
             at = j
     while at >= 0:
         r = w.stated[at]
-        given = column[w.solved[r]] if w.solved[r] >= 0 else -1
+        given = w.column[w.solved[r]] if w.solved[r] >= 0 else -1
         w.solved[r] = w.values[at]
         w.picked[at] = r
         at = given
@@ -133,7 +133,7 @@ def pair_all(w: StartWork) -> None:
         end = ends[i]
         for k in range(first, end):
             if is_free(k, w):
-                w.trial_J[k] = logarithm(fabs(w.J[k])) + logarithm(w.now[column[k]])
+                w.trial_J[k] = logarithm(fabs(w.J[k])) + logarithm(w.now[w.column[k]])
         w.solved[i] = -1
         pair(i, w)
 
@@ -144,8 +144,8 @@ def largest_term(i: int, but: int, w: StartWork) -> Real:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if k != but and w.trial_J[k] < inf and fabs(w.J[k]) * w.moves[column[k]] > largest:
-            largest = fabs(w.J[k]) * w.moves[column[k]]
+        if k != but and w.trial_J[k] < inf and fabs(w.J[k]) * w.moves[w.column[k]] > largest:
+            largest = fabs(w.J[k]) * w.moves[w.column[k]]
     return largest
 
 
@@ -156,11 +156,11 @@ def feed(w: StartWork) -> None:
         grown = False
         for i in range(NE):
             k = w.solved[i]
-            if k < 0 or w.marks[column[k]] == 1:
+            if k < 0 or w.marks[w.column[k]] == 1:
                 continue
             size = largest_term(i, k, w) / fabs(w.J[k])
-            if GROWN * w.moves[column[k]] < size and size < inf:
-                w.moves[column[k]] = size
+            if GROWN * w.moves[w.column[k]] < size and size < inf:
+                w.moves[w.column[k]] = size
                 grown = True
         if not grown:
             return
@@ -176,8 +176,8 @@ def allow(w: StartWork) -> None:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            if w.trial_J[k] < inf and 0.0 < largest and largest / fabs(w.J[k]) < w.best[column[k]]:
-                w.best[column[k]] = largest / fabs(w.J[k])
+            if w.trial_J[k] < inf and 0.0 < largest and largest / fabs(w.J[k]) < w.best[w.column[k]]:
+                w.best[w.column[k]] = largest / fabs(w.J[k])
 
 
 def sow(w: StartWork) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.kernels.sizes import NCOND, NJ, NPARTS, NSUM, NU, NWHOLE
-from lagc.kernels.tables import column, ends, part_column, part_ends
+from lagc.kernels.tables import ends, part_column, part_ends, stretch_begins, stretch_ends
 from lagc.kernels.words import Vec, vector
 
 
@@ -21,6 +21,8 @@ def put_together(J: Vec[NJ]) -> None:
     total = vector(NWHOLE)
     for j in range(NWHOLE):
         total[j] = 0.0
+    made = 0
+    stretch = 0
     for i in range(NCOND):
         first = part_begin(i)
         end = part_ends[i]
@@ -35,8 +37,9 @@ def put_together(J: Vec[NJ]) -> None:
                 end = part_ends[NCOND + at]
                 for k in range(first, end):
                     total[part_column[k]] += slope * parts[k]
-        first = ends[i - 1] if i > 0 else 0
-        end = ends[i]
-        for k in range(first, end):
-            J[k] = total[column[k]]
-            total[column[k]] = 0.0
+        while made < ends[i]:
+            for j in range(stretch_begins[stretch], stretch_ends[stretch]):
+                J[made] = total[j]
+                total[j] = 0.0
+                made += 1
+            stretch += 1

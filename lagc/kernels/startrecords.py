@@ -93,6 +93,7 @@ class StartWork:
     trial_c: Vec[NE]
     trial_sizes: Vec[NE]
     right: Vec[NE]
+    column: IVec[NJ]  # the unknown of each derivative
     J: Vec[NJ]
     trial_J: Vec[NJ]
     doubts: Vec[NE]  # what last places of parameters change residuals by

@@ -12,10 +12,10 @@ from math import fabs, inf, sqrt
 from lagc.kernels.limits import NEARLY
 from lagc.kernels.model import fn_conditions
 from lagc.kernels.quaternions import square_at
-from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NSUM, NU, NV
+from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NSTRETCH, NSUM, NU, NV
 from lagc.kernels.startparts import put_together
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.tables import column, ends, level, quaternion
+from lagc.kernels.tables import ends, level, quaternion, stretch_begins, stretch_ends
 from lagc.kernels.words import IVec, Params, Real, Size, Vec, present
 
 SLIGHT = 1.0 / 1024.0  # of the weights: the least rows are judged against; of stated values
@@ -68,7 +68,7 @@ def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            j = column[k]
+            j = w.column[k]
             size = fabs(y[j])
             if w.loose[j] == 1 and w.reach[j] > size:
                 size = w.reach[j]
@@ -113,12 +113,12 @@ def farthest(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
     return worst
 
 
-def moving(i: int) -> bool:
+def moving(i: int, w: StartWork) -> bool:
     """Whether speeds take part in condition i."""
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if column[k] >= NQ:
+        if w.column[k] >= NQ:
             return True
     return False
 
@@ -133,17 +133,26 @@ def confine(n: Size, w: StartWork) -> None:
         first = row_begin(w.order[i])
         end = ends[w.order[i]]
         for k in range(first, end):
-            w.used[column[k]] = 1
+            w.used[w.column[k]] = 1
     w.ended = 0
     for i in range(n):
-        if not moving(w.order[i]):
+        if not moving(w.order[i], w):
             w.rows[w.ended] = w.order[i]
             w.ended += 1
     w.positions = w.ended
     for i in range(n):
-        if moving(w.order[i]):
+        if moving(w.order[i], w):
             w.rows[w.ended] = w.order[i]
             w.ended += 1
+
+
+def unfold(w: StartWork) -> None:
+    """w.column, out of stretches: there may be as many derivatives as pairs of unknowns."""
+    n = 0
+    for k in range(NSTRETCH):
+        for j in range(stretch_begins[k], stretch_ends[k]):
+            w.column[n] = j
+            n += 1
 
 
 def arrange(levels: IVec[NU], w: StartWork) -> None:
@@ -165,6 +174,7 @@ def arrange(levels: IVec[NU], w: StartWork) -> None:
                 w.part[first + i] = 1
     for i in range(NU):
         w.loose[i] = 1 if w.levels[i] == UNSTATED else 0
+    unfold(w)
     for i in range(NE):
         w.order[i] = i
     confine(NE, w)

@@ -10,7 +10,7 @@ from lagc.kernels.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
 from lagc.kernels.startpairs import even_out
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, is_blurred, meet, row_begin
-from lagc.kernels.tables import angle, column, ends, quaternion, unit
+from lagc.kernels.tables import angle, ends, quaternion, unit
 from lagc.kernels.words import Params, Real, Vec, params
 
 TIGHTER = 0  # times that what conditions allow is made less by what they allow others
@@ -69,14 +69,14 @@ def known_terms(i: int, w: StartWork) -> Real:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if w.reach[column[k]] < inf:
-            total += fabs(w.J[k]) * w.reach[column[k]]
+        if w.reach[w.column[k]] < inf:
+            total += fabs(w.J[k]) * w.reach[w.column[k]]
     return total
 
 
 def is_open(k: int, w: StartWork) -> bool:
     """Whether derivative k is by an unknown whose size is not known yet."""
-    return w.reach[column[k]] == inf and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf and not is_blurred(k, w)
+    return w.reach[w.column[k]] == inf and 0.0 < fabs(w.J[k]) and fabs(w.J[k]) < inf and not is_blurred(k, w)
 
 
 def steepest(i: int, k: int, w: StartWork) -> bool:
@@ -87,7 +87,11 @@ def steepest(i: int, k: int, w: StartWork) -> bool:
     first = row_begin(i)
     end = ends[i]
     for other in range(first, end):
-        if unit[column[other]] == unit[column[k]] and is_open(other, w) and fabs(w.J[other]) > fabs(w.J[k]):
+        if (
+            unit[w.column[other]] == unit[w.column[k]]
+            and is_open(other, w)
+            and fabs(w.J[other]) > fabs(w.J[k])
+        ):
             return False
     return True
 
@@ -109,7 +113,7 @@ def size_alone(w: StartWork) -> bool:
             w.chosen[i] = 1
             size = known_terms(i, w) / fabs(w.J[at])
             if size < inf:
-                w.reach[column[at]] = size
+                w.reach[w.column[at]] = size
                 found = True
     return found
 
@@ -128,10 +132,10 @@ def size_several(w: StartWork) -> bool:
             for k in range(first, end):
                 if steepest(i, k, w):
                     size = total / fabs(w.J[k])
-                    if turn == 0 and size < w.moves[column[k]]:
-                        w.moves[column[k]] = size
+                    if turn == 0 and size < w.moves[w.column[k]]:
+                        w.moves[w.column[k]] = size
                         found = True
-                    if turn == 1 and size == w.moves[column[k]]:
+                    if turn == 1 and size == w.moves[w.column[k]]:
                         w.chosen[i] = 1
     w.reach[:] = w.moves
     return found
@@ -188,17 +192,17 @@ def tighten(w: StartWork) -> None:
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
-            own = fabs(w.J[k]) * w.reach[column[k]]
+            own = fabs(w.J[k]) * w.reach[w.column[k]]
             if own > largest:
                 at = k
                 largest = own
         if at < 0 or is_blurred(at, w):
             continue
-        j = column[at]
+        j = w.column[at]
         total = w.terms[i]
         for k in range(first, end):
             if k != at:
-                total += fabs(w.J[k]) * w.reach[column[k]]
+                total += fabs(w.J[k]) * w.reach[w.column[k]]
         if 0.0 < total and total < largest and w.levels[j] == UNSTATED and w.home[j] == 0.0:
             w.reach[j] = total / fabs(w.J[at])
 

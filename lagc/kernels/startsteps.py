@@ -10,7 +10,7 @@ from lagc.kernels.sizes import NE, NQ, NU
 from lagc.kernels.startrecords import UNSTATED, StartWork
 from lagc.kernels.startrows import farthest, is_blurred, judge, meet, norm, ratio, row_begin, weight_of
 from lagc.kernels.startsizes import blur
-from lagc.kernels.tables import angle, column, ends
+from lagc.kernels.tables import angle, ends
 from lagc.kernels.words import Params, Real, Size, Vec
 
 NEWTON_STEPS = 60
@@ -48,7 +48,7 @@ def fill(first: int, end: int, w: StartWork) -> None:
         begin = row_begin(w.rows[k])
         behind = ends[w.rows[k]]
         for e in range(begin, behind):
-            i = column[e]
+            i = w.column[e]
             if w.places[i] >= 0 and not is_blurred(e, w):
                 row[w.places[i]] = w.J[e] * weight_of(w, i)
         w.right[k - first] = -w.c[w.rows[k]]
@@ -111,7 +111,7 @@ def rough(c: Vec[NE], sizes: Vec[NE], first: int, end: int, w: StartWork) -> Rea
         begin = row_begin(i)
         behind = ends[i]
         for e in range(begin, behind):
-            free = free or (w.places[column[e]] >= 0 and not is_blurred(e, w))
+            free = free or (w.places[w.column[e]] >= 0 and not is_blurred(e, w))
         if free:
             faint = CLOSE * w.scales[i]
             if 0.0 < w.terms[i] and w.terms[i] < faint:

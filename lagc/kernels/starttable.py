@@ -8,7 +8,7 @@ from lagc.kernels.limits import NEGLIGIBLE
 from lagc.kernels.sizes import NE, NROW, NU
 from lagc.kernels.startrecords import StartWork
 from lagc.kernels.startrows import meet, row_begin
-from lagc.kernels.tables import column, ends
+from lagc.kernels.tables import ends
 from lagc.kernels.words import Mat, Params, Real, Vec
 
 
@@ -78,9 +78,9 @@ def linear_row(i: int, m: int, width: int, w: StartWork) -> bool:
     first = row_begin(i)
     end = ends[i]
     for k in range(first, end):
-        if w.places[column[k]] >= 0:
-            value = w.J[k] * w.weights[column[k]]
-            row[w.places[column[k]]] = value
+        if w.places[w.column[k]] >= 0:
+            value = w.J[k] * w.weights[w.column[k]]
+            row[w.places[w.column[k]]] = value
             if not fabs(value) <= largest:
                 largest = fabs(value)
     if not (0.0 < largest and largest < inf):

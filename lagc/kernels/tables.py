@@ -5,7 +5,6 @@ from __future__ import annotations
 from lagc.kernels.sizes import (
     NBOUNDED,
     NE,
-    NJ,
     NJUMP,
     NLIMITS,
     NMODE,
@@ -13,6 +12,7 @@ from lagc.kernels.sizes import (
     NPARTS,
     NQUAT,
     NREAD,
+    NSTRETCH,
     NU,
     NWHEN,
     NX,
@@ -26,7 +26,8 @@ level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
 angle: IVec[NU]  # 1: of an angle
 ends: IVec[NE]  # where the derivatives of each condition end
-column: IVec[NJ]  # the unknown of each derivative
+stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition, where they follow each other
+stretch_ends: IVec[NSTRETCH]  # behind the last
 part_ends: IVec[NPARTED]  # the same by unknowns and sums: of each condition, then of each sum
 part_column: IVec[NPARTS]  # an unknown, or behind these a sum
 sources: IVec[NREAD]  # the places of parameters that `bind` reads

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 from lagc.once import once
-from lagc.render.kernels.assembly import sizes_of_start, with_quaternions
+from lagc.render.kernels.assembly import sizes_of_start, stretches, with_quaternions
 from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK
 
@@ -57,11 +57,13 @@ class Conditions:
     @once
     def kernels(self) -> dict[str, Any]:
         """The kernels of the search, with the sizes, tables and functions of these conditions."""
+        begins, stops = stretches(self.ends, self.columns)
         found: dict[str, Any] = {
             **self.sizes, "NP": len(self.parameters), "NALL": len(self.parameters),
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
-            "column": self.columns, "fn_conditions": self._conditions, "fn_measures": self._measures,
+            "stretch_begins": begins, "stretch_ends": stops,
+            "fn_conditions": self._conditions, "fn_measures": self._measures,
         }  # fmt: skip
         exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)
         return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from itertools import pairwise
 from math import isfinite
 from typing import Any
 
@@ -144,11 +145,13 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
                    quaternions: Sequence[int]) -> dict[str, int]:  # fmt: skip
     """Of the search for a start; `ends` and `columns` of the model's own conditions."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
+    begins, _ = stretches(ends, columns)
     return _derived({
         "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
-        "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0, **CONSTANT_SIZES,
+        "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
+        "NSTRETCH": len(begins) + len(quaternions), **CONSTANT_SIZES,
     })  # fmt: skip
 
 
@@ -177,13 +180,14 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     ends, columns = with_quaternions(
         interface.condition_ends, interface.condition_columns, interface.quaternions
     )
+    begins, stops = stretches(ends, columns)
     angles = frozenset(interface.angles)
     return {
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
-        "ends": ends, "column": columns or [0],
+        "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
         "counted": interface.counted_switches,
         "ending": [int(c.reason is not None) for c in interface.whens],
@@ -192,6 +196,13 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
+
+
+def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], list[int]]:
+    """Where unknowns of one condition that follow each other begin, and where they end."""
+    breaks = {k for k, (j, other) in enumerate(pairwise(columns), 1) if other != j + 1}
+    places = sorted({*breaks, 0, len(columns), *ends})
+    return [columns[k] for k in places[:-1]], [columns[k - 1] + 1 for k in places[1:]]
 
 
 def with_quaternions(

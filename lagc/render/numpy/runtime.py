@@ -23,7 +23,6 @@ OF_ROWS = ("assemble_at", "solve_at")
 SEARCH = ("prepare", "reach_start")  # for a consistent start
 GIVEN = ("Options",)  # records that are written by hand
 NUMBERS = ("int", "Real", "Code", "Method")  # kinds of parts
-_LONG = 10  # numbers of a stretch, on the average
 PUBLIC = ("NQ", "NV", "NZ", "NX", "NC", "NH", "NP", "NALL", "NY", "NWORK", "NMODE", "NWHEN")
 
 
@@ -63,19 +62,8 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)
     text += f"STRAIGHT = {interface.solve == 'straight'}\n"
     text += f"NOTED = {interface.noted!r}\n" if interface.switches else ""
-    text += "".join(f"{name} = {_table(v)}\n" for name, v in tables_of(interface).items() if name in used)
+    text += "".join(f"{name} = {tuple(v)!r}\n" for name, v in tables_of(interface).items() if name in used)
     return text + f"METHODS = {METHODS!r}\n" + numbers(used)
-
-
-def _table(values: Sequence[Any]) -> str:
-    """As a tuple; by its stretches of numbers that follow each other, where these are long: unknowns of
-    conditions are as many as pairs of them, where each holds all that come before it."""
-    whole = values if values and isinstance(values[0], int) else ()
-    breaks = [k for k in range(1, len(whole)) if whole[k] != whole[k - 1] + 1]
-    if _LONG * (len(breaks) + 1) > len(whole):
-        return repr(tuple(values))
-    stretches = [(values[a], values[b - 1] + 1) for a, b in zip([0, *breaks], [*breaks, len(values)])]
-    return f"tuple([k for first, end in {stretches} for k in range(first, end)])"
 
 
 def numbers(used: Collection[str]) -> str:
