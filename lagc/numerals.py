@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import sys
 
+FINEST = 1e-15  # of relative tolerances: below, rounding is all that is left
+MOST_POINTS = sys.maxsize // 2  # that a list can count
 # Compiled when one is read, which most runs never do.
 _NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _WHOLE = r"[+-]?[0-9]{1,4000}"

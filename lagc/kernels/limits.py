@@ -13,7 +13,9 @@ SINGULAR = by_type(1e-5, 1e-13, "1e-30")  # pivot ratio of a mass matrix that is
 # Pivot ratio of a straight solve that is good enough; with constraints the square of the share below
 # which rows count as dependent.
 LEAST_PIVOT = by_type(1e-4, 1e-10, "1e-10")
-ROUNDING = by_type(1e-11, 1e-28, "1e-64")  # square of a residual of a straight solve, to be refined
+# Square of a residual of a straight solve, to be refined; rows are sums, and of many unknowns the
+# root grows as they do.
+ROUNDING = by_type(1e-11, 1e-28, "1e-64")
 LARGEST_RESIDUAL = by_type(1e-7, 1e-20, "1e-50")  # the same, beyond trust
 FAINT = by_type(1e-2, 1e-6, "1e-13")  # of the longest gradient: one that may be rounding of its terms
 DEPENDENT = by_type(1e-2, 1e-5, "1e-5")

@@ -39,7 +39,7 @@ from lagc.kernels.model import (
 )
 from lagc.kernels.modes import own_branch
 from lagc.kernels.records import Work
-from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
+from lagc.kernels.sizes import NC, NG, NH, NKIND, NM, NMANY, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
 from lagc.kernels.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
 from lagc.kernels.words import Params, Real, Status, Vec, part, size
 
@@ -274,7 +274,7 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
                 return rhs_safely(p, t, x, xdot, lam, w)
             if NC > 0:
-                if w.health[1] > ROUNDING:
+                if w.health[1] > ROUNDING * size(NMANY) * size(NMANY):
                     rhs_refined(p, t, x, xdot, lam, w)
             if not_finite(xdot, NX) < 0:
                 return OK

@@ -26,6 +26,7 @@ class NWORK(metaclass=SizeType): ...  # entries of the straight factors
 class NM(metaclass=SizeType): ...  # of the mass matrix, packed by rows; 0: it is never formed
 class NG(metaclass=SizeType): ...  # of G: NC NV
 class NR(metaclass=SizeType): ...  # NV + NC
+class NMANY(metaclass=SizeType): ...  # NR / 200 + 1: rounding of sums of so many terms
 class NREACH(metaclass=SizeType): ...  # NC + NH
 class NCOND(metaclass=SizeType): ...  # conditions of a start that the model has
 class NRATE(metaclass=SizeType): ...  # stated rates that are no speeds

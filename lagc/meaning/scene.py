@@ -9,26 +9,15 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.symbol import derived, underived
 from lagc.frontend import tree
 from lagc.meaning.context import Context, Given, Points
-from lagc.meaning.evaluate import evaluate_as, integer
+from lagc.meaning.evaluate import integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
-from lagc.meaning.units import NONE, Dimension, S
-from lagc.meaning.values import Scalar, Wrong, expect, kind
+from lagc.meaning.settings import Settings
+from lagc.meaning.values import Wrong
 from lagc.records import dataclass
 
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
 Inputs = Mapping[str, "Source | Points"]
-
-SIMULATE: dict[str, Dimension] = {
-    "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,
-    "atol": NONE,
-}  # fmt: skip
-
-_BELOW_ONE = {"accuracy": "error", "rtol": "tolerance"}
-_ALTERNATIVES = (
-    ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
-    ("step", "maxstep"), ("every", "points"),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +155,7 @@ def read_values(context: Context, setting: Setting, environment: Environment) ->
 def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
     """Note what else the scene gives, once its names can be looked up; the result is what it says
     about the run."""
-    simulate: dict[str, float] = {}
+    settings = Settings(context, environment)
     for d in setting.scene.body if setting.scene else ():
         if isinstance(d, tree.Quantities):
             for declarator in d.declarators:
@@ -175,8 +164,8 @@ def read_rest(context: Context, setting: Setting, environment: Environment) -> d
         elif isinstance(d, tree.Start):
             context.attempt(_start, context, d, environment)
         elif isinstance(d, tree.Simulate):
-            simulate.update(_simulate(context, d, environment))
-    return simulate
+            settings.read(d)
+    return settings.numbers()
 
 
 def _typed(type_name: tree.TypeName) -> None:
@@ -255,48 +244,6 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
         e.span,
         "write `start x = ...;` or `start der(x) = ...;`",
     )
-
-
-def _simulate(context: Context, d: tree.Simulate, environment: Environment) -> dict[str, float]:
-    found: dict[str, float] = {}
-
-    def one(argument: tree.Argument) -> None:
-        name = argument.name
-        if name is None:
-            raise Wrong("LAG0209", "what `simulate` is given has a name: `stop = 20`", argument.span)
-        if name not in SIMULATE or argument.value is None:
-            span = argument.name_span or argument.span
-            raise Wrong(
-                "LAG0209",
-                f"`simulate` has no argument `{name}`",
-                span,
-                did_you_mean(name, SIMULATE) or f"it has {', '.join(SIMULATE)}",
-            )
-        if name in found:
-            raise Wrong("LAG0209", f"`{name}` is given twice", argument.span)
-        value = evaluate_as(context, argument.value, environment, SIMULATE[name])
-        if not isinstance(value, Scalar):
-            raise Wrong("LAG0306", f"`{name}` is one number, this is {kind(value)}", argument.value.span)
-        if not value.node.is_const:
-            message = f"`{name}` is a fixed number, this depends on parameters or on the motion"
-            raise Wrong("LAG0208", message, argument.value.span)
-        expect(value.dimension, SIMULATE[name], argument.value.span, f"`{name}`")
-        number = value.node.value
-        assert isinstance(number, float)
-        if number <= 0:
-            raise Wrong("LAG0308", f"`{name}` is positive", argument.value.span)
-        if name in _BELOW_ONE and number >= 1:
-            raise Wrong("LAG0308", f"`{name}` is a relative {_BELOW_ONE[name]}, below 1", argument.value.span)
-        if name == "points" and (number < 2 or number % 1):
-            raise Wrong("LAG0308", "`points` is a whole number, 2 or more", argument.value.span)
-        for first, second in _ALTERNATIVES:
-            if (name == second and first in found) or (name == first and second in found):
-                raise Wrong("LAG0209", f"`{first}` and `{second}` exclude each other", argument.span)
-        found[name] = number
-
-    for argument in d.arguments:
-        context.attempt(one, argument)
-    return found
 
 
 def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:

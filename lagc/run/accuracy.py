@@ -15,11 +15,12 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.kernels.methods import order
+from lagc.numerals import FINEST
 from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays
-from lagc.run.truncation import FINEST, SAFETY, Truncation, is_tied, plain
+from lagc.run.truncation import SAFETY, Truncation, is_tied, plain
 
 if TYPE_CHECKING:
     from lagc.run.balance import Balance

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 from operator import index
@@ -11,16 +10,15 @@ from typing import Any, SupportsFloat
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
+from lagc.numerals import FINEST, MOST_POINTS
 from lagc.optimize.program import Field, Interface
 from lagc.records import dataclass, field
 from lagc.run.problem import System
 
 ACCURACY = 1e-6  # global relative error where nothing is said
 STOP = 10.0  # s
-FINEST = 1e-15  # relative tolerance of a step
 _NUMBERS = ("stop", "accuracy", "rtol", "atol", "step", "max_step", "every", "points")
 POINTS = 501  # recorded where no grid is asked for
-MOST_POINTS = sys.maxsize // 2  # that a list can count
 
 
 @dataclass(frozen=True)

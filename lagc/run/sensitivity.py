@@ -11,6 +11,7 @@ import numpy as np
 
 from lagc.expr.symbol import derived
 from lagc.meaning.units import UnknownUnit, quotient
+from lagc.numerals import FINEST
 from lagc.records import dataclass, field, replace
 from lagc.run.accuracy import longest_step
 from lagc.run.derivatives import Array, Point
@@ -18,7 +19,7 @@ from lagc.run.problem import Options
 from lagc.run.request import Request
 from lagc.run.simulate import by_hand
 from lagc.run.startslopes import start_slopes
-from lagc.run.truncation import FINEST, SAFETY, is_tied
+from lagc.run.truncation import SAFETY, is_tied
 from lagc.run.variation import Followed, Variation
 from lagc.run.varied import Direction
 

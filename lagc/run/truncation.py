@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import floor, inf, log10
 
+from lagc.numerals import FINEST
 from lagc.run.distance import Sizes, spread
 from lagc.run.problem import Trajectory
 
 SAFETY = 2.0  # on every estimate
 FEW = 24.0  # steps: half of the slope found is believed
 CAUTION = 0.9  # of the slope found is believed for the decade that no finer run covers
-FINEST = 1e-15  # no tolerance is below this
 MOST_ALIKE = 3.0  # steps may be as many for another reason: the stability of the method
 SMALLEST = 1e-14  # rounding in a few steps; no difference tells of a smaller error
 SLOPES = (0.5, 1.6)  # of log(error) over log(tolerance) where they are believed

@@ -7,6 +7,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.limits import reached
+from lagc.numerals import FINEST
 from lagc.records import dataclass
 from lagc.run.accuracy import MEANINGLESS, Verified
 from lagc.run.names import event_names, more, row_name, speed_name, state_name
@@ -25,7 +26,6 @@ from lagc.run.problem import (
     System,
     Trajectory,
 )
-from lagc.run.truncation import FINEST
 
 if TYPE_CHECKING:
     from lagc.optimize.program import Clause

@@ -8,6 +8,7 @@ import types
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from lagc.optimize.program import Program
@@ -69,3 +70,26 @@ def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bo
         rhs = getattr(lib, f"{prefix}_rhs")
         assert rhs(doubles(plain.equations(p).p), ctypes.c_double(0.3), doubles(x), out, lam, room) == 0
         assert bits(out) == bits(better[0]) and bits(lam) == bits(better[1])
+
+
+def test_rounding_of_long_sums_is_no_reason_to_refine() -> None:
+    """In a ladder of n rungs that turns, rows sum forces that grow as n^2: the residual grows as n does, and
+    what refinement would change remains what a last place of the state changes."""
+    n = 80
+    made = of_model("large/truss", n=n)
+    straight, refined = _module(made, "1e-20"), _module(made, ALWAYS)
+    nc, nx = made.interface.nc, made.interface.nx
+
+    def accelerations(module: Any, x: list[float]) -> np.ndarray:
+        xdot = [0.0] * nx
+        assert module.equations(module.default_params()).rhs(0.0, x, xdot, [0.0] * nc) == 0
+        return np.array(xdot[2 * n : 4 * n])
+
+    x = [0.35] * (2 * n) + [1.0] * (2 * n)
+    better = accelerations(refined, x)
+    chance = np.random.default_rng(1)
+    beside = [accelerations(refined, (np.array(x) * (1.0 + chance.choice((-1, 1), nx) * 2.0**-53)).tolist())
+              for _ in range(5)]  # fmt: skip
+    known = max(np.abs(other - better).max() for other in beside)
+    assert 0.0 < np.abs(accelerations(straight, x) - better).max() < 4.0 * known
+    assert straight.NMANY == 2  # 3 n unknowns

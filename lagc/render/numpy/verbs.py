@@ -222,7 +222,7 @@ def rhs_many(t, x, p=None):
                 xdot[:, k] = value
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
             if NC:
-                sound = sound & (health[1] <= ROUNDING)
+                sound = sound & (health[1] <= ROUNDING * NMANY * NMANY)
             sound = sound & numpy.isfinite(xdot).all(axis=1)
         rest = numpy.flatnonzero(~sound)
     for i in rest:
