@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lagc import library
-from lagc.compiler import program, render
+from lagc.compiler import Choice, program, render
 from lagc.run.backends.compile import FLAGS, compiler
 
 DRIVER = r"""
@@ -149,7 +149,7 @@ class Native:
     @classmethod
     def shipped(cls, model: str, x0: Sequence[float]) -> Native:
         """Of a model of the library."""
-        return cls(render(program(library.read(model)), "c"), x0)
+        return cls(render(program(library.read(model), Choice()), "c"), x0)
 
     def rhs(self, x: Sequence[float] = ()) -> float:
         """CPU seconds of one right-hand side, at x0 or at x."""
