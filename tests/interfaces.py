@@ -29,7 +29,7 @@ def interface(model: str = "m", nq: int = 1, nv: int = 1, nc: int = 0, **more: A
         "rate_names": (), "rate_units": (), "start_levels": (0,) * (nq + nv), 
         "start_places": ("m.lag:1",) * (nq + nv),
         "row_places": ("m.lag:2",) * nc, "initial_places": (), "condition_ends": (), "condition_columns": (),
-        "solve": "straight", "work_size": 0,
+        "solve": "straight", "work_size": 0, "health": 2,
         "operations": 1, "written": 1, "functions": ("system",), "effects": (), "simulate": {}, "notes": (),
         "warnings": (), "dropped": (),
     }  # fmt: skip

@@ -13,6 +13,8 @@ SINGULAR = by_type(1e-5, 1e-13, "1e-30")  # pivot ratio of a mass matrix that is
 # Pivot ratio of a straight solve that is good enough; with constraints the square of the share below
 # which rows count as dependent.
 LEAST_PIVOT = by_type(1e-4, 1e-10, "1e-10")
+# Pivot ratio above which nobody looks at what a straight solve leaves: some last places of 1 over the ratio.
+CLEAR = by_type(1e-2, 1e-2, "1e-2")
 # Square of a residual of a straight solve, to be refined; rows are sums, and of many unknowns the
 # root grows as they do.
 ROUNDING = by_type(1e-11, 1e-28, "1e-64")

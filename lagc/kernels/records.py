@@ -14,6 +14,7 @@ from lagc.kernels.sizes import (
     NFREE,
     NG,
     NH,
+    NHEALTH,
     NJUMP,
     NK,
     NKIND,
@@ -94,7 +95,7 @@ class Work:
     play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
     recalled: Vec[NX]  # rounding of rates, as it was heard before this step
     end: Vec[NX]  # of what is tried beside the step
-    health: Vec[TWO]
+    health: Vec[NHEALTH]
     power: Vec[TWO]
     qdot: Vec[NQ]
     if NM > 0:

@@ -9,6 +9,7 @@ from lagc.kernels.dense import cholesky, lower, upper
 from lagc.kernels.fallback import factor_fallback, solve_fallback
 from lagc.kernels.kinds import RESTING, enlarge, not_finite
 from lagc.kernels.limits import (
+    CLEAR,
     DEPENDENT,
     FAINT,
     LARGEST_RESIDUAL,
@@ -34,6 +35,7 @@ from lagc.kernels.model import (
     fn_solve,
     fn_system,
     fn_system_on,
+    fn_watch,
     fn_work,
     fn_work_on,
 )
@@ -271,6 +273,9 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
             fn_rhs(p, t, x, xdot, lam, w.health)
         if NM > 0 or NC > 0:
             least = LEAST_PIVOT if NC > 0 else SINGULAR
+            if NC > 0:
+                if not w.health[0] >= CLEAR:
+                    fn_watch(p, w.health)
             if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
                 return rhs_safely(p, t, x, xdot, lam, w)
             if NC > 0:

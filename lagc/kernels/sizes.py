@@ -23,6 +23,7 @@ class NALL(metaclass=SizeType): ...  # NP + NPREPARED
 class NQUAT(metaclass=SizeType): ...  # unit quaternions
 class NKIND(metaclass=SizeType): ...  # kinds of coordinates and speeds
 class NWORK(metaclass=SizeType): ...  # entries of the straight factors
+class NHEALTH(metaclass=SizeType): ...  # what is told of a straight solve, and by what it is watched
 class NM(metaclass=SizeType): ...  # of the mass matrix, packed by rows; 0: it is never formed
 class NG(metaclass=SizeType): ...  # of G: NC NV
 class NR(metaclass=SizeType): ...  # NV + NC

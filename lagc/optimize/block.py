@@ -12,6 +12,7 @@ from operator import add, mul, sub, truediv
 from typing import Any, TypeAlias
 
 from lagc.expr.doubles import double
+from lagc.expr.operators import TRUTHS
 from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
 from lagc.records import replace
@@ -180,6 +181,33 @@ class Block:
     def below(self, roots: Sequence[int]) -> set[int]:
         """The value numbers that `roots` are made of."""
         return set(_schedule(self._rows, [self.unsigned(a) for a in roots]))
+
+    def beside(self, wanted: int, array: str, first: int, parameters: int) -> tuple[Block, int]:
+        """Another block that makes `wanted`, and the reference to it there: of the `parameters`, and of what
+        the stores of this one need, which it stores for that from array[first] on."""
+        here = self.below([store.value for store in self.stores])
+        again: list[bool] = []  # what is made of parameters alone, or nobody else needs
+        fixed: list[bool] = []
+        for k, (op, operands, payload) in enumerate(self._rows):
+            given = payload[0] == "p" and payload[1] < parameters if isinstance(payload, tuple) else True
+            fixed.append(given and all([fixed[i] for i in operands]))
+            again.append(fixed[k] or k not in here or op in TRUTHS)
+        root = self.unsigned(wanted)
+        needed, asked = {root}, [root]
+        while asked:
+            k = asked.pop()
+            asked += set(self._rows[k][1]) - needed if again[k] else ()
+            needed.update(asked)
+        other, made = Block(), dict[int, int]()
+        for k in sorted(needed):
+            op, operands, payload = self._rows[k]
+            if again[k]:
+                made[k] = other.again(Operation(op, (), payload), [made[i] for i in operands])
+            else:
+                self.store(array, first, k)
+                made[k] = other.load(array, first)
+                first += 1
+        return other, made[root] if wanted >= 0 else ~made[root]
 
     # -- the result -----------------------------------------------------------
 

@@ -174,10 +174,11 @@ def _along(places: Places, rows: Sequence[Node], every: Sequence[Node]) -> Funct
 def _function(
     places: Places, name: str, array: str, nodes: Sequence[Node], about: str, more: tuple[str, ...] = ()
 ) -> Function:
-    def make(nodes: Sequence[Node]) -> Function:
+    def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
         for k, value in enumerate(lower(places, block, nodes)[1]):
             block.store(array, k, value)
-        return block.function(name, (*places.state, "a", "lam", *more), ((array, len(nodes)),), about)
+        return [block.function(name, (*places.state, "a", "lam", *more), ((array, len(nodes)),), about)]
 
-    return cheapest(places, nodes, make, seldom=True)
+    (found,) = cheapest(places, nodes, make, seldom=True)
+    return found

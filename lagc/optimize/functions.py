@@ -307,18 +307,19 @@ def made(
 ) -> Function:
     """`comments` belong to the first entries of the first output; `seldom`: not called by every step."""
 
-    def make(nodes: Sequence[Node]) -> Function:
+    def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
         following = iter(lower(places, block, nodes, seldom)[1])
         for number, (array, indices) in enumerate(stored):
             for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""
                 block.store(array, k, next(following), comment)
-        return block.function(name, inputs, lengths, description)
+        return [block.function(name, inputs, lengths, description)]
 
     sparse = {array: part for array, part in outputs if isinstance(part, Sparse)}
     dense = {array: part for array, part in outputs if not isinstance(part, Sparse)}
     lengths = tuple([(a, sparse[a].length if a in sparse else len(dense[a])) for a, _ in outputs])
     stored = [(a, sparse[a].entries if a in sparse else range(len(dense[a]))) for a, _ in outputs]
     nodes = [node for a, _ in outputs for node in (sparse[a].entries.values() if a in sparse else dense[a])]
-    return replace(cheapest(places, nodes, make, seldom), cleared=tuple(sparse))
+    (found,) = cheapest(places, nodes, make, seldom)
+    return replace(found, cleared=tuple(sparse))

@@ -1,4 +1,4 @@
-"""The functions that solve for accelerations and multipliers: rhs, assemble, factor, solve.
+"""The functions that solve for accelerations and multipliers: rhs and watch, assemble, factor, solve.
 
 All follow one `Elimination` of the matrix of the equations, plain or lifted (see `lift`), with the
 unknowns (a, -lam).
@@ -48,32 +48,31 @@ class Solver:
         return Matrix(dict(zip(self.system.entries, values)), dict(zip(self.system.coefficients, values[n:])))
 
 
-def rhs(places: Places, solver: Solver, work: bool) -> Function:
-    """xdot = (qdot, a, power), lam, health."""
+def rhs(places: Places, solver: Solver, work: bool) -> list[Function]:
+    """xdot = (qdot, a, power), lam, health and, where there are multipliers, `watch`, which tells from what
+    stands in health how much the solution leaves of its right-hand side."""
     equations = places.equations
     power = [equations.power] if work else []
     nodes = [*solver.nodes, *solver.system.right, *equations.qdot]
     return cheapest(places, nodes, lambda chosen: _rhs(places, solver, chosen, power))
 
 
-def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[Node]) -> Function:
+def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[Node]) -> list[Function]:
     equations, plan, block = places.equations, solver.plan, Block()
     lowering, values = lower(places, block, nodes)
     first, last = len(solver.nodes), len(solver.nodes) + len(solver.system.right)
     matrix, b, qdot = solver.matrix(values[:first]), values[first:last], values[last:]
     if plan.structure.unknowns == 1:
         mass = matrix.entries[0, 0]
-        x, left, health = [block.div(b[0], mass)], block.zero, block.one
+        x, left, health = [block.div(b[0], mass)], None, block.one
         if block.is_zero(x[0]):
             health = _with_inertia(block, plan, {0: block.div(block.one, mass)}, (), health)
     elif plan.structure.unknowns == plan.speeds == 2 and len(matrix.entries) == 3:
-        (x, health), left = pair(block, matrix.entries, b), block.zero
+        (x, health), left = pair(block, matrix.entries, b), None
     else:
         factors, x = factor_and_substitute(block, plan, matrix, b)
-        left, health = block.zero, factors.health
-        if plan.multipliers:
-            _, left = residual(block, plan, factors, matrix, b, x)
-        health = _with_inertia(block, plan, factors.inverse, [*x[: plan.size], left], health)
+        left = residual(block, plan, factors, matrix, b, x)[1] if plan.multipliers else None
+        health = _with_inertia(block, plan, factors.inverse, x[: plan.size], factors.health)
     found = _signed(plan, x)
     a, lam = found[: plan.speeds], found[plan.speeds :]
     lowering.known.update(zip(equations.a, a))
@@ -81,9 +80,24 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     xdot = [*qdot, *a, *lowering(power)]
     _store_all(block, "xdot", xdot, [derived(name) for name in (*equations.q_names, *equations.v_names)])
     _store_all(block, "lam", lam, row_comments(equations.rows))
-    _store_all(block, "health", [health, left])
-    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", 2))
-    return block.function("rhs", places.state, outputs, "right-hand side: qdot, accelerations, multipliers")
+    _store_all(block, "health", [health, block.zero])
+    made = [] if left is None else [_watch(places, block, left)]
+    outputs = (("xdot", len(xdot)), ("lam", len(lam)), ("health", _stored(block, "health")))
+    about = "right-hand side: qdot, accelerations, multipliers"
+    return [block.function("rhs", places.state, outputs, about), *made]
+
+
+def _watch(places: Places, block: Block, left: int) -> Function:
+    """`left` as a function of its own, health -> health, of what `block` makes for its stores; that which it
+    takes is stored behind them."""
+    other, found = block.beside(left, "health", 2, len(places.constants))
+    other.store("health", 1, found)
+    outputs = (("health", _stored(block, "health")),)
+    return other.function("watch", ("p", "health"), outputs, "what a solution leaves of its right-hand side")
+
+
+def _stored(block: Block, array: str) -> int:
+    return sum(1 for store in block.stores if store.array == array)
 
 
 def _with_inertia(
@@ -112,13 +126,14 @@ def work_size(solver: Solver, guarded: bool) -> int:
 
 
 def assemble(places: Places, solver: Solver, guarded: bool) -> Function:
-    def make(nodes: Sequence[Node]) -> Function:
+    def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
         _store_all(block, "w", lower(places, block, nodes)[1])
         outputs = (("w", work_size(solver, guarded)),)
-        return block.function("assemble", places.state, outputs, "entries of [M G^T; G 0] into w")
+        return [block.function("assemble", places.state, outputs, "entries of [M G^T; G 0] into w")]
 
-    return cheapest(places, solver.nodes, make)
+    (made,) = cheapest(places, solver.nodes, make)
+    return made
 
 
 def factorize(solver: Solver, guarded: bool) -> Function:

@@ -29,6 +29,8 @@ from lagc.optimize.symbols import Places, places, weight
 from lagc.optimize.whens import changing, whens
 from lagc.records import replace
 
+OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
+
 
 def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bool = False) -> Program:
     """The functions of `equations`, each as short as it gets.
@@ -47,16 +49,16 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     parameters = used_parameters(equations, _roots(equations))
     at = places(equations, parameters)
     along = places(moving, parameters, [switch.mode for switch in switches])
-    solver, rhs = _solver(along, work)
+    solver, solving = _solver(along, work)
     system = solver.system if solver else plain(equations)
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
-    made, slopes = _functions(at, along, switches, solver, rhs, work, dense, preparation)
+    made, slopes = _functions(at, along, switches, solver, solving, work, dense, preparation)
     differentiated = derivatives(along, switches) if differentiate else None
     if differentiated:
         made.update((f.name, preparation.separated(f)) for f in differentiated.functions)
     found, read = preparation.finished(made)
-    found = {name: rolled(function, often=name in ("rhs", "system")) for name, function in found.items()}
+    found = {name: rolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
         interface(
             equations,
@@ -67,6 +69,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             work=work,
             straight=solver is not None,
             work_size=kkt.work_size(solver, not dense) if solver and equations.rows else 0,
+            health=dict(found["rhs"].outputs)["health"] if solver else 0,
             operations=_operations(equations, found),
             lifted=len(system.structure.definitions),
             dropped=left_out,
@@ -84,13 +87,13 @@ def _roots(equations: EquationsOfMotion) -> list[Node]:
     return [*equations.qdot, *(s.value for s in equations.starts), *limits, *sources(equations)]
 
 
-def _solver(at: Places, work: bool) -> tuple[Solver | None, Function | None]:
-    """The form of the equations that takes the fewest operations, and its right-hand side, where one can be
-    straight."""
+def _solver(at: Places, work: bool) -> tuple[Solver | None, list[Function]]:
+    """The form of the equations that takes the fewest operations, and its right-hand side, with what watches
+    it, where one can be straight."""
     forms = [(solver, kkt.rhs(at, solver, work)) for solver in solvers(at.equations)]
     if len(forms) < 2:
-        return forms[0] if forms else (None, None)
-    return min(forms, key=lambda form: weight(form[1], len(at.constants)))
+        return forms[0] if forms else (None, [])
+    return min(forms, key=lambda form: weight(form[1][0], len(at.constants)))
 
 
 def _functions(
@@ -98,7 +101,7 @@ def _functions(
     along: Places,
     switches: Sequence[Switch],
     solver: Solver | None,
-    rhs: Function | None,
+    solving: Sequence[Function],
     work: bool,
     dense: bool,
     preparation: Preparation,
@@ -106,7 +109,7 @@ def _functions(
     """`at` the state alone; `along` the branches of a run, which differ where there are switches.  With the
     functions, the slopes of the conditions of a start."""
     constrained = bool(at.equations.rows)
-    made = [rhs]
+    made: list[Function | None] = [*solving]
     if dense:
         made.append(functions.system(along, seldom=solver is not None))
     if solver is not None and constrained:
@@ -129,7 +132,7 @@ def _functions(
     made += in_boxes(along, poles(along.equations), "pole", "divisors that may come near zero")
     found = {f.name: preparation.separated(f) for f in made if f is not None}
     if solver is not None and constrained:
-        found["rhs"] = balanced(found["rhs"])
+        found.update((f.name, balanced(found[f.name])) for f in solving)
     return found, slopes
 
 

@@ -209,6 +209,7 @@ class Interface:
     condition_columns: tuple[int, ...]  # index in (q, v, stated rates) of each derivative
     solve: str  # "straight": rhs holds the LDL^T;  "looped": rhs = system + dense LDL^T of the support code
     work_size: int  # doubles of w that assemble/factor/solve use
+    health: int  # numbers that rhs tells of its solve
     operations: int  # of one right-hand side
     written: int  # operations and stores of all functions as their text has them
     functions: tuple[str, ...]  # the names that exist
@@ -306,7 +307,8 @@ class Program:
     (absent ones do not exist for the model):
       bind        (p)             -> prepared[]   what depends on parameters alone, behind which p goes on:
                                      values, then copies of the parameters that they are made of
-      rhs         (p,t,x)         -> xdot[nx], lam[nc], health[2]   "straight" solve only, not refined
+      rhs         (p,t,x)         -> xdot[nx], lam[nc], health[]    "straight" solve only, not refined
+      watch       (p,health)      -> health     the residual of that solution, from what follows the first two
       system      (p,t,x)         -> qdot[nq], M[nv*(nv+1)/2], r[nv], G[nc*nv], gamma[nc]
                                      M packed by rows of the lower triangle, r = tau - h,
                                      G dense by rows; not of large models that rhs solves
@@ -356,7 +358,7 @@ class Program:
                                      with switches, all of them of (p,t,x,modes,a,lam)
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)
-    health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual).
+    health = (smallest pivot ratio |d_k|/|a_kk|, square of the relative residual, 0 of rhs, ...).
     """
 
     interface: Interface

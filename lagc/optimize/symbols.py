@@ -79,9 +79,12 @@ def lower(
 
 
 def cheapest(
-    places: Places, nodes: Sequence[Node], make: Callable[[Sequence[Node]], Function], seldom: bool = False
-) -> Function:
-    """`make(nodes)`, or the same of the nodes multiplied out where that is cheaper.
+    places: Places,
+    nodes: Sequence[Node],
+    make: Callable[[Sequence[Node]], list[Function]],
+    seldom: bool = False,
+) -> list[Function]:
+    """`make(nodes)`, or the same of the nodes multiplied out where the first of the functions is cheaper.
 
     For a function that is called `seldom` this is tried only where it takes no time.
     """
@@ -93,7 +96,7 @@ def cheapest(
         return plain
     other = make(out)
     constants = len(places.constants)
-    return other if weight(other, constants) < weight(plain, constants) else plain
+    return other if weight(other[0], constants) < weight(plain[0], constants) else plain
 
 
 def weight(function: Function, parameters: int) -> int:

@@ -84,6 +84,7 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "whens": [_when(when, written) for when in equations.whens],
         "operations": {
             "right_hand_side": interface.operations,
+            "watching": program.functions["watch"].cost if "watch" in program.functions else 0,
             "preparation": interface.preparation,
             "solve": interface.solve,
             "lifted": interface.lifted,
@@ -325,6 +326,8 @@ def _operations_text(facts: Facts, verbose: bool) -> list[str]:
     operations = facts["operations"]
     how = {"straight": "with its linear solve", "looped": "before its linear solve"}[operations["solve"]]
     lines = [f"one right-hand side: {operations['right_hand_side']}, {how}"]
+    if operations["watching"]:
+        lines.append(f"{operations['watching']} more, to see what the solve leaves, where a pivot is small")
     if operations["lifted"]:
         lifted = f"{operations['lifted']} velocities that others are made of are unknowns of the solve"
         lines.append(f"{lifted}: fewer operations than with the mass matrix")

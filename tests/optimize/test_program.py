@@ -109,6 +109,8 @@ def test_right_hand_side_solves_the_equations(compiled: Compiled, seed: int) -> 
     a, lam = state.solve(equations)
     assert state.condition < 1e4 or equations.rows
     found = interpret(program.functions["rhs"], state.arrays)
+    if "watch" in program.functions:
+        found |= interpret(program.functions["watch"], {**state.arrays, "health": found["health"]})
     n, m = len(equations.q), len(equations.v)
     assert_near(found["xdot"][:n], state.all(equations.qdot))
     assert_near(found["xdot"][n : n + m], a)

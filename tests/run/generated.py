@@ -122,6 +122,7 @@ def pendulum(
     if straight:
         functions += [
             trace("rhs", PTX, (("xdot", 4), ("lam", nc), ("health", 2)), rhs),
+            trace("watch", ("p", "health"), (("health", 2),), lambda p, health: ((health[0], 0.0),)),
             trace("assemble", PTX, (("w", 4),), lambda p, t, x: ((p[0], *rows(p, t, x)[0][:2], 0.0),)),
             trace("factor", ("w",), (("w", 4), ("health", 2)), factor),
             trace("solve", ("w", "r"), (("s", 2 + nc),), solve),

@@ -124,6 +124,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
         "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
+        "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),

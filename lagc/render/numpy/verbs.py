@@ -210,7 +210,7 @@ def rhs_many(t, x, p=None):
     xdot = numpy.empty_like(x)
     rest = range(len(x))
     if STRAIGHT:
-        columns, health = [0.0] * NX, [1.0, 0.0]
+        columns, health = [0.0] * NX, [1.0] + [0.0] * @HEALTH@
         with numpy.errstate(all="ignore"):
             given = list(p.T)
             if NALL > NP:
@@ -218,7 +218,7 @@ def rhs_many(t, x, p=None):
                 _vectorised(fn_bind)(given, prepared)
                 given += prepared
             @RHS@columns, [0.0] * NC, health)
-            for k, value in enumerate(columns):
+@WATCH@            for k, value in enumerate(columns):
                 xdot[:, k] = value
             sound = health[0] >= (LEAST_PIVOT if NC else SINGULAR)
             if NC:
@@ -256,6 +256,10 @@ _LOOKED_UP = """\
 """
 
 
+_WATCH = """\
+            if not numpy.all(health[0] >= CLEAR):
+                _vectorised(fn_watch)(given, health)
+"""
 _PLAIN = "_vectorised(fn_rhs)(given, t, list(x.T), "
 _ON_BRANCHES = """\
 modes = [0.0] * NMODE
@@ -283,7 +287,10 @@ def verbs(program: Program, complete: bool) -> list[str]:
     if program.interface.differentiated:
         found.append(_stacked(program.interface))
     rhs = _ON_BRANCHES if program.interface.switches else _PLAIN
-    many, last, end = _MANY.replace("@RHS@", rhs).rpartition("    return type")
+    watch = _WATCH if "watch" in program.functions else ""
+    many = _MANY.replace("@RHS@", rhs).replace("@WATCH@", watch)
+    many = many.replace("@HEALTH@", str(max(program.interface.health, 2) - 1))
+    many, last, end = many.rpartition("    return type")
     return [*found, many + (_LOOKED_UP if tables(program.functions.values()) else "") + last + end]
 
 

@@ -11,17 +11,17 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     prepared[11] = I_;
     const lagc_real t1 = a_ * t0;
     const lagc_real t2 = I_ + t1;
-    prepared[6] = t2;
+    prepared[7] = t2;
     const lagc_real t3 = 1.0 / t2;
-    prepared[5] = t3;
+    prepared[4] = t3;
     const lagc_real t4 = t0 * t3;
     prepared[1] = t4;
     const lagc_real t5 = m - t0 * t4;
     const lagc_real t6 = 1.0 / t5;
     prepared[2] = t6;
     prepared[3] = 1.0 / t6;
-    prepared[4] = 1.0 / m;
-    prepared[7] = t5 / m;
+    prepared[5] = 1.0 / m;
+    prepared[6] = t5 / m;
     prepared[8] = t1 * 0.5 + I_ * 0.5;
     prepared[9] = m * 0.5;
 }
@@ -29,54 +29,75 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
 /* right-hand side: qdot, accelerations, multipliers */
 static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, lagc_real *xdot, lagc_real *lam, lagc_real *health)
 {
+    const lagc_real theta = x[2];
+    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
+    const lagc_real t0 = sc0[1];
+    const lagc_real t1 = sc0[0];
     const lagc_real u = x[3];
     const lagc_real w_ = x[5];
     /* der(theta) */
     xdot[2] = w_;
-    const lagc_real t0 = u * w_;
+    const lagc_real t2 = u * w_;
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real t1 = prepared0 * t0;
+    const lagc_real t3 = prepared0 * t2;
+    health[3] = t3;
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real m = p->m;
-    const lagc_real t2 = m * t0;
-    const lagc_real theta = x[2];
-    lagc_real sc0[2]; lagc_sine_cosine(theta, sc0);
-    const lagc_real t3 = sc0[1];
-    const lagc_real t4 = sc0[0];
+    const lagc_real t4 = m * t2;
+    health[2] = t4;
     const lagc_real prepared2 = p->prepared[2];
-    const lagc_real t5 = (t1 * prepared1 - t2) * prepared2;
+    const lagc_real t5 = (t3 * prepared1 - t4) * prepared2;
+    const lagc_real t6 = t5 * p->prepared[3];
+    health[5] = t6;
     const lagc_real s_ = x[4];
-    const lagc_real prepared3 = p->prepared[3];
-    const lagc_real t6 = t5 * prepared3;
-    const lagc_real t7 = w_ * (s_ * m + w_ * prepared0);
-    const lagc_real t8 = t5 - prepared2 * t6;
+    const lagc_real t7 = t5 - prepared2 * t6;
     /* der(s) */
-    xdot[4] = t8;
-    const lagc_real prepared4 = p->prepared[4];
-    const lagc_real t9 = t7 * prepared4;
-    /* der(u) */
-    xdot[3] = t9;
-    const lagc_real prepared5 = p->prepared[5];
-    const lagc_real t10 = t1 * prepared5 + prepared1 * t8;
-    const lagc_real t11 = m * t9;
-    const lagc_real t12 = t7 - t11;
-    const lagc_real t13 = t10 * p->prepared[6];
-    const lagc_real t14 = m * t8;
-    const lagc_real t15 = t13 - (t1 + prepared0 * t8);
-    const lagc_real t16 = prepared0 * t10 - (t14 + (t2 + t6));
-    const lagc_real t17 = t15 * (prepared5 * t15) + (t12 * (prepared4 * t12) + t8 * (prepared3 * t8));
-    const lagc_real t18 = prepared2 * (t2 * t2 + t14 * t14) + (prepared4 * (t7 * t7 + t11 * t11) + 1e-300);
-    health[1] = (t16 * (prepared2 * t16) + t17) / (prepared5 * (t1 * t1 + t13 * t13) + t18);
+    xdot[4] = t7;
+    health[6] = t7;
+    const lagc_real t8 = w_ * (s_ * m + w_ * prepared0);
+    health[4] = t8;
+    const lagc_real t9 = t3 * p->prepared[4] + prepared1 * t7;
+    health[7] = t9;
     /* der(x) */
-    xdot[0] = u * t3 - s_ * t4;
+    xdot[0] = u * t0 - s_ * t1;
     /* der(y) */
-    xdot[1] = u * t4 + t3 * s_;
+    xdot[1] = u * t1 + t0 * s_;
+    const lagc_real t10 = t8 * p->prepared[5];
+    /* der(u) */
+    xdot[3] = t10;
+    health[8] = t10;
     /* der(w) */
-    xdot[5] = -t10;
+    xdot[5] = -t9;
     /* edge, chaplygin_sleigh_speeds.lag:23 */
     lam[0] = -t6;
-    health[0] = p->prepared[7];
+    health[1] = 0.0;
+    health[0] = p->prepared[6];
     (void)(t);
+}
+
+/* what a solution leaves of its right-hand side */
+static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
+{
+    const lagc_real health7 = health[7];
+    const lagc_real t0 = health7 * p->prepared[7];
+    const lagc_real prepared0 = p->prepared[0];
+    const lagc_real m = p->m;
+    const lagc_real health6 = health[6];
+    const lagc_real t1 = m * health6;
+    const lagc_real t2 = health[8] * m;
+    const lagc_real health3 = health[3];
+    const lagc_real health2 = health[2];
+    const lagc_real health4 = health[4];
+    const lagc_real t3 = health4 - t2;
+    const lagc_real t4 = t0 - health3 - health6 * prepared0;
+    const lagc_real t5 = health7 * prepared0 - t1 - (health2 + health[5]);
+    const lagc_real prepared5 = p->prepared[5];
+    const lagc_real prepared4 = p->prepared[4];
+    const lagc_real prepared2 = p->prepared[2];
+    const lagc_real t6 = t3 * (t3 * prepared5) + p->prepared[3] * (health6 * health6);
+    const lagc_real t7 = prepared4 * (health3 * health3 + t0 * t0) + prepared2 * (health2 * health2 + t1 * t1);
+    const lagc_real t8 = prepared5 * (health4 * health4 + t2 * t2) + 1e-300 + t7;
+    health[1] = (t6 + (t4 * (t4 * prepared4) + t5 * (t5 * prepared2))) / t8;
 }
 
 /* mass matrix, forces and constraint rows */
@@ -102,7 +123,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     gamma[0] = 0.0;
     const lagc_real prepared0 = p->prepared[0];
     M[4] = prepared0;
-    M[5] = p->prepared[6];
+    M[5] = p->prepared[7];
     r[0] = w_ * (s_ * m + w_ * prepared0);
     const lagc_real t2 = u * w_;
     r[1] = -(m * t2);
@@ -118,7 +139,7 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     w[0] = m;
     w[1] = m;
     w[2] = p->prepared[0];
-    w[3] = p->prepared[6];
+    w[3] = p->prepared[7];
     w[4] = 1.0;
     (void)(t);
     (void)(x);

@@ -94,14 +94,15 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t4 = sc1[1];
     const lagc_real t5 = sc1[0];
     const lagc_real prepared0 = p->prepared[0];
-    const lagc_real prepared1 = p->prepared[1];
-    const lagc_real t6 = prepared0 * t0 + prepared1;
+    const lagc_real t6 = prepared0 * t0 + p->prepared[1];
+    health[11] = t6;
     const lagc_real prepared2 = p->prepared[2];
     const lagc_real t7 = t6 * prepared2;
     const lagc_real t8 = t0 * p->prepared[3];
     const lagc_real prepared4 = p->prepared[4];
     const lagc_real t9 = prepared4 * t0;
     const lagc_real t10 = t8 + p->prepared[5];
+    health[10] = t10;
     const lagc_real t11 = t3 * t9;
     const lagc_real t12 = t1 * t2;
     const lagc_real t13 = t1 * t3;
@@ -109,32 +110,41 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t15 = prepared4 * t12;
     const lagc_real prepared6 = p->prepared[6];
     const lagc_real t16 = 1.0 / t14;
+    health[18] = t16;
     const lagc_real t17 = t13 + t2 * t0;
     const lagc_real t18 = t3 * t0 - t12;
     const lagc_real t19 = t6 + t11 - t15;
+    health[14] = t19;
     const lagc_real prepared9 = p->prepared[9];
     const lagc_real t20 = t2 * t4 + t3 * t5;
     const lagc_real t21 = t3 * t4 - t2 * t5;
     const lagc_real t22 = t11 + prepared6 * t3 + (t10 - t15);
+    health[13] = t22;
     const lagc_real t23 = t19 * prepared2;
     const lagc_real t24 = t22 - t19 * t7;
     const lagc_real l4 = p->l4;
     const lagc_real t25 = l4 * (t4 * t18 - t17 * t5);
+    health[6] = t25;
     const lagc_real t26 = t24 * t16;
     const lagc_real t27 = t8 + (p->prepared[12] + (p->prepared[7] + p->prepared[8])) - t12 * prepared9;
     const lagc_real t28 = t3 * (t0 * prepared9 + (p->prepared[10] + p->prepared[11])) + t27;
+    health[12] = t28;
     const lagc_real l3 = p->l3;
     const lagc_real t29 = l3 * t21;
     const lagc_real t30 = prepared2 * t25;
     const lagc_real t31 = t29 + l4 * (t0 * t21 - t1 * t20);
+    health[4] = t31;
     const lagc_real t32 = t28 - t19 * t23 - t24 * t26;
     const lagc_real l2 = p->l2;
     const lagc_real t33 = t4 * l2;
     const lagc_real t34 = t31 - t6 * t30;
     const lagc_real t35 = 1.0 / t32;
+    health[19] = t35;
     const lagc_real t36 = t16 * t34;
     const lagc_real t37 = t33 + t31;
+    health[5] = t37;
     const lagc_real t38 = (t4 * t17 + t5 * t18) * l4;
+    health[8] = t38;
     const lagc_real t39 = prepared2 * t38;
     const lagc_real t40 = t20 * l3;
     const lagc_real der_q1 = x[3];
@@ -146,6 +156,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t41 = der_q1 + der_q2;
     const lagc_real t42 = t37 - t19 * t30 - t24 * t36;
     const lagc_real t43 = t40 + l4 * (t1 * t21 + t0 * t20);
+    health[2] = t43;
     const lagc_real der_q3 = x[5];
     /* der(q3) */
     xdot[2] = der_q3;
@@ -159,55 +170,102 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t51 = t2 * t45;
     const lagc_real t52 = t41 * t41;
     const lagc_real t53 = t47 + t43;
+    health[3] = t53;
     const lagc_real t54 = t16 * t48;
     const lagc_real t55 = t13 * prepared4;
     const lagc_real t56 = t45 * t55;
     const lagc_real t57 = t51 * t9 + t50 * t52;
     const lagc_real t58 = 1.0 / (t42 * t46 + (t25 * t30 + t34 * t36));
+    health[20] = t58;
     const lagc_real t59 = t19 * t39 - t53 - t24 * t54;
     const lagc_real t60 = t56 + t57;
+    health[17] = t60;
     const lagc_real t61 = t49 * t50 - t51 * prepared6 - t56 - t57;
+    health[15] = t61;
     const lagc_real t62 = t35 * t59;
     const lagc_real t63 = t38 * t30 - t48 * t36 - t59 * t46;
     const lagc_real t64 = t61 + (t49 * t55 + t2 * (prepared6 * t52 + t49 * t9));
+    health[16] = t64;
     const lagc_real t65 = t61 + t60 * t7;
     const lagc_real t66 = t63 * t58;
     const lagc_real t67 = t49 * t38 + (t45 * t47 + t52 * t40);
+    health[9] = t67;
     const lagc_real t68 = t59 * t62 + (t38 * t39 + t48 * t54);
     const lagc_real t69 = t64 + t60 * t23 - t65 * t26;
     const lagc_real t70 = t49 * t25 + (t45 * t33 + t52 * t29);
+    health[7] = t70;
     const lagc_real t71 = t63 * t66 - t68;
     const lagc_real t72 = 1.0 / t71;
+    health[21] = t72;
     const lagc_real t73 = t67 + t60 * t30 - t65 * t36 - t69 * t46;
     const lagc_real t74 = (t73 * t66 + (t70 - t60 * t39 - t65 * t54 - t69 * t62)) * t72;
+    health[22] = t74;
     const lagc_real t75 = t66 * t74 - t73 * t58;
+    health[23] = t75;
     const lagc_real t76 = t69 * t35 - t62 * t74 - t46 * t75;
     /* der(der(q1)) */
     xdot[3] = t76;
+    health[24] = t76;
     const lagc_real t77 = t65 * t16 - t54 * t74 - t36 * t75 - t26 * t76;
     /* der(der(q2)) */
     xdot[4] = t77;
+    health[25] = t77;
     const lagc_real t78 = t39 * t74 - t60 * prepared2 - t30 * t75 - t23 * t76 - t7 * t77;
     /* der(der(q3)) */
     xdot[5] = t78;
-    const lagc_real t79 = t10 * t77;
-    const lagc_real t80 = t28 * t76;
-    const lagc_real t81 = prepared1 * t78;
-    const lagc_real t82 = t38 * t74 - t60 - t25 * t75 - t19 * t76 - t6 * t77 - t81;
-    const lagc_real t83 = t61 + t43 * t74 - t31 * t75 - t22 * t76 - t79 - t6 * t78;
-    const lagc_real t84 = t64 + t53 * t74 - t37 * t75 - t80 - t22 * t77 - t19 * t78;
-    const lagc_real t85 = t67 - t37 * t76 - t31 * t77 - t25 * t78;
-    const lagc_real t86 = t38 * t78 + (t43 * t77 + (t70 + t53 * t76));
-    const lagc_real t87 = t35 * (t64 * t64 + t80 * t80) + (t58 * (t67 * t67) + 1e-300 - t72 * (t70 * t70));
-    const lagc_real t88 = t82 * (prepared2 * t82) + t83 * (t16 * t83) - t86 * (t72 * t86);
-    const lagc_real t89 = prepared2 * (t60 * t60 + t81 * t81) + (t16 * (t61 * t61 + t79 * t79) + t87);
-    health[1] = (t84 * (t35 * t84) + t85 * (t58 * t85) + t88) / t89;
+    health[26] = t78;
     health[0] = lagc_min(lagc_min(t14 / t10, t32 / t28), -(t71 / t68));
     /* ring[1], four_bar.lag:32 */
     lam[0] = -t74;
     /* ring[2], four_bar.lag:32 */
     lam[1] = -t75;
+    health[1] = 0.0;
     (void)(t);
+}
+
+/* what a solution leaves of its right-hand side */
+static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
+{
+    const lagc_real health8 = health[8];
+    const lagc_real health22 = health[22];
+    const lagc_real health26 = health[26];
+    const lagc_real t0 = health26 * p->prepared[1];
+    const lagc_real health11 = health[11];
+    const lagc_real health25 = health[25];
+    const lagc_real health2 = health[2];
+    const lagc_real health24 = health[24];
+    const lagc_real health13 = health[13];
+    const lagc_real t1 = health25 * health[10];
+    const lagc_real health3 = health[3];
+    const lagc_real t2 = health24 * health[12];
+    const lagc_real health5 = health[5];
+    const lagc_real health4 = health[4];
+    const lagc_real health6 = health[6];
+    const lagc_real health14 = health[14];
+    const lagc_real health23 = health[23];
+    const lagc_real health17 = health[17];
+    const lagc_real health15 = health[15];
+    const lagc_real health16 = health[16];
+    const lagc_real health9 = health[9];
+    const lagc_real health7 = health[7];
+    const lagc_real t3 = health9 - health24 * health5 - (health25 * health4 + health26 * health6);
+    const lagc_real t4 = health8 * health26 + health7 + (health25 * health2 + health24 * health3);
+    const lagc_real health20 = health[20];
+    const lagc_real t5 = health8 * health22 - health17 - (t0 + health11 * health25);
+    const lagc_real t6 = t5 - (health14 * health24 + health6 * health23);
+    const lagc_real t7 = health22 * health2 + health15 - (health24 * health13 + t1);
+    const lagc_real t8 = t7 - (health26 * health11 + health23 * health4);
+    const lagc_real t9 = health22 * health3 + health16 - (t2 + health25 * health13);
+    const lagc_real t10 = t9 - (health26 * health14 + health23 * health5);
+    const lagc_real health21 = health[21];
+    const lagc_real prepared2 = p->prepared[2];
+    const lagc_real health18 = health[18];
+    const lagc_real health19 = health[19];
+    const lagc_real t11 = health9 * (health20 * health9) + 1e-300 - health7 * (health21 * health7);
+    const lagc_real t12 = t10 * (health19 * t10) + (t3 * (health20 * t3) - t4 * (health21 * t4));
+    const lagc_real t13 = prepared2 * (health17 * health17 + t0 * t0) + health18 * (health15 * health15 + t1 * t1);
+    const lagc_real t14 = t13 + (health19 * (health16 * health16 + t2 * t2) + t11);
+    health[1] = (t6 * (t6 * prepared2) + t8 * (health18 * t8) + t12) / t14;
 }
 
 /* mass matrix, forces and constraint rows */

@@ -40,29 +40,40 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t4 = t0 * t0;
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t5 = t1 * prepared0;
+    health[13] = t5;
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t6 = prepared1 * t5;
     const lagc_real prepared2 = p->prepared[2];
     const lagc_real t7 = t4 * prepared2 + t1 * t5;
+    health[14] = t7;
     const lagc_real t8 = t7 - t5 * t6;
     const lagc_real r_ = p->r;
     const lagc_real t9 = t2 * r_;
+    health[8] = t9;
     const lagc_real t10 = 1.0 / t8;
+    health[17] = t10;
     const lagc_real t11 = t1 * r_;
+    health[2] = t11;
     const lagc_real t12 = t0 * r_;
     const lagc_real t13 = prepared1 * t9;
     const lagc_real t14 = t2 * t11;
+    health[3] = t14;
     const lagc_real t15 = t3 * t12;
+    health[9] = t15;
     const lagc_real t16 = t5 * t13 - t14;
     const lagc_real prepared3 = p->prepared[3];
     const lagc_real t17 = prepared3 * t15;
     const lagc_real t18 = t10 * t16;
     const lagc_real prepared4 = p->prepared[4];
     const lagc_real t19 = t3 * r_;
+    health[6] = t19;
     const lagc_real t20 = t19 * prepared1;
     const lagc_real t21 = t3 * t11;
+    health[4] = t21;
     const lagc_real t22 = t2 * t12;
+    health[7] = t22;
     const lagc_real t23 = 1.0 / (t16 * t18 + (t15 * t17 + (prepared4 + t9 * t13)));
+    health[18] = t23;
     const lagc_real t24 = t20 * t5 - t21;
     const lagc_real t25 = t22 * prepared3;
     const lagc_real t26 = t24 * t10;
@@ -84,76 +95,70 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t33 = t27 * t28 - t31;
     const lagc_real t34 = t1 * (der_yaw + der_spin * t1) + der_spin * t4;
     const lagc_real t35 = 1.0 / t33;
+    health[19] = t35;
     const lagc_real t36 = t11 * t17;
     const lagc_real t37 = t29 * (der_lean * prepared0);
+    health[10] = t37;
     const lagc_real t38 = (t32 + der_spin * 2.0) * (t29 * prepared2);
+    health[16] = t38;
     const lagc_real t39 = t11 * prepared3;
     const lagc_real t40 = (t32 + (t32 + (der_spin + der_spin))) * (t0 * (der_lean * prepared2));
+    health[15] = t40;
     const lagc_real t41 = t11 * t25 - t28 * t36;
     const lagc_real t42 = t23 * t36;
     const lagc_real t43 = t37 * t6 - t40;
     const lagc_real t44 = r_ * (der_lean * (t3 * t30 + t29 * (2.0 * t2)) + t34 * (der_yaw * t3));
+    health[12] = t44;
     const lagc_real t45 = t35 * t41;
     const lagc_real t46 = prepared4 + t11 * t39;
     const lagc_real t47 = (der_lean * (t29 * (t3 * 2.0) - t2 * t30) - t34 * (der_yaw * t2)) * r_;
+    health[11] = t47;
     const lagc_real t48 = t44 - (t37 * t13 + t38 * t17) - t43 * t18;
     const lagc_real t49 = t12 * (der_lean * der_lean);
+    health[5] = t49;
     const lagc_real t50 = t36 * t42 - t46 - t41 * t45;
     const lagc_real prepared5 = p->prepared[5];
     const lagc_real t51 = 1.0 / t50;
+    health[20] = t51;
     const lagc_real t52 = t48 * t28 + (t47 + (t38 * t25 - t37 * t20) - t43 * t26);
     const lagc_real t53 = (prepared5 - t49 - t38 * t39 - t48 * t42 - t52 * t45) * t51;
+    health[21] = t53;
     const lagc_real t54 = t52 * t35 - t45 * t53;
+    health[22] = t54;
     const lagc_real t55 = t28 * t54 - (t48 * t23 + t42 * t53);
-    const lagc_real t56 = prepared5 + prepared4 * t53;
-    const lagc_real t57 = prepared4 * t54;
-    const lagc_real t58 = t43 * t10 - t26 * t54 - t18 * t55;
+    health[23] = t55;
+    const lagc_real t56 = t43 * t10 - t26 * t54 - t18 * t55;
     /* der(der(yaw)) */
-    xdot[9] = t58;
-    const lagc_real m = p->m;
-    const lagc_real t59 = t56 * m;
-    const lagc_real t60 = prepared4 * t55;
-    const lagc_real t61 = t25 * t54 + (t38 * prepared3 - t39 * t53) - t17 * t55;
+    xdot[9] = t56;
+    health[25] = t56;
+    const lagc_real t57 = prepared4 * t54;
+    health[27] = t57;
+    const lagc_real t58 = prepared4 * t55;
+    health[28] = t58;
+    const lagc_real t59 = prepared5 + prepared4 * t53;
+    health[29] = t59;
+    const lagc_real t60 = t25 * t54 + (t38 * prepared3 - t39 * t53) - t17 * t55;
     /* der(der(lean)) */
-    xdot[10] = t61;
-    const lagc_real t62 = t57 * m;
-    const lagc_real t63 = t13 * t55 + (t20 * t54 - t37 * prepared1) - t6 * t58;
+    xdot[10] = t60;
+    health[24] = t60;
+    const lagc_real t61 = t13 * t55 + (t20 * t54 - t37 * prepared1) - t6 * t56;
     /* der(der(spin)) */
-    xdot[11] = t63;
-    const lagc_real t64 = t59 - (t53 + p->prepared[6]);
-    const lagc_real t65 = t60 * m;
-    const lagc_real t66 = t62 - t54;
-    const lagc_real t67 = t7 * t58;
-    const lagc_real t68 = prepared2 * t61;
-    const lagc_real t69 = t65 - t55;
-    const lagc_real t70 = prepared0 * t63;
-    const lagc_real t71 = t22 * t54 + (t38 - t11 * t53) - t15 * t55 - t68;
-    const lagc_real t72 = t56 - t49 - t11 * t61;
-    const lagc_real t73 = t9 * t55 + (t19 * t54 - t37) - t5 * t58 - t70;
-    const lagc_real t74 = t14 * t55 + (t21 * t54 - t40) - t67 - t5 * t63;
-    const lagc_real t75 = t23 * (t44 * t44) + 1e-300 - t35 * (t47 * t47) - t51 * (t49 * t49);
-    const lagc_real t76 = t9 * t63 + (t14 * t58 + (t44 + t60) - t15 * t61);
-    const lagc_real t77 = t19 * t63 + (t21 * t58 + (t22 * t61 + (t47 + t57)));
-    const lagc_real t78 = t62 * (prepared4 * t62) + (prepared4 * (t59 * t59 + p->prepared[7]) + t75);
-    const lagc_real t79 = t69 * (prepared4 * t69) + (t64 * (prepared4 * t64) + t66 * (prepared4 * t66));
-    const lagc_real t80 = t79 + (t71 * (prepared3 * t71) - t72 * (t51 * t72));
-    const lagc_real t81 = t10 * (t40 * t40 + t67 * t67) + (t65 * (prepared4 * t65) + t78);
-    const lagc_real t82 = t80 + (t73 * (prepared1 * t73) + t74 * (t10 * t74));
-    const lagc_real t83 = prepared1 * (t37 * t37 + t70 * t70) + (prepared3 * (t38 * t38 + t68 * t68) + t81);
-    health[1] = (t76 * (t23 * t76) - t77 * (t35 * t77) + t82) / t83;
+    xdot[11] = t61;
+    health[26] = t61;
     health[0] = lagc_min(lagc_min(t8 / t7, -(t33 / t31)), -(t50 / t46));
     /* der(der(x)) */
     xdot[6] = -t57;
     /* der(der(y)) */
-    xdot[7] = -t60;
+    xdot[7] = -t58;
     /* der(der(z)) */
-    xdot[8] = -t56;
+    xdot[8] = -t59;
     /* touch, rolling_disc.lag:29 */
     lam[0] = -t53;
     /* roll[1], rolling_disc.lag:30 */
     lam[1] = -t54;
     /* roll[2], rolling_disc.lag:30 */
     lam[2] = -t55;
+    health[1] = 0.0;
     /* der(x) */
     xdot[0] = x[6];
     /* der(y) */
@@ -161,6 +166,66 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(z) */
     xdot[2] = x[8];
     (void)(t);
+}
+
+/* what a solution leaves of its right-hand side */
+static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
+{
+    const lagc_real health23 = health[23];
+    const lagc_real health8 = health[8];
+    const lagc_real health3 = health[3];
+    const lagc_real health29 = health[29];
+    const lagc_real m = p->m;
+    const lagc_real t0 = health29 * m;
+    const lagc_real health21 = health[21];
+    const lagc_real health28 = health[28];
+    const lagc_real t1 = m * health28;
+    const lagc_real health27 = health[27];
+    const lagc_real t2 = m * health27;
+    const lagc_real health22 = health[22];
+    const lagc_real health6 = health[6];
+    const lagc_real health26 = health[26];
+    const lagc_real t3 = health26 * p->prepared[0];
+    const lagc_real health13 = health[13];
+    const lagc_real health25 = health[25];
+    const lagc_real health10 = health[10];
+    const lagc_real health4 = health[4];
+    const lagc_real t4 = health25 * health[14];
+    const lagc_real health15 = health[15];
+    const lagc_real health7 = health[7];
+    const lagc_real health24 = health[24];
+    const lagc_real health9 = health[9];
+    const lagc_real health12 = health[12];
+    const lagc_real health11 = health[11];
+    const lagc_real health2 = health[2];
+    const lagc_real health5 = health[5];
+    const lagc_real t5 = t0 - (p->prepared[6] + health21);
+    const lagc_real t6 = t1 - health23;
+    const lagc_real t7 = t2 - health22;
+    const lagc_real t8 = health24 * p->prepared[2];
+    const lagc_real health16 = health[16];
+    const lagc_real t9 = health29 - health5 - health24 * health2;
+    const lagc_real prepared4 = p->prepared[4];
+    const lagc_real t10 = health22 * health6 - t3 + (health23 * health8 - health10 - health13 * health25);
+    const lagc_real t11 = health22 * health4 - health26 * health13 + (health23 * health3 - health15 - t4);
+    const lagc_real t12 = health8 * health26 + health25 * health3 + (health28 + health12 - health24 * health9);
+    const lagc_real t13 = health6 * health26 + health7 * health24 + (health25 * health4 + (health27 + health11));
+    const lagc_real health20 = health[20];
+    const lagc_real health18 = health[18];
+    const lagc_real health19 = health[19];
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real health17 = health[17];
+    const lagc_real t14 = health22 * health7 + health16 - health23 * health9 - (t8 + health21 * health2);
+    const lagc_real prepared3 = p->prepared[3];
+    const lagc_real t15 = t5 * (t5 * prepared4) + t6 * (prepared4 * t6);
+    const lagc_real t16 = health11 * (health19 * health11) + health5 * (health20 * health5);
+    const lagc_real t17 = t15 + (t7 * (prepared4 * t7) - t9 * (health20 * t9));
+    const lagc_real t18 = health12 * (health18 * health12) + 1e-300 - t16;
+    const lagc_real t19 = health17 * (health15 * health15 + t4 * t4) + prepared3 * (health16 * health16 + t8 * t8);
+    const lagc_real t20 = prepared4 * (t0 * t0 + p->prepared[7]) + prepared1 * (health10 * health10 + t3 * t3);
+    const lagc_real t21 = t14 * (t14 * prepared3) + (t12 * (health18 * t12) - t13 * (health19 * t13));
+    const lagc_real t22 = t1 * (prepared4 * t1) + t2 * (prepared4 * t2) + t18 + (t20 + t19);
+    health[1] = (t21 + (t17 + (t10 * (t10 * prepared1) + t11 * (health17 * t11)))) / t22;
 }
 
 /* mass matrix, forces and constraint rows */

@@ -11,7 +11,7 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     prepared[0] = r_ * t0 * 0.5;
     const lagc_real t1 = l * t0;
     const lagc_real t2 = t1 * 0.3333333333333333;
-    prepared[4] = t2;
+    prepared[5] = t2;
     prepared[1] = 1.0 / t2;
     const lagc_real J1 = p->J1;
     prepared[17] = J1;
@@ -21,7 +21,7 @@ static void lagc_fn_bind(const lagc_params *p, lagc_real *prepared)
     const lagc_real m3 = p->m3;
     prepared[16] = m3;
     prepared[3] = 1.0 / m3;
-    prepared[5] = 1.0 / t4;
+    prepared[4] = 1.0 / t4;
     const lagc_real t5 = fabs(r_);
     prepared[8] = t5;
     prepared[6] = t5 + 2.0 * t5;
@@ -45,22 +45,28 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t4 = prepared0 * (t1 * t2 - t0 * t3);
+    health[8] = t4;
     const lagc_real prepared1 = p->prepared[1];
     const lagc_real t5 = t4 * prepared1;
-    const lagc_real prepared2 = p->prepared[2];
-    const lagc_real t6 = prepared2 - t4 * t5;
+    const lagc_real t6 = p->prepared[2] - t4 * t5;
     const lagc_real l = p->l;
     const lagc_real t7 = t3 * l;
+    health[4] = t7;
     const lagc_real t8 = 1.0 / t6;
+    health[11] = t8;
     const lagc_real t9 = prepared1 * t7;
     const lagc_real r_ = p->r;
     const lagc_real t10 = t0 * r_;
+    health[2] = t10;
     const lagc_real t11 = t10 + t4 * t9;
     const lagc_real t12 = t8 * t11;
     const lagc_real t13 = t1 * l;
+    health[5] = t13;
     const lagc_real t14 = prepared1 * t13;
     const lagc_real t15 = t2 * r_;
+    health[3] = t15;
     const lagc_real t16 = 1.0 / (t7 * t9 + t11 * t12);
+    health[12] = t16;
     const lagc_real t17 = t4 * t14 - t15;
     const lagc_real der_phi = x[3];
     /* der(phi) */
@@ -70,6 +76,7 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t20 = t8 * t17;
     const lagc_real t21 = t13 * t9 + t17 * t12;
     const lagc_real t22 = t18 * t19;
+    health[10] = t22;
     const lagc_real der_psi = x[4];
     /* der(psi) */
     xdot[1] = der_psi;
@@ -77,44 +84,79 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     const lagc_real t24 = t21 * t16;
     const lagc_real prepared3 = p->prepared[3];
     const lagc_real t25 = t19 * t23;
+    health[9] = t25;
     const lagc_real t26 = t17 * t20 + (t13 * t14 + prepared3);
     const lagc_real t27 = t22 * t5 - t25;
     const lagc_real t28 = t18 * t15 - t23 * t13;
+    health[7] = t28;
     const lagc_real t29 = t21 * t24 - t26;
     const lagc_real t30 = t23 * t7 + t18 * t10;
+    health[6] = t30;
     const lagc_real t31 = 1.0 / t29;
+    health[13] = t31;
     const lagc_real t32 = t28 - t22 * t9 - t27 * t12;
     const lagc_real t33 = (t30 - t22 * t14 - t27 * t20 - t32 * t24) * t31;
+    health[14] = t33;
     const lagc_real t34 = t32 * t16 + t24 * t33;
     /* pin[2], slider_crank.lag:25 */
     lam[1] = t34;
+    health[15] = t34;
     const lagc_real t35 = t12 * t34 + (t27 * t8 - t20 * t33);
     /* der(der(phi)) */
     xdot[3] = t35;
+    health[16] = t35;
     const lagc_real t36 = t14 * t33 - t22 * prepared1 - t9 * t34 - t5 * t35;
     /* der(der(psi)) */
     xdot[4] = t36;
+    health[17] = t36;
     const lagc_real t37 = prepared3 * t33;
     /* der(der(s)) */
     xdot[5] = t37;
-    const lagc_real t38 = t37 * p->m3;
-    const lagc_real t39 = t36 * p->prepared[4];
-    const lagc_real t40 = prepared2 * t35;
-    const lagc_real t41 = t33 - t38;
-    const lagc_real t42 = t13 * t33 - t22 - t7 * t34 - t4 * t35 - t39;
-    const lagc_real t43 = t10 * t34 + (t15 * t33 - t25) - t40 - t4 * t36;
-    const lagc_real t44 = t7 * t36 + (t28 - t10 * t35);
-    const lagc_real t45 = t13 * t36 + (t15 * t35 + (t30 + t37));
-    const lagc_real t46 = t38 * (prepared3 * t38) + (t16 * (t28 * t28) + 1e-300 - t31 * (t30 * t30));
-    const lagc_real t47 = t41 * (prepared3 * t41) + t42 * (prepared1 * t42) - t45 * (t31 * t45);
-    const lagc_real t48 = prepared1 * (t22 * t22 + t39 * t39) + (t8 * (t25 * t25 + t40 * t40) + t46);
-    health[1] = (t43 * (t8 * t43) + t44 * (t16 * t44) + t47) / t48;
-    health[0] = lagc_min(t6 * p->prepared[5], -(t29 / t26));
+    health[18] = t37;
+    health[0] = lagc_min(t6 * p->prepared[4], -(t29 / t26));
     /* pin[1], slider_crank.lag:25 */
     lam[0] = -t33;
+    health[1] = 0.0;
     /* der(s) */
     xdot[2] = x[5];
     (void)(t);
+}
+
+/* what a solution leaves of its right-hand side */
+static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
+{
+    const lagc_real health14 = health[14];
+    const lagc_real health5 = health[5];
+    const lagc_real health15 = health[15];
+    const lagc_real health2 = health[2];
+    const lagc_real health17 = health[17];
+    const lagc_real health4 = health[4];
+    const lagc_real health18 = health[18];
+    const lagc_real t0 = health18 * p->m3;
+    const lagc_real t1 = health17 * p->prepared[5];
+    const lagc_real health8 = health[8];
+    const lagc_real health16 = health[16];
+    const lagc_real health10 = health[10];
+    const lagc_real health3 = health[3];
+    const lagc_real t2 = health16 * p->prepared[2];
+    const lagc_real health9 = health[9];
+    const lagc_real health7 = health[7];
+    const lagc_real t3 = health14 - t0;
+    const lagc_real t4 = health17 * health4 + health7 - health16 * health2;
+    const lagc_real health6 = health[6];
+    const lagc_real prepared3 = p->prepared[3];
+    const lagc_real t5 = health14 * health5 - health10 - health4 * health15 - (t1 + health8 * health16);
+    const lagc_real t6 = health14 * health3 - health17 * health8 + (health15 * health2 - health9 - t2);
+    const lagc_real health12 = health[12];
+    const lagc_real t7 = health18 + health6 + (health5 * health17 + health16 * health3);
+    const lagc_real health13 = health[13];
+    const lagc_real prepared1 = p->prepared[1];
+    const lagc_real health11 = health[11];
+    const lagc_real t8 = t0 * (t0 * prepared3) - health6 * (health13 * health6);
+    const lagc_real t9 = t6 * (health11 * t6) + (t3 * (t3 * prepared3) + t4 * (health12 * t4));
+    const lagc_real t10 = prepared1 * (health10 * health10 + t1 * t1) + (health7 * (health12 * health7) + 1e-300);
+    const lagc_real t11 = t10 + (health11 * (health9 * health9 + t2 * t2) + t8);
+    health[1] = (t5 * (t5 * prepared1) - t7 * (health13 * t7) + t9) / t11;
 }
 
 /* mass matrix, forces and constraint rows */
@@ -135,7 +177,7 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     const lagc_real t3 = sc0[3];
     const lagc_real prepared0 = p->prepared[0];
     M[1] = (t0 * t1 - t2 * t3) * prepared0;
-    M[2] = p->prepared[4];
+    M[2] = p->prepared[5];
     M[3] = 0.0;
     M[4] = 0.0;
     r[2] = 0.0;
@@ -174,7 +216,7 @@ static void lagc_fn_assemble(const lagc_params *p, lagc_real t, const lagc_real 
     const lagc_real t2 = sc0[1];
     const lagc_real t3 = sc0[3];
     w[1] = (t0 * t1 - t2 * t3) * p->prepared[0];
-    w[2] = p->prepared[4];
+    w[2] = p->prepared[5];
     w[3] = p->m3;
     const lagc_real r_ = p->r;
     w[4] = -(t0 * r_);

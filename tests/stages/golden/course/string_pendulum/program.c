@@ -32,33 +32,53 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     xdot[1] = der_z;
     const lagc_real t2 = der_x * x_ + der_z * z;
     const lagc_real t3 = x_ / t1;
+    health[3] = t3;
     const lagc_real t4 = z / t1;
+    health[2] = t4;
     const lagc_real prepared0 = p->prepared[0];
     const lagc_real t5 = t3 * prepared0;
     const lagc_real t6 = prepared0 * t4;
     const lagc_real t7 = (der_x * der_x + der_z * der_z - t2 * t2 / t0) / t1;
+    health[4] = t7;
     health[0] = 1.0;
     const lagc_real t8 = 1.0 / (t4 * t6 + t3 * t5);
-    const lagc_real prepared1 = p->prepared[1];
-    const lagc_real t9 = (t6 * prepared1 - t7) * t8;
+    health[5] = t8;
+    const lagc_real t9 = (t6 * p->prepared[1] - t7) * t8;
     /* string, string_pendulum.lag:21 */
     lam[0] = t9;
+    health[6] = t9;
     const lagc_real t10 = t5 * t9;
     /* der(der(x)) */
     xdot[2] = t10;
+    health[7] = t10;
     const lagc_real t11 = t6 * t9 - p->prepared[2];
     /* der(der(z)) */
     xdot[3] = t11;
-    const lagc_real m = p->m;
-    const lagc_real t12 = t11 * m;
-    const lagc_real t13 = t10 * m;
-    const lagc_real t14 = t4 * t9 - prepared1 - t12;
-    const lagc_real t15 = t3 * t9 - t13;
-    const lagc_real t16 = t4 * t11 + (t7 + t3 * t10);
-    const lagc_real t17 = t13 * (prepared0 * t13) + (t8 * (t7 * t7) + 1e-300);
-    const lagc_real t18 = t16 * (t8 * t16) + (t14 * (prepared0 * t14) + t15 * (prepared0 * t15));
-    health[1] = t18 / (prepared0 * (t12 * t12 + p->prepared[3]) + t17);
+    health[8] = t11;
+    health[1] = 0.0;
     (void)(t);
+}
+
+/* what a solution leaves of its right-hand side */
+static void lagc_fn_watch(const lagc_params *p, lagc_real *health)
+{
+    const lagc_real health2 = health[2];
+    const lagc_real health6 = health[6];
+    const lagc_real health8 = health[8];
+    const lagc_real m = p->m;
+    const lagc_real t0 = health8 * m;
+    const lagc_real health3 = health[3];
+    const lagc_real health7 = health[7];
+    const lagc_real t1 = m * health7;
+    const lagc_real t2 = health2 * health6 - p->prepared[1] - t0;
+    const lagc_real t3 = health6 * health3 - t1;
+    const lagc_real health4 = health[4];
+    const lagc_real health5 = health[5];
+    const lagc_real prepared0 = p->prepared[0];
+    const lagc_real t4 = health3 * health7 + (health2 * health8 + health4);
+    const lagc_real t5 = t1 * (prepared0 * t1) + (health4 * (health5 * health4) + 1e-300);
+    const lagc_real t6 = t4 * (health5 * t4) + (t2 * (t2 * prepared0) + t3 * (prepared0 * t3));
+    health[1] = t6 / (prepared0 * (t0 * t0 + p->prepared[3]) + t5);
 }
 
 /* mass matrix, forces and constraint rows */
