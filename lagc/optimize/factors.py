@@ -24,12 +24,13 @@ def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     below = reachable(nodes)
     users = _users(below, nodes)
     inner = {a for node in below if node.op == "add" for a in node.args if a.op == "add" and users[a] == 1}
+    pairs = _pairs(below, nodes, users)
     new: dict[Node, Node] = {}
     for node in below:
         if node in inner:
             continue
         if node.op == "add":
-            new[node] = _sum(graph, node, inner, users, new)
+            new[node] = _sum(graph, node, inner, users, new, pairs)
         else:
             args = tuple([new[a] for a in node.args])
             new[node] = node if args == node.args else graph.rebuild(node, args)
@@ -46,7 +47,24 @@ def _users(below: Sequence[Node], roots: Sequence[Node]) -> dict[Node, int]:
     return users
 
 
-def _sum(graph: Graph, root: Node, inner: set[Node], users: dict[Node, int], new: dict[Node, Node]) -> Node:
+def _pairs(below: Sequence[Node], roots: Sequence[Node], users: dict[Node, int]) -> set[tuple[Node, Node]]:
+    """The factors of products of two that are there anyway, in both orders."""
+    asked = set(roots)
+    found: set[tuple[Node, Node]] = set()
+    for node in below:
+        if node.op == "mul" and node.value == (1, 1) and (node in asked or users[node] > 1):
+            found.update((node.args, node.args[::-1]))
+    return found
+
+
+def _sum(
+    graph: Graph,
+    root: Node,
+    inner: set[Node],
+    users: dict[Node, int],
+    new: dict[Node, Node],
+    pairs: set[tuple[Node, Node]],
+) -> Node:
     """The addition `root` and those inside it, rewritten."""
     leaves: list[Node] = []
     stack = list(reversed(root.args))
@@ -67,7 +85,7 @@ def _sum(graph: Graph, root: Node, inner: set[Node], users: dict[Node, int], new
     total = graph.zero
     for node in rest:
         total = graph.add(total, node)
-    return graph.add(total, _collect(graph, free))
+    return graph.add(total, _collect(graph, free, pairs))
 
 
 def _term(node: Node) -> Term:
@@ -81,16 +99,16 @@ def _term(node: Node) -> Term:
     return c, {node: 1}
 
 
-def _collect(graph: Graph, terms: list[Term]) -> Node:
+def _collect(graph: Graph, terms: list[Term], pairs: set[tuple[Node, Node]]) -> Node:
     """The sum of `terms`, the factor that most of them share taken out, again and again.
 
     The recursion is as deep as a monomial has factors.
     """
     total = graph.zero
-    shared = _Shared(terms)
+    shared = _Shared(terms, pairs)
     while (key := shared.most_common()) is not None:
         base, sign = key
-        inner = _collect(graph, [_without(c, powers, key) for c, powers in shared.take(key)])
+        inner = _collect(graph, [_without(c, powers, key) for c, powers in shared.take(key)], pairs)
         if isinstance(base, float):
             total = graph.add(total, graph.scale(base, inner))
         else:
@@ -109,12 +127,13 @@ Key = tuple["Node | float", int]  # a base with the sign of its exponent; or a c
 class _Shared:
     """How many of the terms that are `left` would save an operation if a factor were taken out of them."""
 
-    def __init__(self, terms: list[Term]) -> None:
+    def __init__(self, terms: list[Term], pairs: set[tuple[Node, Node]]) -> None:
+        self.pairs = pairs
         self.left = dict(enumerate(terms))
         self.counts: dict[Key, int] = {}
         self.holders: dict[Key, list[int]] = {}
         for number, term in self.left.items():
-            for key, saves in _keys(term):
+            for key, saves in _keys(term, pairs):
                 self.counts[key] = self.counts.get(key, 0) + saves
                 self.holders.setdefault(key, []).append(number)
         # Counts only fall: those in the heap may be too large.
@@ -138,18 +157,19 @@ class _Shared:
         """The terms that hold `key`, which are left no more."""
         taken = [self.left.pop(number) for number in self.holders[key] if number in self.left]
         for term in taken:
-            for other, saves in _keys(term):
+            for other, saves in _keys(term, self.pairs):
                 self.counts[other] -= saves
         return taken
 
 
-def _keys(term: Term) -> Iterator[tuple[Key, bool]]:
+def _keys(term: Term, pairs: set[tuple[Node, Node]]) -> Iterator[tuple[Key, bool]]:
     """The factors of a term, and whether taking each out of it can save an operation."""
     c, powers = term
     scaled = abs(c) != 1.0 and isfinite(c)
     degree = sum([abs(e) for e in powers.values()]) + scaled
     for base, exponent in powers.items():
-        yield (base, 1 if exponent > 0 else -1), degree > 1 or exponent < 0
+        alone = not any([(base, other) in pairs for other in powers])
+        yield (base, 1 if exponent > 0 else -1), (degree > 1 and alone) or exponent < 0
     if scaled and powers:
         yield (abs(c), 1), True
 
