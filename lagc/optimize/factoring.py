@@ -47,8 +47,9 @@ class Matrix:
 
 
 class _Factoring:
-    """The matrix while it is eliminated, and how large the positive terms of its diagonal are: of the
-    multipliers -sum of L_j^2 d_j over the speeds j."""
+    """The matrix while it is eliminated, and how large the terms of its diagonal are that have the sign of the
+    pivots: of the speeds their mass and -sum of L_j^2 d_j over the rows j, of the rows the same sum over the
+    speeds."""
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):
         self.block, self.structure, self.matrix, self.guard = block, plan.structure, matrix, guard
@@ -97,7 +98,7 @@ class _Factoring:
             for j in step.near[: n + 1]:
                 share = ~block.mul(self.lower[(i, k)], scaled[j])
                 self.add(i, j, share)
-                if i == j and row(i) and not row(k):
+                if i == j and row(i) != row(k):
                     self.enlarge(i, share)
                 elif i == j:
                     self.lessened.add(i)
@@ -121,9 +122,9 @@ class _Factoring:
         """The ratio of a pivot to its size: near zero for a speed without inertia and for a redundant row, of
         the wrong sign where the matrix is indefinite."""
         size = self.sizes.get(k)
-        if size is None or size == pivot or (k not in self.lessened):
+        if size == pivot or k not in self.lessened:
             return
-        ratio = self.block.div(pivot, size)
+        ratio = ~self.block.one if size is None else self.block.div(pivot, size)
         first = self.health == self.block.one
         self.health = ratio if first else self.block.apply("min", self.health, ratio)
 

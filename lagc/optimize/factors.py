@@ -53,7 +53,8 @@ def _pairs(below: Sequence[Node], roots: Sequence[Node], users: dict[Node, int])
     found: set[tuple[Node, Node]] = set()
     for node in below:
         if node.op == "mul" and node.value == (1, 1) and (node in asked or users[node] > 1):
-            found.update((node.args, node.args[::-1]))
+            a, b = node.args
+            found |= {(a, b), (b, a)}
     return found
 
 
