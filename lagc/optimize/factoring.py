@@ -47,8 +47,8 @@ class Matrix:
 
 
 class _Factoring:
-    """The matrix while it is eliminated, and how large the terms of its diagonal are that have the sign of the
-    pivots: of the speeds their mass and -sum of L_j^2 d_j over the rows j, of the rows the same sum over the
+    """The matrix while it is eliminated, and how large the terms of its diagonal are that have the sign of
+    the pivots: of the speeds their mass and -sum of L_j^2 d_j over the rows j, of the rows that sum over the
     speeds."""
 
     def __init__(self, block: Block, plan: Elimination, matrix: Matrix, guard: Guard | None):

@@ -15,7 +15,7 @@ from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
 LARGEST_LIFTED = 2_000_000  # the same of one that grows with the size of the model
-SPARSE = 30  # operations for each unknown that are straight, however many unknowns
+SPARSE = 100  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
 _MOST_UNKNOWNS = 100  # speeds and multipliers: beyond, a dense solve is as long as some hundred straight ones
 _WORTH = 0.8  # of the operations, at most, where bodies keep their velocities

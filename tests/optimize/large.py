@@ -109,6 +109,21 @@ TREES = {
 LOOPS = {"closed": CLOSED, "ladder": LADDER}
 
 
+STRIP = _model("""
+  coordinate Length x[2*n+2], z[2*n+2];
+  for i in 1:2*n+2 loop
+    point P[i] = {x[i], 0, z[i]};
+    body node[i] = Particle(mass = m, at = P[i]);
+  end for;
+  for i in 1:2*n+1 loop
+    constraint across[i]: dot(P[i+1] - P[i], P[i+1] - P[i]) = l^2;
+  end for;
+  for i in 1:2*n loop
+    constraint along[i]: dot(P[i+2] - P[i], P[i+2] - P[i]) = l^2;
+  end for;
+""")
+
+
 def equations(text: str, n: int) -> EquationsOfMotion:
     tree = compiler.parse(Source("large.lag", text))
     return compiler.derive(compiler.resolve(tree, Choice(parameters={"n": n})))

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import lagc
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.elimination import eliminate
@@ -33,6 +34,14 @@ HEAVY = {
         1,
     ),
 }
+BESIDE = """
+  coordinate Length p, q;
+  for k in 1:2 loop
+    body tip[k] = Particle(mass = m, at = {0.3*p + 0.7*q, 0, 0});
+  end for;
+  potential spring = 50[N/m]*(p - 0.3[m])^2;
+  constraint hold: p = 0.1[m]*sin(q/1[m]);
+"""
 
 
 def keeping(e: EquationsOfMotion) -> Solver | None:
@@ -81,6 +90,26 @@ def test_work_grows_as_the_number_of_loops() -> None:
     steps = [(b - a) / 10 for a, b in pairwise(found)]
     assert steps[0] <= 660
     assert steps[1] <= 1.05 * steps[0]
+
+
+def test_work_grows_as_a_braced_strip_does() -> None:
+    """Of particles and rods alone: no velocity is shared, and nothing is lifted."""
+    found = []
+    for n in (10, 20, 40):
+        e = large.equations(large.STRIP, n)
+        found.append(min(solved(e, solver)[0].cost for solver in solvers(e)))
+    assert found[2] - found[1] == pytest.approx(2 * (found[1] - found[0]), rel=0.01)
+
+
+@pytest.mark.parametrize("n", [4, 20])
+def test_a_speed_that_rows_alone_give_a_mass_is_watched(n: int) -> None:
+    """Beside a ladder; the mass matrix of p and q has rank one.  At rest in q = 0, p = sin(q)/10 leaves
+    2 m (0.3 dp/dq + 0.7)^2 q'' = dp/dq k (0.3 - p)."""
+    text = large.LADDER.replace("  effect", BESIDE + "  effect", 1)
+    system = lagc.loads(text).compile(parameters={"n": n}, backend="numpy")
+    xdot = system.rhs(0.0, system.start())
+    place = system.interface.nq + system.interface.v_names.index("der(q)")
+    assert xdot[place] == pytest.approx(0.1 * 100.0 * 0.3 / (2.0 * (0.03 + 0.7) ** 2), rel=1e-10)
 
 
 def test_what_has_no_mass_is_not_kept() -> None:

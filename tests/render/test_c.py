@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
@@ -18,7 +19,7 @@ from tests.interfaces import field
 from tests.mechanics.models import entangled
 from tests.render.programs import pendulum
 from tests.render.test_names import TRICKY
-from tests.render.tools import COMPILERS, STRICT, call, of_model, present, write
+from tests.render.tools import COMPILERS, STRICT, call, of_model, of_source, present, write
 
 WORDS = ["int", "lambda", "double", "main", "q", "t", "None", "I", "E", "j0", "PENDULUM_NQ", "a.b[2].m", "θ"]
 
@@ -37,6 +38,15 @@ def tricky() -> Program:
     )
 
 
+NOTHING_TO_MOVE = """
+model M
+  coordinate Length x(start = 1);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+initial
+  der(x) = der(x) - 2 [m/s];
+end M;
+"""
+
 LEVELS = {"gcc": "-O2"}  # looks for more, the better it optimizes; clang does not
 PROGRAMS = {
     "pendulum": pendulum,
@@ -48,6 +58,7 @@ PROGRAMS = {
     "quaternion": lambda: of_model("classic/heavy_top_quaternion"),
     "velocity rows only": lambda: of_model("classic/knife_edge"),
     "lifted": lambda: of_model("classic/chain", n=30),
+    "condition of nothing": lambda: of_source(Source("m.lag", NOTHING_TO_MOVE)),
     "looped": lambda: optimize(derive(entangled(25))),
 }
 

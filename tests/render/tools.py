@@ -49,7 +49,10 @@ def call(*words: str | Path) -> str:
 def of_model(name: str, work: bool = True, derivatives: bool = False, **parameters: float) -> Program:
     """The program of a model of the library, `classic/four_bar`."""
     path = MODELS / f"{name}.lag"
-    source = Source(path.name, path.read_text())
+    return of_source(Source(path.name, path.read_text()), work, derivatives, **parameters)
+
+
+def of_source(source: Source, work: bool = True, derivatives: bool = False, **parameters: float) -> Program:
     model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))
     return compiler.optimize(compiler.derive(model), work, derivatives)
 

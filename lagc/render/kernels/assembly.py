@@ -147,13 +147,13 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
                    quaternions: Sequence[int]) -> dict[str, int]:  # fmt: skip
     """Of the search for a start; `ends` and `columns` of the model's own conditions."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
-    begins, _ = stretches(ends, columns)
+    begins, _ = stretches(*with_quaternions(ends, columns, quaternions))
     return _derived({
         "NQ": nq, "NV": nv, "NX": nq + nv, "NRATE": rates, "NU": nq + nv + rates,
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
-        "NSTRETCH": len(begins) + len(quaternions), **CONSTANT_SIZES,
+        "NSTRETCH": len(begins), **CONSTANT_SIZES,
     })  # fmt: skip
 
 
@@ -201,8 +201,11 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
 
 
 def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], list[int]]:
-    """Where unknowns of one condition that follow each other begin, and where they end."""
+    """Where unknowns of one condition that follow each other begin, and where they end.  Conditions that have
+    none at all have one stretch of none: C has no empty tables."""
     breaks = {k for k, (j, other) in enumerate(pairwise(columns), 1) if other != j + 1}
+    if ends and not columns:
+        return [0], [0]
     places = sorted({*breaks, 0, len(columns), *ends})
     return [columns[k] for k in places[:-1]], [columns[k - 1] + 1 for k in places[1:]]
 
