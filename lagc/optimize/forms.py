@@ -34,7 +34,7 @@ def solvers(equations: EquationsOfMotion) -> Iterator[Solver]:
         plan = _plan(system)
         if plan is not None:
             yield Solver(system, plan)
-            if not forms_matrix(equations):
+            if system.structure.definitions and not forms_matrix(equations):
                 return
 
 

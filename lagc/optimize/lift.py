@@ -81,7 +81,8 @@ class _Sums:
         self.equations = equations
         self.rates = [row.rate for row in equations.rows]
         carried = [x for part in equations.inertias for x in part.velocity]
-        self.moving, self.linear, users = _affine([*carried, *self.rates, *equations.loads], equations.v)
+        self.moving, self.linear, _ = _affine([*carried, *self.rates, *equations.loads], equations.v)
+        _, _, users = _affine([*carried, *self.rates], equations.v)  # loads alone are worth no unknown
         self.number = {v: j for j, v in enumerate(equations.v)}
         self.definitions: dict[int, _Slopes] = {}
         first = len(equations.v) + len(equations.rows)
@@ -92,8 +93,8 @@ class _Sums:
                 self.definitions[k] = slopes
 
     def _choose(self, users: Mapping[Node, int]) -> list[Node]:
-        """The sums of two moving terms that are used twice or more and made of more than one vector: those
-        of the components of one vector, as in w x r, stay where they are."""
+        """The sums of two moving terms that bodies and rows use twice or more and that are made of more than
+        one vector: those of the components of one vector, as in w x r, stay where they are."""
         group = _groups(self.equations)
         made_of: dict[Node, frozenset[object]] = {v: frozenset([group.get(v, v)]) for v in self.equations.v}
         found: list[Node] = []
@@ -102,7 +103,7 @@ class _Sums:
                 continue
             below = [made_of[a] for a in node.args if a in self.linear]
             made_of[node] = frozenset(islice(frozenset().union(*below), 2))  # one, or more than that
-            if node.op == "add" and len(below) == 2 and users[node] > 1 and len(made_of[node]) > 1:
+            if node.op == "add" and len(below) == 2 and users.get(node, 0) > 1 and len(made_of[node]) > 1:
                 found.append(node)
                 made_of[node] = frozenset([group.get(node, node)])
         return found

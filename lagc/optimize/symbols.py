@@ -22,7 +22,8 @@ STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
 _LARGEST_SELDOM = 100  # nodes, of a function that no step calls
 _LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
-_LARGEST_PLAN = 4000  # nodes; beyond, the search for common factors and shared products does
+_LARGEST_SEARCHED = 30_000  # nodes; beyond, the search for common factors and shared products costs too much
+_LARGEST_SEARCHED_SELDOM = 4000  # nodes, of a function that no step calls
 _WEIGHTS = {
     "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
     **{op: row.weight for op, row in OPERATORS.items()},
@@ -67,9 +68,10 @@ def lower(
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     size = len(reachable(nodes))
     if size > _LARGEST_GATHERED:
-        if size <= _LARGEST_PLAN:
+        searched = size <= (_LARGEST_SEARCHED_SELDOM if seldom else _LARGEST_SEARCHED)
+        if searched:
             nodes = factored(graph, nodes)
-        lowering = Lowering(block, known, None if seldom or size > _LARGEST_PLAN else plan(nodes))
+        lowering = Lowering(block, known, plan(nodes) if searched and not seldom else None)
         return lowering, lowering(nodes)
     found = Coefficients(graph, nodes, places.constants)
     nodes, meaning = factored(graph, found.nodes), factored(graph, list(found.meaning.values()))
