@@ -57,7 +57,7 @@ class _Enclosure:
         if op == "tan":
             return self._tangent(x[0])
         if op == "pow":
-            return self._power(node, x)
+            return self._power(*x)
         if op == "atan2":
             return self._angle(*x)
         if op == "select" and x[0][0] is x[0][1]:
@@ -108,7 +108,7 @@ class _Enclosure:
         return found
 
     def _times(self, x: Ends, y: Ends) -> Ends:
-        return self._hull([self.graph.mul(a, b) for a in x for b in y])
+        return self._hull(list(dict.fromkeys([self.graph.mul(a, b) for a in x for b in y])))
 
     def _hull(self, ends: Sequence[Node]) -> Ends:
         graph, low, high = self.graph, ends[0], ends[0]
@@ -162,12 +162,13 @@ class _Enclosure:
         least, most = OPERATORS["atan2"].within
         return graph.select(beside, low, graph.const(least)), graph.select(beside, high, graph.const(most))
 
-    def _power(self, node: Node, x: Sequence[Ends]) -> Ends:
-        """Of a positive base."""
-        graph = self.graph
-        bases = [graph.binary("max", end, graph.const(1.0 / UNKNOWN)) for end in x[0]]
-        if x[1][0] is x[1][1]:
-            return self._hull([graph.pow(base, x[1][0]) for base in bases])
-        logarithms = [graph.unary("log", base) for base in bases]
-        least, most = self._times((logarithms[0], logarithms[1]), x[1])
-        return graph.unary("exp", self._growing(least)), graph.unary("exp", self._growing(most))
+    def _power(self, base: Ends, exponent: Ends) -> Ends:
+        """Below zero there are values where the exponent is a whole number, and a parameter may be one."""
+        graph, n = self.graph, exponent[0]
+        low, high = [graph.unary("log", self._allowed("log", end)) for end in base]
+        ends = [graph.unary("exp", self._growing(end)) for end in self._times((low, high), exponent)]
+        least, most = self.unknown
+        if n.is_const and n.value > 0.0 and n.value != int(n.value):
+            least, most = graph.zero, ends[1]
+        positive = graph.binary("lt", graph.zero, base[0])
+        return graph.select(positive, ends[0], least), graph.select(positive, ends[1], most)

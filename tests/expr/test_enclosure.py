@@ -18,7 +18,7 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
     if depth == 0:
         return chance.choice([*leaves, graph.const(chance.uniform(-2.0, 2.0))])
     a, b = (expression(graph, leaves, chance, depth - 1) for _ in range(2))
-    kind = chance.randrange(12)
+    kind = chance.randrange(13)
     if kind < 3:
         return (a + b, a - b, a * b)[kind]
     if kind < 6:
@@ -33,6 +33,8 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
         return graph.pow(graph.power(a, 2) + 0.5, b)
     if kind == 10:
         return graph.binary("atan2", a, b)
+    if kind == 11:  # of any base, as no more than the exponent's value tells that it is whole
+        return graph.pow(a, graph.symbol("parameter", "n"))
     return graph.binary(chance.choice(("min", "max")), a, b)
 
 
@@ -40,6 +42,7 @@ def expression(graph: Graph, leaves: list[Node], chance: Random, depth: int) -> 
 def test_random_expressions_keep_to_their_enclosures(seed: int) -> None:
     graph, chance = Graph(), Random(seed)
     leaves = [graph.symbol("coordinate", name) for name in "xyz"]
+    n = graph.symbol("parameter", "n")
     ends = [(graph.symbol("least", name), graph.symbol("largest", name)) for name in "xyz"]
     seen = tight = 0
     for _ in range(100):
@@ -50,9 +53,10 @@ def test_random_expressions_keep_to_their_enclosures(seed: int) -> None:
             if chance.random() < 0.5:
                 box = [[a, a + 1e-3] for a, _ in box]
             given = {end: value for pair, two in zip(ends, box) for end, value in zip(pair, two)}
-            least, largest = evaluate([low, high], given)
+            least, largest = evaluate([low, high], {**given, n: 3.0})
             for _ in range(5):
-                value = evaluate([node], {x: chance.uniform(*two) for x, two in zip(leaves, box)})[0]
+                inside = {x: chance.uniform(*two) for x, two in zip(leaves, box)}
+                value = evaluate([node], {**inside, n: 3.0})[0]
                 if abs(value) < UNKNOWN and least <= largest:  # else nothing is known
                     room = 1e-9 * (1.0 + abs(value))
                     assert least - room <= value <= largest + room, (node, box)
@@ -77,5 +81,9 @@ def test_what_is_known_exactly() -> None:
     assert ends(graph.power(x, 3)) == (-1.0, 8.0)
     assert ends(graph.unary("abs", x)) == (0.0, 2.0)
     assert ends(p * p) == (9.0, 9.0)
+    assert ends(graph.pow(x + 2.0, p)) == pytest.approx((1.0, 64.0))
+    assert ends(graph.pow(x, p)) == (-UNKNOWN, UNKNOWN)  # -1 for p = 3, no value for 2.5
+    assert ends(graph.pow(x, graph.const(2.5))) == pytest.approx((0.0, 2.0**2.5))
+    assert ends(graph.pow(x, graph.const(-2.5))) == (-UNKNOWN, UNKNOWN)
     assert ends(graph.div(graph.one, x * x + 1.0)) == (0.2, 1.0)
     assert ends(graph.div(graph.one, x)) == (-UNKNOWN, UNKNOWN)

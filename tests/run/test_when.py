@@ -95,6 +95,17 @@ def test_what_holds_from_the_start_on_does_not_come_true() -> None:
     assert back.status == "terminated" and back.t[-1] == pytest.approx(2.0 + math.sqrt(2.0), rel=1e-6)
 
 
+@pytest.mark.parametrize("base", ["x", "x + 1e-9 [m]"])
+def test_a_power_of_what_dips_below_zero(base: str) -> None:
+    """x = 10 - 4.7 t + t^2/2 comes to -1 at 4.4 and is back at 5; only its value tells that n is whole."""
+    run = model(
+        f'when (({base})/(1 [m]))^n < -1 then terminate("low"); end when;',
+        start="x(start = 10 [m], rate = -4.7 [m/s])",
+        more="parameter Real n = 3; force f = {2 [N], 0, 0} at b;",
+    ).simulate(12.0)
+    assert run.status == "terminated" and run.t[-1] == pytest.approx(4.4, abs=1e-6)
+
+
 @pytest.mark.parametrize(("relation", "fires"), [("<", True), ("<=", False)])
 def test_a_start_on_the_change(relation: str, fires: bool) -> None:
     """x < 0 becomes true as it leaves 0; x <= 0 holds already."""
