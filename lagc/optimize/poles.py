@@ -10,7 +10,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import depends, reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.intervals import intervals
-from lagc.optimize.features import MOST
+from lagc.optimize.features import MOST, divisors
 from lagc.optimize.freezing import deciding
 
 
@@ -18,25 +18,19 @@ def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:
     """The divisors, each once, without the root that one may be; 1 on branches that ask for none."""
     roots, graph = deciding(equations), equations.graph
     moving = depends(roots, [equations.time, *equations.q, *equations.v])
-    found: dict[Node, list[Node]] = {}
+    found: dict[Node, list[tuple[Node, Node]]] = {}  # with the nodes that divide by them, and when these do
     for node in reachable(roots):
-        for base in _divisors(node):
-            if base in moving:
-                found.setdefault(base.args[0] if base.op == "sqrt" else base, []).append(node)
+        for base, divides in divisors(graph, node, moving):
+            found.setdefault(base.args[0] if base.op == "sqrt" else base, []).append((node, divides))
     ranges = intervals(list(found), {})
     near = [base for base in found if ranges[base][0] <= 0.0 <= ranges[base][1]]
     if not near or len(near) > MOST:
         return ()
     asked = _asked(graph, roots)
-    return tuple([_where(graph, base, [asked[node] for node in found[base]]) for base in near])
-
-
-def _divisors(node: Node) -> list[Node]:
-    if node.op == "mul":
-        return [base for base, exponent in zip(node.args, node.value) if exponent < 0]
-    if node.op == "pow" and node.args[1].is_const and node.args[1].value < 0.0:
-        return [node.args[0]]
-    return []
+    return tuple([
+        _where(graph, base, [_both(graph, asked[node], divides) for node, divides in found[base]])
+        for base in near
+    ])  # fmt: skip
 
 
 def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
@@ -47,12 +41,18 @@ def _asked(graph: Graph, roots: Sequence[Node]) -> dict[Node, Node]:
             own = asked[node]
             if node.op == "select" and k > 0:
                 branch = node.args[0] if k == 1 else graph.logical_not(node.args[0])
-                own = branch if own is graph.one else graph.binary("and", own, branch)
+                own = _both(graph, own, branch)
             known = asked.get(below)
             if known is not None and own is not known:
                 own = graph.one if graph.one in (own, known) else graph.binary("or", own, known)
             asked[below] = own
     return asked
+
+
+def _both(graph: Graph, x: Node, y: Node) -> Node:
+    if graph.one in (x, y):
+        return y if x is graph.one else x
+    return graph.binary("and", x, y)
 
 
 def _where(graph: Graph, base: Node, conditions: Sequence[Node]) -> Node:

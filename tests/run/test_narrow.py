@@ -43,6 +43,17 @@ def test_kicks(seed: int) -> None:
     assert found["x"][-1] == pytest.approx(10.0 - at, abs=2e-6 * 10.0 + 10.0 * tails)
 
 
+@pytest.mark.parametrize("exponent", ["n", "-41/2"])
+def test_a_kick_whose_exponent_is_a_parameter_or_no_whole_number(exponent: str) -> None:
+    """Under (1 + u^2)^n is the area sqrt(pi) Gamma(-n - 1/2)/Gamma(-n)."""
+    area = math.sqrt(math.pi) * math.gamma(20.0) / math.gamma(20.5)
+    u = "((time - 4.3 [s])/(1e-5 [s]))"
+    force = f"1 [N.s]/({area!r}*1e-5 [s])*(1 + {u}^2)^({exponent})"
+    found = run(f"parameter Real n = -20.5; force f = {{{force}, 0, 0}} at b;", 0.0, 1.0, 10.0, 1e-6)
+    assert found["der(x)"][-1] == pytest.approx(2.0, abs=2e-6)
+    assert found["x"][-1] == pytest.approx(15.7, abs=2e-5)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_barriers_and_wells(seed: int) -> None:
     """Of 1e-5 to 0.1 m in 10 m: higher than its energy it sends back, else it takes the time that is the

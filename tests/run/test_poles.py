@@ -75,6 +75,31 @@ def test_hard_cores(cut: bool, size: float, accuracy: float) -> None:
     assert found["x"][-1] == pytest.approx(float(1 - behind), abs=3 * accuracy)
 
 
+@pytest.mark.parametrize(
+    ("exponent", "declared"), [("n", -13.0), ("n - 1/2", -12.0), ("-12.5", 0.0), ("-13", 0.0)]
+)
+def test_exponents_that_are_parameters(exponent: str, declared: float) -> None:
+    """The core F (x/s)^n sends back, however its exponent is written: what comes in goes out."""
+    action = f"parameter Real n = {declared!r}; force f = {{1e5 [N]*(x/(1e-5 [m]))^({exponent}), 0, 0}} at b;"
+    found = run(LINE.format(v=-1.0, action=action), 3.0, 1e-6)
+    n = declared - 0.5 if "1/2" in exponent else declared or float(exponent)
+    assert found["der(x)"][-1] == pytest.approx(1.0, abs=3e-6)
+    turn = 1e-5 * (-0.5 * (n + 1.0)) ** (1.0 / (n + 1.0))  # F s = 1 J
+
+    def late(w: mpf) -> mpf:
+        return 2 * w * (1 / mp.sqrt(-mp.expm1((n + 1) * mp.log1p(w * w / turn))) - 1)
+
+    behind = 2 * quad(late, [0, *(mp.sqrt(x - turn) for x in (2e-5, 1e-4, mpf(1)))]) - 2 * turn
+    assert found["x"][-1] == pytest.approx(float(2 - behind), abs=1e-6)
+
+
+def test_exponents_above_zero_divide_by_nothing() -> None:
+    """A contact whose exponent is a parameter costs what it does with a number."""
+    contact = "force f = {{1e3 [N]*(max(0, -x)/(1 [m]))^{n}, 0, 0}} at b; parameter Real n = 1.5;"
+    costs = [run(LINE.format(v=-1.0, action=contact.format(n=n)), 3.0, 1e-6).cost.rhs for n in ("n", "1.5")]
+    assert costs[0] == pytest.approx(costs[1], rel=0.05)
+
+
 @pytest.mark.parametrize("strength", [1e-4, 1e-8, 1e-12])
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6])
 def test_centrifugal_barriers(strength: float, accuracy: float) -> None:
