@@ -1,7 +1,7 @@
 """What expressions keep to where their leaves keep to intervals, as expressions of the ends of these.
 
 R. E. Moore, *Interval Analysis*, Prentice-Hall 1966.  Rounding is left out of account.  A result may be
-wider than need be, and is `UNKNOWN`, or not a number, where nothing is known.
+wider than need be; where nothing is known it is as large as `UNKNOWN`, or not a number.
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ class _Enclosure:
         return self._within(end) if op == "asin" else end
 
     def _growing(self, end: Node) -> Node:
-        """No exponent leads beyond what is unknown."""
-        return self.graph.binary("min", end, self.graph.const(math.log(UNKNOWN)))
+        """No exponent leads far beyond what is unknown: a factor may bring it back."""
+        return self.graph.binary("min", end, self.graph.const(2.0 * math.log(UNKNOWN)))
 
     def _within(self, end: Node) -> Node:
         graph = self.graph

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import fabs
 
+from lagc.kernels.limits import UNKNOWN
 from lagc.kernels.method import method_coefficients
 from lagc.kernels.records import NOWHERE, State, Trial, Work
 from lagc.kernels.sizes import NQ, NV, NX
@@ -12,6 +13,11 @@ from lagc.kernels.words import Params, Real, Status, Vec
 COARSEST = 0.25  # of a step: the longest part that is enclosed in one
 WIDER = 0.25  # of what a cubic between the ends of a step keeps to
 NONE = 2.0  # no part of a step: nothing changes within it
+
+
+def is_known(low: Real, high: Real) -> bool:
+    """Whether these are ends that an expression keeps to."""
+    return low > -UNKNOWN and high < UNKNOWN and low <= high
 
 
 def enclose_time(t0: Real, t1: Real, w: Work) -> None:

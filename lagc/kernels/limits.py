@@ -44,4 +44,5 @@ LEAST_WEIGHT = by_type(1e-30, 1e-290, "1e-4900")  # of an unknown
 MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
 # Of its size: a move of an unknown that may be none; where rows are quadratic, rounding leaves its root.
 TRACE = by_type(3e-3, 1e-6, "1e-13")
+UNKNOWN = by_type(1e38, 1e75, "1e75")  # the end of an enclosure of which nothing is known, as in expr
 FARTHEST = by_type(3e3, 1e8, "1e17")  # from a guess, in its sizes: derivatives are looked at

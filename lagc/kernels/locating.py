@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.branches import margin
-from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step, is_known
 from lagc.kernels.limits import SPACING
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
@@ -76,8 +76,7 @@ def certain(p: Params, s: State, w: Work) -> bool:
         k = NTIMED + j
         low = w.ends[2 * j] + s.slack[k]
         high = w.ends[2 * j + 1] - s.slack[k]
-        known = w.ends[2 * j] <= w.ends[2 * j + 1]
-        if not (known and within_mode(k, low, high, w)):
+        if not (is_known(w.ends[2 * j], w.ends[2 * j + 1]) and within_mode(k, low, high, w)):
             return False
     return True
 

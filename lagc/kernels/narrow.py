@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step, is_known
 from lagc.kernels.locating import THINNEST
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import (
@@ -136,7 +136,9 @@ def is_seen(p: Params, w: Work) -> bool:
     if NFEAT > 0:
         bound_features(p, w)
         for k in range(NFEAT):
-            if not (w.bounds[2 * k] >= w.floors[k] and w.bounds[2 * k + 1] <= w.tops[k]):
+            low = w.bounds[2 * k]
+            high = w.bounds[2 * k + 1]
+            if not (is_known(low, high) and low >= w.floors[k] and high <= w.tops[k]):
                 return False
     if NPOLE > 0:
         if w.wary:

@@ -106,6 +106,18 @@ def test_a_power_of_what_dips_below_zero(base: str) -> None:
     assert run.status == "terminated" and run.t[-1] == pytest.approx(4.4, abs=1e-6)
 
 
+@pytest.mark.parametrize("condition", ["exp(x/(1 [m])) > 1e97", "1e-97*exp(x/(1 [m])) > 1"])
+def test_numbers_beyond_those_of_which_enclosures_know(condition: str) -> None:
+    """x = 30 t - t^2 comes to 97 log(10) at 15 less the root of 225 less that."""
+    run = model(
+        f'when {condition} then terminate("large"); end when;',
+        start="x(start = 0 [m], rate = 30 [m/s])",
+        more="force f = {-4 [N], 0, 0} at b;",
+    ).simulate(40.0)
+    assert run.status == "terminated"
+    assert run.t[-1] == pytest.approx(15.0 - math.sqrt(225.0 - 97.0 * math.log(10.0)), abs=1e-6)
+
+
 @pytest.mark.parametrize(("relation", "fires"), [("<", True), ("<=", False)])
 def test_a_start_on_the_change(relation: str, fires: bool) -> None:
     """x < 0 becomes true as it leaves 0; x <= 0 holds already."""
