@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.limits import UNKNOWN
-from lagc.kernels.method import method_coefficients
+from lagc.kernels.method import method_at, method_coefficients
 from lagc.kernels.records import NOWHERE, State, Trial, Work
 from lagc.kernels.sizes import NQ, NV, NX
 from lagc.kernels.words import Params, Real, Status, Vec
@@ -67,6 +67,13 @@ def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:
         if w.right_x[i] > high:
             high = w.right_x[i]
         enclose_state(i, low, high, 0.25 * fabs(w.left_x[i] - 2.0 * w.middle[i] + w.right_x[i]), w)
+
+
+def look_at(s: State, method: int, a: Trial, left: Real, right: Real, w: Work) -> None:
+    """Enclose a part of a step with dense output: behind w.left_x, which is known."""
+    method_at(method, right, s, w.right_x)
+    method_at(method, 0.5 * (left + right), s, w.middle)
+    enclose_part(s.t, a.h, left, right, w)
 
 
 def dense_of_trial(p: Params, s: State, method: int, a: Trial, w: Work) -> Status:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.branches import margin
-from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step, is_known
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_step, is_known, look_at
 from lagc.kernels.limits import SPACING
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
@@ -142,9 +142,7 @@ def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     w.left_x[:] = s.x
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
-        method_at(method, right, s, w.right_x)
-        method_at(method, 0.5 * (left + right), s, w.middle)
-        enclose_part(s.t, a.h, left, right, w)
+        look_at(s, method, a, left, right, w)
         if certain(p, s, w):
             if width < COARSEST:
                 width *= 2.0

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_part, enclose_step, is_known
-from lagc.kernels.locating import THINNEST
+from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_step, is_known, look_at
+from lagc.kernels.locating import FINEST, THINNEST
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import (
     fn_feature_bounds,
@@ -26,6 +26,8 @@ from lagc.kernels.words import Params, Real, Vec
 MUCH = 0.1  # in the measure of features
 NEARLY_ALL = 0.9
 MUCH_NEARER = 0.0625  # of what a divisor is at the ends
+SMOOTH = 0.0625  # of a step: what is as short is told by three values, of divisors that do not jump
+MOST_UNSEEN = 256  # parts shorter than the finest: some four for each halving on the way to the thinnest
 AT_ZERO = 1e-8  # of what a divisor is at the other end: there the rates show what it does
 
 
@@ -131,39 +133,87 @@ def stays_clear(p: Params, w: Work) -> bool:
     return True
 
 
-def is_seen(p: Params, w: Work) -> bool:
-    """Whether w.box hides nothing."""
-    if NFEAT > 0:
-        bound_features(p, w)
-        for k in range(NFEAT):
-            low = w.bounds[2 * k]
-            high = w.bounds[2 * k + 1]
-            if not (is_known(low, high) and low >= w.floors[k] and high <= w.tops[k]):
-                return False
-    if NPOLE > 0:
-        if w.wary:
-            return stays_clear(p, w)
+def bends_clear(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
+    """The same of a part of a step by values at its ends and its middle, as states are enclosed there: where
+    all that a divisor is the difference of moves far, it may hardly change."""
+    poles_at(p, t + left * h, w.left_x, w.here, w)
+    poles_at(p, t + 0.5 * (left + right) * h, w.middle, w.midway, w)
+    poles_at(p, t + right * h, w.right_x, w.there, w)
+    for k in range(NPOLE):
+        low = w.here[k] if w.here[k] < w.there[k] else w.there[k]
+        high = w.there[k] if w.here[k] < w.there[k] else w.here[k]
+        more = 0.25 * fabs(w.here[k] - 2.0 * w.midway[k] + w.there[k])
+        w.divisors[2 * k] = (low if low < w.midway[k] else w.midway[k]) - more
+        w.divisors[2 * k + 1] = (high if high > w.midway[k] else w.midway[k]) + more
+        if not from_zero(k, w) >= w.clear[k]:
+            return False
     return True
 
 
+def features_seen(p: Params, w: Work) -> bool:
+    """Whether w.box hides nothing of them."""
+    bound_features(p, w)
+    for k in range(NFEAT):
+        low = w.bounds[2 * k]
+        high = w.bounds[2 * k + 1]
+        if not (is_known(low, high) and low >= w.floors[k] and high <= w.tops[k]):
+            return False
+    return True
+
+
+def is_seen(p: Params, t: Real, h: Real, left: Real, right: Real, w: Work) -> bool:
+    """Whether w.box, of this part of a step, hides nothing."""
+    if NFEAT > 0:
+        if not features_seen(p, w):
+            return False
+    if NPOLE > 0:
+        if w.wary and not stays_clear(p, w):
+            return right - left <= SMOOTH and bends_clear(p, t, h, left, right, w)
+    return True
+
+
+def stands_out(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
+    """Whether the values of a state are beyond what is to be seen."""
+    if NFEAT > 0:
+        features_at(p, t, x, w.values, w)
+        for k in range(NFEAT):
+            if not (w.values[k] >= w.floors[k] and w.values[k] <= w.tops[k]):
+                return True
+    if NPOLE > 0:
+        if w.wary:
+            poles_at(p, t, x, w.midway, w)
+            for k in range(NPOLE):
+                if not fabs(w.midway[k]) >= w.clear[k]:
+                    return True
+    return False
+
+
 def first_unseen(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
-    """The part of a step with dense output from which on `is_seen` does not hold; NONE."""
+    """The part of a step with dense output from which on `is_seen` does not hold; NONE.  Where that is so of
+    many short parts, enclosures are too wide to tell, and states have to."""
+    unseen = 0
     left = 0.0
     width = COARSEST
     w.left_x[:] = s.x
     while left < 1.0:
         right = left + width if left + width < 1.0 else 1.0
-        method_at(method, right, s, w.right_x)
-        method_at(method, 0.5 * (left + right), s, w.middle)
-        enclose_part(s.t, a.h, left, right, w)
-        if is_seen(p, w):
+        look_at(s, method, a, left, right, w)
+        if is_seen(p, s.t, a.h, left, right, w):
             if width < COARSEST:
                 width *= 2.0
-        elif width > THINNEST:
+        elif width > FINEST:
             width *= 0.5
             continue
-        else:
+        elif unseen < MOST_UNSEEN:
+            if width <= THINNEST:
+                return left
+            unseen += 1
+            width *= 0.5
+            continue
+        elif stands_out(p, s.t + 0.5 * (left + right) * a.h, w.middle, w):
             return left
+        else:
+            width = FINEST
         left = right
         w.left_x[:] = w.right_x
     return NONE
@@ -195,7 +245,7 @@ def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work
     enclose_step(s, a, s.k[last(method)], w)
     if NPOLE > 0:
         limit_poles(p, s, a, w)
-    if is_seen(p, w):
+    if is_seen(p, s.t, a.h, 0.0, 1.0, w):
         return NONE
     if not far:
         if failed(dense_of_trial(p, s, method, a, w)):

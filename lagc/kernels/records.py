@@ -197,6 +197,7 @@ class Work:
         divisors: Vec[NNEAR]  # between which each is
         clear: Vec[NPOLE]  # how far from zero each is to stay
         here: Vec[NPOLE]
+        midway: Vec[NPOLE]
         there: Vec[NPOLE]
         wary: bool  # whether any is to
     if NLOOK > 0:

@@ -133,6 +133,35 @@ def test_quotients_that_have_a_value_there() -> None:
     assert energy == pytest.approx([energy[0]] * len(energy), abs=1e-5)
 
 
+SATELLITES = """model Satellites
+  parameter Real[m3/s2] mu = 3.986e14;
+  parameter Real[m3/s2] g = 1e-12;
+  parameter Length R = 7e6 [m];
+  parameter Length d = 0.1 [m];
+  coordinate Length x1(start = R), y1(rate = sqrt(mu/R)), x2(start = R + d), y2(rate = sqrt(mu/(R + d)));
+  body a = Particle(mass = 1 [kg], at = {x1, y1, 0});
+  body b = Particle(mass = 1 [kg], at = {x2, y2, 0});
+  potential V = -mu*1 [kg]*(1/norm(position(a)) + 1/norm(position(b)));
+  %s
+end Satellites;"""
+
+
+@pytest.mark.parametrize(
+    "near",
+    [
+        "potential near = -g*1 [kg]/norm(position(b) - position(a));",
+        "potential near = 1e-12 [J]*exp(-(norm(position(b) - position(a))/(1 [m]))^2);",
+    ],
+)
+def test_what_flies_side_by_side_costs_what_the_rest_does(near: str) -> None:
+    """Boxes of the one and the other overlap on all but parts of 1e-7 of a step, and how far they are apart
+    hardly changes."""
+    alone = run(SATELLITES % "", 600.0, 1e-6)
+    both = run(SATELLITES % near, 600.0, 1e-6)
+    assert both.cost.rhs < 2 * alone.cost.rhs
+    assert both.cost.run_s < 50 * alone.cost.run_s
+
+
 def test_what_has_none_pays_nothing() -> None:
     from lagc.compiler import Choice, program
     from lagc.library import read
