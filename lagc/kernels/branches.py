@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from math import fabs
+from math import fabs, inf
 
-from lagc.kernels.limits import SPACING
+from lagc.kernels.limits import NO_EDGE, SPACING
 from lagc.kernels.model import fn_edges_on, fn_modes, fn_own_on, fn_side_rates_on, fn_sides_on
 from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at
@@ -21,9 +21,19 @@ def sign_of(a: Real) -> Real:
 
 
 def take(w: Work) -> None:
-    """What goes with the modes."""
+    """What goes with the modes.  Outermost edges are infinite, so that no side comes to them."""
     if NEDGES > 0:
         fn_edges_on(w.modes, w.edges)
+        for i in range(NEDGES):
+            if fabs(w.edges[i]) >= NO_EDGE:
+                w.edges[i] *= inf
+
+
+def count(k: int, up: bool, w: Work) -> None:
+    """The next mode of a switch that counts, where there is one."""
+    if NEDGES > 0:
+        if fabs(w.edges[2 * k + 1] if up else w.edges[2 * k]) < inf:
+            w.modes[k] += 1.0 if up else -1.0
 
 
 def margin(k: int, side: Real, slack: Real, w: Work) -> Real:
@@ -44,9 +54,9 @@ def nudge_mode(k: int, direction: Real, more: Real, w: Work, t: Real) -> None:
     if NEDGES > 0:
         if counted[k] > 0:
             if ahead > 0.0 and w.edges[2 * k + 1] - w.sides[k] <= near:
-                w.modes[k] += 1.0
+                count(k, True, w)
             elif ahead < 0.0 and w.sides[k] - w.edges[2 * k] <= near:
-                w.modes[k] -= 1.0
+                count(k, False, w)
             return
     if fabs(w.sides[k]) <= near and ahead != 0.0:
         w.modes[k] = sign_of(ahead)
@@ -117,7 +127,7 @@ def choose_branch(p: Params, s: State, direction: Real, w: Work) -> Status:
         w.crossed[k] = 0
         if counted[k] > 0:
             if at_its_beginning(k, w) and ahead < 0.0:
-                w.modes[k] -= 1.0
+                count(k, False, w)
                 w.crossed[k] = 1
         elif w.modes[k] == 0.0 and ahead != 0.0:
             w.modes[k] = ahead

@@ -46,3 +46,4 @@ MOST_WEIGHT = by_type(1e30, 1e290, "1e4900")
 TRACE = by_type(3e-3, 1e-6, "1e-13")
 UNKNOWN = by_type(1e38, 1e75, "1e75")  # the end of an enclosure of which nothing is known, as in expr
 FARTHEST = by_type(3e3, 1e8, "1e17")  # from a guess, in its sizes: derivatives are looked at
+NO_EDGE = by_type(3.2e38, 1.7e308, "1.7e308")  # of a table of edges: there is none

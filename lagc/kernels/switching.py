@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import fabs
 
-from lagc.kernels.branches import keep_branch, sign_of, spread_changes, take
+from lagc.kernels.branches import count, keep_branch, sign_of, spread_changes, take
 from lagc.kernels.limits import SPACING
 from lagc.kernels.locating import NEARLY_THERE
 from lagc.kernels.model import fn_side_rates_on, fn_sides_on
@@ -72,6 +72,16 @@ def to_and_fro(s: State, w: Work) -> bool:
     return s.changes_here > MOST_AT_ONCE + 2 * NMODE
 
 
+def pass_edge(k: int, s: State, direction: Real, w: Work) -> None:
+    """The next mode of a switch that counts.  None where its side moves away from the nearest edge: a
+    long step leads elsewhere once it ends where it seemed to come to one.  Twice at one time it moves on."""
+    if NEDGES > 0:
+        up = w.before[k] * direction > 0.0
+        above = w.edges[2 * k + 1] - w.beside[k] < w.beside[k] - w.edges[2 * k]
+        if k < NTIMED or up == above or s.t == s.t_changed:
+            count(k, up, w)
+
+
 def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The switches in w.crossed change at (s.t, s.x)."""
     fn_sides_on(p, s.t, s.x, w.modes, w.beside)
@@ -86,7 +96,7 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     for i in range(NMODE):
         if w.crossed[i] > 0:
             if counted[i] > 0:
-                w.modes[i] += 1.0 if w.before[i] * direction > 0.0 else -1.0
+                pass_edge(i, s, direction, w)
             elif w.modes[i] == 0.0:
                 w.modes[i] = sign_of(w.beside[i])
             else:
