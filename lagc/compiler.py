@@ -9,7 +9,7 @@ so that a run of a model that is in the cache loads none of the first four.
 from __future__ import annotations
 
 import gc
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -276,12 +276,16 @@ def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
 
 class Compilation:
     """One choice of one source, compiled as far as it is asked for; each stage at most once, whatever
-    the number of threads.  It pickles as its source and choice, and what was `read` of other files."""
+    the number of threads.  It pickles as its source and choice, and what was `read` of other files.
+    `look` sees the model before anything is derived of it, and may refuse it."""
 
     differentiates = False  # whether the program has derivatives
 
-    def __init__(self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None):
-        self.source, self.choice, self.roots, self.read = source, choice, roots, read
+    def __init__(
+        self, source: Source, choice: Choice, roots: tuple[str, ...] = (), read: Head | None = None,
+        look: Callable[[Model], None] = lambda model: None,
+    ):  # fmt: skip
+        self.source, self.choice, self.roots, self.read, self.look = source, choice, roots, read, look
         self.lock = RLock()
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -305,6 +309,7 @@ class Compilation:
     def model(self) -> Model:
         found = resolve(parse(self.source), self.choice, self.roots)
         self.agree(Head(found.imports, found.built_in))
+        self.look(found)
         return found
 
     @once
@@ -408,17 +413,33 @@ def _code(sources: Mapping[str, str]) -> CodeType:
     return compiled(sources)
 
 
+def equations(source: Source, choice: Choice) -> EquationsOfMotion:
+    """Those that people look at.  Raises Refused where a given value is none that a run would take."""
+    from lagc.optimize.interface import input_field
+    from lagc.run.request import given_values
+
+    compilation = Compilation(source, choice)
+    model, faults = compilation.model, list[Fault]()
+    given_values(choice.parameters, (*map(input_field, model.inputs), *_own(model, frozenset())), faults)
+    if faults:
+        raise Refused(faults)
+    return compilation.equations
+
+
 def program(
     source: Source, choice: Choice, roots: tuple[str, ...] = (), differentiate: bool = False
 ) -> Program:
     """The program of the generated code that goes to others; the given values are its defaults."""
+    return delivered(Compilation(source, choice, roots), differentiate)
+
+
+def delivered(compilation: Compilation, differentiate: bool) -> Program:
     from lagc.run.request import bound_parameters
 
-    compilation = Compilation(source, choice, roots)
     found = optimize(compilation.equations, work=False, differentiate=differentiate)
     interface = found.interface
     values = bound_parameters(
-        interface, choice.parameters, unused(compilation.model, interface), demanding=False
+        interface, compilation.choice.parameters, unused(compilation.model, interface), demanding=False
     )
     fields = [replace(f, value=v) for f, v in zip((*interface.parameters, *interface.inputs), values)]
     n = len(interface.parameters)
@@ -429,12 +450,14 @@ def program(
 def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
     """The parameters of the model that reach nothing, and those that are built in, which have no value
     and no place here."""
-    kept = {f.name for f in interface.parameters}
-    fields = [
-        Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit,
-              f"{p.span.source.name}:{p.span.line}", p.description)
-        for p in model.parameters if p.name not in kept
-    ]  # fmt: skip
-    listed = kept | {f.name for f in (*interface.inputs, *fields)}
-    structural = [n for n in model.built_in if n not in listed]
+    return _own(model, {f.name for f in (*interface.parameters, *interface.inputs)})
+
+
+def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
+    """The parameters of the model, and those that are built in, but for these."""
+    from lagc.optimize.interface import parameter_field
+
+    fields = [parameter_field(p) for p in model.parameters if p.name not in but]
+    listed = {p.name for p in model.parameters}
+    structural = [n for n in model.built_in if n not in listed and n not in but]
     return (*fields, *(Field(n, None, -inf, inf, "", "", "", "") for n in structural))

@@ -12,6 +12,7 @@ from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
+from lagc.cli.spare import spare
 from lagc.saving import Files
 
 
@@ -36,9 +37,10 @@ def run(options: argparse.Namespace) -> int:
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")
-    source = library.read(options.file)
-    program = compiler.program(source, choice_of(options), differentiate=options.derivatives)
+    compilation = compiler.Compilation(library.read(options.file), choice_of(options))
+    program = compiler.delivered(compilation, options.derivatives)
     files = compiler.render(program, options.target, real=options.real)
+    spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)
     if options.json:
         interface = program.interface

@@ -14,6 +14,7 @@ from lagc.limits import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import Run
+    from lagc.optimize.program import Interface
 
 
 def deliver(found: Run, options: argparse.Namespace) -> int:
@@ -21,7 +22,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     at its start there is nothing to be kept, and a file that is there stays."""
     rest()
     begun = len(found) > 1 or not found.interrupted
-    picture = _picture(found, options) if begun else ""
+    picture = picture_of(found.system.interface, options.plot) if begun else ""
     with SIGNALS.patience():
         written = not (options.output and begun) or _save(found, options)
         drawn = not picture or _draw(found, picture, options)
@@ -55,14 +56,13 @@ def _save(found: Run, options: argparse.Namespace) -> bool:
     return path == wanted
 
 
-def _picture(found: Run, options: argparse.Namespace) -> str:
+def picture_of(interface: Interface, named: str | None) -> str:
     """The file that is drawn into: the one named or, where there is no screen, one beside; else none."""
-    named: str | None = options.plot
     if named != "":
         return named or ""
     from lagc.view.plot import has_display, path_beside
 
-    return "" if has_display() else path_beside(found)
+    return "" if has_display() else path_beside(interface)
 
 
 def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:

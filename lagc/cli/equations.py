@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.limits import stage
     from lagc.view.equations import write
 
-    equations = compiler.Compilation(library.read(options.file), choice_of(options)).equations
+    equations = compiler.equations(library.read(options.file), choice_of(options))
     with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):
         text = write(equations, options.format, options.full)
     if options.json:

@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.limits import stage
     from lagc.view.explain import explanation, text
 
-    equations = compiler.Compilation(library.read(options.file), choice_of(options)).equations
+    equations = compiler.equations(library.read(options.file), choice_of(options))
     program = compiler.optimize(equations, work=False)
     with stage("examining the equations", compiler.PER_PAIR * len(equations.v) ** 2):
         facts = explanation(equations, program)

@@ -19,9 +19,11 @@ from lagc.cli.options import (
     quantity,
 )
 from lagc.cli.output import print_json, say, show
+from lagc.cli.spare import spare
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
+    from lagc.optimize.program import Interface
     from lagc.run.linearize import Linear
     from lagc.run.request import Quantity
 
@@ -60,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     compilation = Compilation(library.read(options.file), choice_of(options))
     one = compilation if time else compilation.differentiated  # a motion may be long: in C, without these
     model = CompiledModel(one, "auto" if time else "numpy")
+    spare(compilation, options.output, _picture(model.interface, options.plot))
     try:
         found = (
             model.equilibria(starts=starts) if options.equilibrium else [_about(model, time, starts, options)]
@@ -149,18 +152,25 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.plot is not None:
-        from lagc.saving import fitting
         from lagc.view.linear import heading
         from lagc.view.modes import plot_modes
 
         interface = found[0].system.interface
-        wanted = options.plot or f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
+        wanted = _picture(interface, options.plot)
         title = f"{interface.model}, scene {interface.scene}: {heading(found[0])}"
         path = kept(wanted, lambda name: plot_modes(found[0], title, name), (OSError, ValueError))
         written = written and path == wanted
         if path is not None:
             say(f"picture written to {path}", options.quiet or options.json)
     return written
+
+
+def _picture(interface: Interface, named: str | None) -> str:
+    """The file that modes are drawn into: the one named, or one beside; none where nobody asks."""
+    from lagc.saving import fitting
+
+    beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
+    return beside if named == "" else named or ""
 
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:

@@ -11,7 +11,7 @@ import os
 from math import inf
 from typing import TYPE_CHECKING
 
-from lagc.cli.deliver import deliver
+from lagc.cli.deliver import deliver, picture_of
 from lagc.cli.exits import Unwritten, Usage
 from lagc.cli.options import (
     add_backend_option,
@@ -22,12 +22,13 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
+from lagc.cli.spare import spare
 from lagc.kernels import METHODS
 from lagc.numerals import whole
 from lagc.records import replace
 
 if TYPE_CHECKING:
-    from lagc.compiler import Compilation
+    from lagc.meaning.model import Model
     from lagc.run.request import Request
 
 PICTURES = (".png", ".svg", ".pdf", ".jpg", ".webp", ".eps")
@@ -88,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.progress import Bar
     from lagc.compiler import Compilation
     from lagc.run.backends.compile import CannotCompile
+    from lagc.run.files import targets
     from lagc.run.forecast import MOST_MEMORY, Forecast, check_memory
     from lagc.run.request import bound_parameters, bound_starts
 
@@ -100,14 +102,20 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("`--until` is given no condition, such as 'x > 3[m]'")
     choice = replace(choice_of(options), until=until[0])
     source = library.read(options.file)
-    model = CompiledModel(Compilation(source, choice), options.backend)
-    spare(options.output, model.compilation)
+    most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
+
+    def look(resolved: Model) -> None:
+        check_memory(request.completed(resolved.simulate), resolved.states, most)
+
+    compilation = Compilation(source, choice, look=look)
+    model = CompiledModel(compilation, options.backend)
+    written = targets(options.output) if options.output else ()
+    spare(compilation, *written, picture_of(model.interface, options.plot))
     starts = bound_starts(model.interface, quantities(options.starts, "--start"))
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts)
     complete = request.completed(model.interface.simulate)
-    most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
-    check_memory(complete, model.interface, most)
+    check_memory(complete, model.interface.nx, most)
     stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:
@@ -131,13 +139,6 @@ def check_files(options: argparse.Namespace) -> None:
         except CannotSave as error:
             raise Usage(str(error)) from None
     check_picture(options)
-
-
-def spare(output: str | None, compilation: Compilation) -> None:
-    """Refuses to write over what is read."""
-    read = compilation.read.paths if compilation.read else []
-    if output and os.path.realpath(output) in map(os.path.realpath, read):
-        raise Usage(f"`{output}` is read by the model, and not written over: name another file")
 
 
 def check_picture(options: argparse.Namespace) -> None:

@@ -379,6 +379,11 @@ class Model:
             assert kind in known, f"{kind} stands outside of the outputs"
 
     @property
+    def states(self) -> int:
+        """How many numbers the motion has: coordinates and rates, or speeds in their place."""
+        return sum(2 if isinstance(each, Coordinate) else 7 for each in self.coordinates)
+
+    @property
     def turning(self) -> list[Frame]:
         """The frames, also those that only a body has."""
         found = [*self.frames, *(body.frame for body in self.bodies if body.frame is not None)]

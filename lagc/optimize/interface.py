@@ -78,8 +78,8 @@ def interface(
         row_labels=tuple([row.label for row in equations.rows]),
         row_units=tuple([row.unit for row in equations.rows]),
         quaternions=equations.quaternions,
-        parameters=tuple([_parameter(p) for p in parameters]),
-        inputs=tuple([_input(u) for u in model.inputs]),
+        parameters=tuple([parameter_field(p) for p in parameters]),
+        inputs=tuple([input_field(u) for u in model.inputs]),
         outputs=_outputs(equations),
         limits=tuple([_limit(x) for x in model.limits]),
         rate_names=tuple([s.name for s in equations.stated_rates]),
@@ -171,7 +171,7 @@ def _clauses(equations: EquationsOfMotion) -> tuple[Clause, ...]:
     ])  # fmt: skip
 
 
-def _parameter(p: Parameter) -> Field:
+def parameter_field(p: Parameter) -> Field:
     return Field(p.name, p.value, p.minimum, p.maximum, p.unit, p.display_unit, place(p.span), p.description)
 
 
@@ -179,7 +179,7 @@ def _limit(x: Limit) -> Field:
     return Field(x.name, None, x.minimum, x.maximum, x.unit, x.unit, place(x.span), "")
 
 
-def _input(u: Input) -> Field:
+def input_field(u: Input) -> Field:
     return Field(u.name, u.default, u.minimum, u.maximum, u.unit, u.unit, place(u.span), u.description)
 
 

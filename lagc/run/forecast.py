@@ -8,7 +8,6 @@ from time import monotonic
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.limits import size_text, time_text
-from lagc.optimize.program import Interface
 from lagc.run.request import Request
 
 MOST_MEMORY = 2e9  # bytes that a run takes without being told to
@@ -21,9 +20,9 @@ RUNS = 3.0  # integrations that are compared
 Progress = Callable[[float], None]
 
 
-def check_memory(request: Request, interface: Interface, most: float = MOST_MEMORY) -> None:
+def check_memory(request: Request, states: int, most: float = MOST_MEMORY) -> None:
     """Raises Refused (LAG0804) where what the complete `request` records needs more than `most` bytes."""
-    points, columns = request.size(), interface.nx * (1 + len(request.sensitivity))
+    points, columns = request.size(), states * (1 + len(request.sensitivity))
     needed = points * (POINT + NUMBER * columns) * (1.0 if request.by_hand else RUNS)
     if needed > most:
         message = f"{points} points of {columns} numbers need about {size_text(needed)} of memory"

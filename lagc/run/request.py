@@ -173,17 +173,8 @@ def bound_parameters(
     value, LAG0605 wrong unit, LAG0617 a value of the model outside bounds.
     """
     fields = [*interface.parameters, *interface.inputs]
-    known = {f.name: f for f in (*fields, *unused)}
     faults: list[Fault] = []
-    values: dict[str, float] = {}
-    for name, number in given.items():
-        if name not in known:
-            faults.append(unknown(name, known, "parameter or input", "LAG0601"))
-            continue
-        value = si(name, number, known[name].unit, faults)
-        if value is not None:
-            faults += _bounds(known[name], value)
-            values[name] = value
+    values = given_values(given, (*fields, *unused), faults)
     result: list[float] = []
     for f in fields:
         found = values.get(f.name, f.value)
@@ -199,6 +190,21 @@ def bound_parameters(
     if faults:
         raise Refused(faults)
     return result
+
+
+def given_values(given: Given, fields: Iterable[Field], faults: list[Fault]) -> dict[str, float]:
+    """Those that are right, in SI; what is wrong with the others goes to `faults`."""
+    known = {f.name: f for f in fields}
+    values: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in known:
+            faults.append(unknown(name, known, "parameter or input", "LAG0601"))
+            continue
+        value = si(name, number, known[name].unit, faults)
+        if value is not None:
+            faults += _bounds(known[name], value)
+            values[name] = value
+    return values
 
 
 def keep_limits(system: System) -> None:

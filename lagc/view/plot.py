@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from lagc.optimize.program import Interface
     from lagc.run.solution import Solution
 
 COLORS = (
@@ -60,7 +61,7 @@ def plot(solution: Solution, names: Sequence[str] = (), path: str | None = None)
 def show(solution: Solution) -> str | None:
     """Draw into a window; where there is no display, into a file beside, whose path is returned."""
     if not has_display():
-        path = path_beside(solution)
+        path = path_beside(solution.system.interface)
         plot(solution, path=path)
         return path
     _matplotlib()
@@ -71,9 +72,8 @@ def show(solution: Solution) -> str | None:
     return None
 
 
-def path_beside(solution: Solution) -> str:
+def path_beside(interface: Interface) -> str:
     """The file of a picture that is given none."""
-    interface = solution.system.interface
     return f"{fitting(f'{interface.model}_{interface.scene}')}.png"
 
 

@@ -323,7 +323,7 @@ def test_any_number_of_points_may_be_asked_for(
     allowed = size(fault["remedy"].split("`")[-2].split()[1])
     interface = lagc.loads(SPRING).compile(backend="numpy").interface
     request = Request(points=int(word)) if option == "--points" else Request(every=float(word))
-    forecast.check_memory(request.completed({}), interface, allowed or 0.0)
+    forecast.check_memory(request.completed({}), interface.nx, allowed or 0.0)
 
 
 @pytest.mark.parametrize("words", [["--points", "9" * 19], ["--points", "9" * 400], ["--every", "1e-320"]])
@@ -416,3 +416,13 @@ def test_a_run_that_takes_more_than_one_may_want_says_so(
     (fault,) = json.loads(capsys.readouterr().out)["faults"]
     assert fault["code"] == code
     assert "--max-" in fault["remedy"]
+
+
+def test_points_that_no_memory_holds_are_refused_before_equations_are_derived(
+    spring: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def derive(model: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("lagc.compiler.derive", derive)
+    assert main(["sim", spring, "--points", "60000000"]) == 4

@@ -143,3 +143,50 @@ def test_what_a_run_reads_it_does_not_write_over(tmp_path: Path, monkeypatch: py
             assert main([*sim, name]) == 2
         assert (tmp_path / "own.csv").read_text() == (tmp_path / "drive.csv").read_text() == numbers
     assert main([*sim, "other.csv"]) == 0 and (tmp_path / "other.csv").read_text() != numbers
+
+
+@pytest.mark.parametrize(
+    ("file", "command"),
+    [
+        ("m.csv", "sim m.csv -o m.csv"),
+        ("m.lag", "sim m.lag -o link.csv"),
+        ("m.csv.json", "sim m.csv.json -o m.csv"),
+        ("m.svg", "sim m.svg --plot m.svg"),
+        ("m.h", "build m.h -o ."),
+        ("m.json", "linearize m.json -o m.json"),
+        ("m.svg", "linearize m.svg --plot m.svg"),
+        ("M_default_modes.png", "linearize M_default_modes.png --plot"),
+    ],
+)
+def test_the_model_is_not_written_over(
+    file: str, command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "model M coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0}); end M;"
+    (tmp_path / file).write_text(text)
+    (tmp_path / "link.csv").symlink_to(file)
+    monkeypatch.chdir(tmp_path)
+    assert main(command.split()) == 2
+    assert (tmp_path / file).read_text() == text
+
+
+@pytest.mark.parametrize("command", ["explain", "equations", "build", "sim", "linearize", "check"])
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        ("zz=1", "LAG0601"),
+        ("l=-3", "LAG0602"),
+        ("l=1e309", "LAG0602"),
+        ("l=3[kg]", "LAG0605"),
+        ("n=3[m]", "LAG0605"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_by_every_command(
+    command: str, given: str, code: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "m.lag"
+    path.write_text(
+        "model M structural Integer n = 1; parameter Length l(min = 0) = 1; coordinate Real x[n];"
+        " body b = Particle(mass = 1, at = {l*x[1], 0, 0}); end M;"
+    )
+    assert main([command, str(path), "-p", given]) == 2
+    assert code in "".join(capsys.readouterr())

@@ -30,11 +30,16 @@ def check_path(path: str) -> str:
         raise CannotSave(f"`{path}` cannot be written: {reason}; there are {known}")
     if ending == ".parquet" and find_spec("pyarrow") is None:
         raise CannotSave(f"`{path}` needs the package pyarrow: pip install pyarrow")
-    for each in (path, f"{path}.json") if ending == ".csv" else (path,):
+    for each in targets(path):
         reason = obstacle(each)
         if reason:
             raise CannotSave(f"`{each}` cannot be written: {reason}")
     return FORMATS[ending]
+
+
+def targets(path: str) -> tuple[str, ...]:
+    """What is written where a solution becomes the file `path`."""
+    return (path, f"{path}.json") if path.lower().endswith(".csv") else (path,)
 
 
 def save(solution: Solution, path: str, units: bool = False) -> None:

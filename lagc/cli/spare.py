@@ -1,0 +1,20 @@
+"""What a model is made of is not written over."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from lagc.cli.exits import Usage
+
+if TYPE_CHECKING:
+    from lagc.compiler import Compilation
+
+
+def spare(compilation: Compilation, *paths: str | None) -> None:
+    """Raises Usage where one of these is the file of the model, or one that it reads, links followed."""
+    files = [compilation.source.name, *(compilation.read.paths if compilation.read else ())]
+    read = set(map(os.path.realpath, files))
+    for path in paths:
+        if path and os.path.realpath(path) in read:
+            raise Usage(f"`{path}` is read by the model, and not written over: name another file")
