@@ -17,10 +17,11 @@ from lagc import library
 from lagc.compiler import Choice, Compilation, check
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.given import Input, Value, parted, quantities, seconds, words
-from lagc.limits import running
+from lagc.given import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
+from lagc.limits import of_this_machine, running
 from lagc.loaded import Loaded
 from lagc.records import dataclass, names, replace
+from lagc.run.forecast import check_memory
 from lagc.run.problem import System
 from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.run.solution import Solution
@@ -81,9 +82,12 @@ class ModelFile:
         """
         if backend not in ("auto", "c", "numpy"):
             raise ValueError(f"there is no backend {backend!r}: auto, c or numpy")
-        given = quantities(parameters or {})
-        numbers, courses = parted(inputs or {})
-        choice = Choice(model, scene, words(use), words(without), {**given, **numbers}, courses, until)
+        given = quantities("parameters", parameters)
+        numbers, courses = parted(inputs)
+        choice = Choice(
+            word("model", model), word("scene", scene), words("use", use), words("without", without),
+            {**given, **numbers}, courses, condition(until),
+        )  # fmt: skip
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
@@ -216,10 +220,10 @@ class CompiledModel(Differentiable):
 
     def _with(self, parameters: Mapping[str, Value] | None) -> System:
         """The system for one call, with `parameters` in place of this model's."""
-        own = self.system
-        if not parameters and not any(v != v for v in own.parameters):
+        own, given = self.system, quantities("parameters", parameters)
+        if not given and not any(v != v for v in own.parameters):
             return own
-        values, recent = self._bound(parameters), self._recent
+        values, recent = self._bound(given), self._recent
         if recent is None or recent.backend != own.backend or repr(recent.parameters) != repr(tuple(values)):
             recent = own.bind(values)
             keep_limits(recent)
@@ -253,21 +257,23 @@ class CompiledModel(Differentiable):
         the motion is differentiated.  What is not said is the scene's, then the default's.  A failed run
         keeps what was computed and says why in `status` and `message`.  Raises Refused for wrong requests.
         """
-        if inputs or until is not None:
-            numbers, courses = parted(inputs or {})
-            driven = self._with_courses(numbers, courses, until)
+        if inputs is not None or until is not None:
+            numbers, courses = parted(inputs)
+            driven = self._with_courses(numbers, courses, condition(until))
             return driven.simulate(
                 stop, accuracy=accuracy, method=method, rtol=rtol, atol=atol, step=step, max_step=max_step,
-                every=every, points=points, parameters={**(parameters or {}), **numbers}, starts=starts,
-                sensitivity=sensitivity, progress=progress,
+                every=every, points=points, parameters={**quantities("parameters", parameters), **numbers},
+                starts=starts, sensitivity=sensitivity, progress=progress,
             )  # fmt: skip
         times = {"stop": stop, "step": step, "max_step": max_step, "every": every}
         request = Request(
             accuracy=accuracy, method=method, rtol=rtol, atol=atol, points=points,
-            starts=bound_starts(self.interface, quantities(starts or {})),
-            sensitivity=words(sensitivity),
+            starts=bound_starts(self.interface, quantities("starts", starts)),
+            sensitivity=words("sensitivity", sensitivity),
             **{name: seconds(name, value) for name, value in times.items()},
         )  # fmt: skip
+        complete = request.completed(self.interface.simulate)
+        check_memory(complete, self.interface.nx, of_this_machine(), "record fewer points")
         return self.run(request, self._bound(parameters), progress)
 
     def _with_courses(
@@ -361,13 +367,13 @@ class CompiledModel(Differentiable):
         import numpy
 
         interface, system = self.interface, self._with(parameters)
-        state = [float(a) for a in x]
+        state = reals("x", x)
         wanted = interface.nq + interface.nv
         if len(state) not in (wanted, interface.nx):
             raise ValueError(f"x has {len(state)} entries, not {wanted}: {', '.join(self.state_names)}")
         xdot, lam = [0.0] * interface.nx, [0.0] * interface.nc
         full = state + [0.0] * (interface.nx - len(state))
-        status = system.rhs(float(t), full, xdot, lam)
+        status = system.rhs(real("t", t), full, xdot, lam)
         if status not in (0, 2):
             raise ArithmeticError(f"the right-hand side has no value at t = {t:g} (status {status})")
         return numpy.array(xdot[: len(state)])
@@ -380,7 +386,7 @@ class CompiledModel(Differentiable):
 
         system = self._with(parameters)
         try:
-            found = begin(system, Request(starts=bound_starts(self.interface, quantities(starts))))
+            found = begin(system, Request(starts=bound_starts(self.interface, quantities("starts", starts))))
         except NoStart as none:
             raise self._placed(none) from None
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
@@ -405,12 +411,12 @@ class CompiledModel(Differentiable):
         return (*self.interface.q_names, *self.interface.v_names)
 
     def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
-        given = self._with_given(parameters) if parameters else self._given
+        given = self._with_given(parameters) if parameters is not None else self._given
         return bound_parameters(self.interface, given, self.artifact.unused, demanding)
 
     def _with_given(self, parameters: Mapping[str, Value]) -> dict[str, float | Quantity]:
         """The values of this model, with those of `parameters` in their place."""
-        more = quantities(parameters)
+        more = quantities("parameters", parameters)
         for name in self.artifact.built_in:
             if name in more and more[name] != self._given.get(name):
                 fault = Fault("LAG0607", f"`{name}` is built into the compiled model: no run can change it",

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import index
 from typing import TYPE_CHECKING, Any
 
 from lagc.compiler import PER_OPERATION
+from lagc.given import real, reals
 from lagc.limits import Exhausted, reached
 from lagc.loaded import Loaded
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 ACCURACY, COARSELY = 1e-9, 1e-4  # of a motion that is followed to where it is linearised; of one with a note
+MOST_TRIES = 1_000_000  # random postures: more find no more
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
 HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
@@ -76,7 +79,7 @@ class Differentiable:
             raise KeyError(f"{of!r} is none of {', '.join((*ALONG, *HELD))}")
         words = [wrt] if isinstance(wrt, str) else list(wrt)
         with numpy.errstate(all="ignore"):  # what is not finite is refused
-            point = Point(system, float(t), state, a, lam)
+            point = Point(system, real("t", t), state, a, lam)
             found = numpy.hstack([self._columns(point, of, word) for word in words])
             if system.interface.switches:
                 found = self._on_one_side(point, of, words, found)
@@ -132,14 +135,15 @@ class Differentiable:
         from lagc.records import replace
         from lagc.run.linearize import linearize
 
-        if not 0.0 <= float(t) < float("inf"):
+        t = real("t", t)
+        if not 0.0 <= t < float("inf"):
             fault = f"the time about which a motion is linearised is finite and not before its start: {t:g} s"
             raise Refused([Fault("LAG0604", fault)])
         notes = tuple[str, ...]()
         if x is None:
-            x, notes = self._at(float(t), parameters, starts, progress)
+            x, notes = self._at(t, parameters, starts, progress)
         system = self.differentiated(parameters)
-        found = linearize(system, float(t), _entries("x", x, system.nx))
+        found = linearize(system, t, _entries("x", x, system.nx))
         return replace(found, notes=(*notes, *found.notes)) if notes else found
 
     def equilibria(
@@ -159,6 +163,8 @@ class Differentiable:
         from lagc.run import equilibria
         from lagc.run.linearize import linearize
 
+        if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
+            raise ValueError(f"`tries` is from 0 to {MOST_TRIES:,}")
         system = self.differentiated(parameters)
         guess, _ = self._at(0.0, parameters, starts)
         most = equilibria.tries_for(system) if tries is None else tries
@@ -232,7 +238,7 @@ class Differentiable:
 
 
 def _entries(name: str, values: Sequence[float], wanted: int) -> list[float]:
-    found = [float(value) for value in values]
+    found = reals(name, values)
     if len(found) != wanted:
         raise ValueError(f"{name} has {len(found)} entries, not {wanted}")
     return found

@@ -16,11 +16,13 @@ Value: TypeAlias = float | tuple[float, str] | Quantity
 Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"
 
 
-def parted(given: Mapping[str, Input]) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
+def parted(
+    given: Mapping[str, Input] | None,
+) -> tuple[dict[str, float | Quantity], dict[str, Source | Points]]:
     """Inputs that are numbers, and others."""
     numbers: dict[str, float | Quantity] = {}
     courses: dict[str, Source | Points] = {}
-    for name, value in given.items():
+    for name, value in _named("inputs", given).items():
         if isinstance(value, str):
             courses[name] = expression(value)
         elif isinstance(value, tuple) and value and hasattr(value[0], "__len__"):
@@ -40,8 +42,17 @@ def _points(name: str, *given: Any) -> Points:
         raise Refused([Fault("LAG0602", message)]) from None
 
 
-def quantities(given: Mapping[str, Value]) -> dict[str, float | Quantity]:
-    return {name: _quantity(name, value) for name, value in given.items()}
+def quantities(what: str, given: Mapping[str, Value] | None) -> dict[str, float | Quantity]:
+    return {name: _quantity(name, value) for name, value in _named(what, given).items()}
+
+
+def _named(what: str, given: Any) -> Mapping[str, Any]:
+    """Values by their names; none where nothing is given.  Raises TypeError."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
+        raise TypeError(f"`{what}` are values by their names, {{'name': value}}, not {given!r}")
+    return given
 
 
 def _quantity(name: str, value: Value) -> float | Quantity:
@@ -50,25 +61,47 @@ def _quantity(name: str, value: Value) -> float | Quantity:
     try:
         if isinstance(value, tuple):
             written, unit = value
-            return Quantity(_float(written), unit)
-        return _float(value)
+            return Quantity(real(name, written), unit)
+        return real(name, value)
     except (TypeError, ValueError, OverflowError):
         raise Refused([Fault("LAG0602", f"`{name}` must be a number, not {value!r}")]) from None
 
 
-def _float(value: object) -> float:
-    """Text is read as strictly as on the command line."""
+def real(name: str, value: object) -> float:
+    """Text is read as strictly as on the command line.  Raises ValueError, or TypeError."""
     if isinstance(value, SupportsFloat):
         return float(value)
     found = number(value) if isinstance(value, str) else None
     if found is None:
-        raise ValueError
+        kind = ValueError if isinstance(value, str) else TypeError
+        raise kind(f"`{name}` must be a number, not {value!r}")
     return found
 
 
-def words(given: str | Sequence[str]) -> tuple[str, ...]:
-    """Names; a text is one."""
-    return (given,) if isinstance(given, str) else tuple(given)
+def reals(name: str, values: Sequence[float]) -> list[float]:
+    return [real(name, value) for value in values]
+
+
+def words(what: str, given: str | Sequence[str]) -> tuple[str, ...]:
+    """Names; a text is one.  Raises TypeError."""
+    found = (given,) if isinstance(given, str) else tuple(given)
+    if not all(isinstance(name, str) for name in found):
+        raise TypeError(f"`{what}` are names, not {given!r}")
+    return found
+
+
+def word(what: str, given: str | None) -> str | None:
+    """A text, or none.  Raises TypeError."""
+    if not isinstance(given, str | None):
+        raise TypeError(f"`{what}` is a text, not {given!r}")
+    return given
+
+
+def condition(given: str | None) -> str | None:
+    """Of `until`.  Raises TypeError; Refused where the text is empty."""
+    if word("until", given) is not None and not str(given).strip():
+        raise Refused([Fault("LAG0604", "`until` is given no condition, such as 'x > 3 [m]'")])
+    return given
 
 
 def seconds(name: str, value: Value | None) -> float | None:

@@ -20,14 +20,15 @@ RUNS = 3.0  # integrations that are compared
 Progress = Callable[[float], None]
 
 
-def check_memory(request: Request, states: int, most: float = MOST_MEMORY) -> None:
+def check_memory(request: Request, states: int, most: float = MOST_MEMORY, remedy: str = "") -> None:
     """Raises Refused (LAG0804) where what the complete `request` records needs more than `most` bytes."""
     points, columns = request.size(), states * (1 + len(request.sensitivity))
     needed = points * (POINT + NUMBER * columns) * (1.0 if request.by_hand else RUNS)
     if needed > most:
         message = f"{points} points of {columns} numbers need about {size_text(needed)} of memory"
-        raise Refused([Fault("LAG0804", message, remedy="record fewer (`--points`, `--every`), or allow it: "
-                             f"`--max-memory {max(1.25e-9 * needed, 1.0):.0f}G`")])  # fmt: skip
+        allowed = f"`--max-memory {max(1.25e-9 * needed, 1.0):.0f}G`"
+        remedy = remedy or f"record fewer (`--points`, `--every`), or allow it: {allowed}"
+        raise Refused([Fault("LAG0804", message, remedy=remedy)])
 
 
 class Forecast:

@@ -158,6 +158,8 @@ class Solution:
 
     def column(self, name: str) -> list[float]:
         """The values of `name` over the recorded times.  Raises KeyError with the near names."""
+        if not isinstance(name, str):
+            raise TypeError(f"a column has a name, a text, not {name!r}")
         found = self._columns.get(name)
         if found is not None:
             return found
