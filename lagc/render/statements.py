@@ -38,7 +38,8 @@ def literal(value: float) -> str:
 class Dialect:
     """What differs between target languages.
 
-    `calls`: operation -> name of the function.  `infix`: further operators with their binding.
+    `calls`: operation -> name of the function.  `infix`: further operators with their binding, of which, and
+    of those of arithmetic, some are `called` all the same.
     `select`: a template of condition, then, else.  `number`, `truth`: declarations of a
     temporary, `store`: an assignment to an entry of an output, `load`: an entry of an input array,
     `entry`: the same at an index that is an expression.  `look_up`: an operation on a table.
@@ -57,6 +58,7 @@ class Dialect:
     entry: Callable[[str, str], str]
     look_up: Callable[[str, Table, str], str]
     literal: Callable[[float], str] = literal
+    called: tuple[str, ...] = ()
     width: int = 88
     turn: str = ""
     turn_two: str = ""
@@ -86,7 +88,8 @@ class _Body:
         self.function = function
         self.dialect = dialect
         self.locals = locals_
-        self.infix = {**_INFIX, **dialect.infix}
+        infix = {**_INFIX, **dialect.infix}
+        self.infix = {op: how for op, how in infix.items() if op not in dialect.called}
         self.uses = uses(function)
         self.text: list[str] = [""] * len(function.operations)
         self.binds: list[int] = [ATOM] * len(function.operations)

@@ -7,6 +7,7 @@ import math
 import random
 import shutil
 import subprocess
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -156,6 +157,19 @@ def test_every_operation_agrees_on_special_values(tmp_path: Path) -> None:
             for b in HARD:
                 ours, theirs = both(python, library, f.name, [1.0, 1.0, 1.0], 0.0, [a, b], 1)
                 assert ours == theirs, (f.name, a, b)
+
+
+@needs_gcc
+def test_what_is_asked_at_guesses_divides_as_c_does(tmp_path: Path) -> None:
+    """Also where something else raises, and all is computed again."""
+    made = Builder("conditions", ("p", "t", "x"), (("y", 2),))
+    a, b = made.load("x", 0), made.load("x", 1)
+    made.store("y", 0, made.op("div", a, b))
+    made.store("y", 1, made.op("div", made.op("sqrt", a), made.op("sub", a, b)))
+    python, library = build([made.function()], tmp_path)
+    for x in product(HARD, HARD):
+        ours, theirs = both(python, library, "conditions", [1.0, 1.0, 1.0], 0.0, list(x), 2)
+        assert ours == theirs, x
 
 
 def test_an_array_read_and_written_is_read_before_it_is_written() -> None:

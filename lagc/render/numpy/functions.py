@@ -38,6 +38,10 @@ DIALECT = Dialect(
     cosine="cos{number}",
 )
 
+# At guesses divisors are zero so often that what is asked there does not wait until one raises.
+GUESSED = ("conditions",)
+AT_GUESSES = replace(DIALECT, calls={**CALLS, "div": "quotient"}, called=("div",))
+
 
 def _head(count: int, running: Sequence[tuple[str, str]]) -> str:
     if not running:
@@ -182,6 +186,7 @@ _CAREFUL = {
     **{{f.__name__: _ieee(f) for f in ({_REST}, minimum, maximum, sign, floor)}},
 """
     '''\
+    "quotient": lambda a, b: a / b,
     "select": select,
     "both": both,
     "either": either,
@@ -242,7 +247,9 @@ def _each_again(function, inputs, outputs):
 def function_text(function: Function, locals_: Mapping[tuple[str, int], str], numbers: Numbers = NONE) -> str:
     """`def fn_<name>(inputs..., outputs...)`; an array both read and written is named once.  `numbers` of its
     tables."""
-    dialect = replace(DIALECT, look_up=partial(python_look_up, numbers)) if numbers else DIALECT
+    dialect = AT_GUESSES if function.name in GUESSED else DIALECT
+    if numbers:
+        dialect = replace(dialect, look_up=partial(python_look_up, numbers))
     outputs = [name for name, _ in function.outputs]
     inputs = [name for name in function.inputs if name not in outputs]
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
