@@ -24,13 +24,20 @@ def widen(w: StartWork, i: int, along: int) -> None:
         w.stops[i] = w.stops[along]
 
 
+def part_along(w: StartWork, i: int, along: int) -> Real:
+    """The inner product of two rows of w.rests, where both are: no more than sparse rows ask for."""
+    begin = w.begins[along] if w.begins[i] < w.begins[along] else w.begins[i]
+    stop = w.stops[along] if w.stops[along] < w.stops[i] else w.stops[i]
+    return inner(w.rests[i], w.rests[along], begin, stop) if begin < stop else 0.0
+
+
 def clear(w: StartWork, i: int, along: int) -> bool:
     """Take from row i of w.rests its part along a unit vector, another row; whether it has one."""
     values = w.rests[i]
     direction = w.rests[along]
     begin = w.begins[along]
     stop = w.stops[along]
-    part = inner(values, direction, begin, stop)
+    part = part_along(w, i, along)
     if part == 0.0:
         return False
     for j in range(begin, stop):
@@ -45,7 +52,7 @@ def clear_exactly(w: StartWork, i: int, along: int, lost: Real) -> Real:
     values = w.rests[i]
     given = w.matrix[i]
     direction = w.rests[along]
-    part = inner(values, direction, w.begins[along], w.stops[along])
+    part = part_along(w, i, along)
     if part != 0.0:
         widen(w, i, along)
     largest = 0.0
@@ -89,8 +96,14 @@ def unit_rows(w: StartWork, m: int, n: int) -> int:
     given = 0
     for i in range(m):
         row = w.matrix[i]
+        begin = n
+        stop = 0
         largest = 0.0
         for j in range(n):
+            if row[j] != 0.0:
+                stop = j + 1
+                if begin == n:
+                    begin = j
             if not fabs(row[j]) <= largest:
                 largest = fabs(row[j])
         if not (largest < inf and fabs(w.right[i]) < inf):
@@ -98,20 +111,19 @@ def unit_rows(w: StartWork, m: int, n: int) -> int:
         if largest == 0.0:
             continue
         scaled = w.matrix[given]
-        for j in range(n):
-            scaled[j] = row[j] / largest
-        length = sqrt(inner(scaled, scaled, 0, n))
-        w.begins[given] = n
-        w.stops[given] = 0
         rest = w.rests[given]
         for j in range(n):
+            scaled[j] = row[j]
+            rest[j] = 0.0
+        for j in range(begin, stop):
+            scaled[j] = scaled[j] / largest
+        length = sqrt(inner(scaled, scaled, begin, stop))
+        for j in range(begin, stop):
             scaled[j] = scaled[j] / length
             rest[j] = scaled[j]
-            if rest[j] != 0.0:
-                w.stops[given] = j + 1
-                if j < w.begins[given]:
-                    w.begins[given] = j
-        w.squares[given] = inner(rest, rest, 0, n)
+        w.begins[given] = begin
+        w.stops[given] = stop
+        w.squares[given] = inner(rest, rest, begin, stop)
         w.right[given] = w.right[i] / largest / length
         w.chosen[given] = 0
         given += 1
@@ -161,7 +173,7 @@ def least_norm(w: StartWork, m: int, n: int, dependent: Real, lost: Real) -> boo
             continue
         w.turns[chosen] = best
         chosen += 1
-        above = w.right[best] - inner(w.matrix[best], w.step, 0, n)
+        above = w.right[best] - inner(w.matrix[best], w.step, begin, stop)
         factor = above / along
         for j in range(begin, stop):
             w.step[j] += factor * direction[j]

@@ -12,7 +12,7 @@ from lagc.kernels.tables import ends
 from lagc.kernels.words import Params, Real, Vec
 
 RUNGS = 12  # looked at on either side of 0, up and down from the size of an unknown
-HALVINGS = 60  # of an interval
+HALVINGS = 60  # of an interval, or until no number is left in it
 
 
 def put(at: Place, there: Place) -> None:
@@ -75,7 +75,10 @@ def halve(p: Params, t: Real, y: Vec[NU], i: int, j: int, one: Place, other: Pla
     put(b, other)
     middle = Place()
     for n in range(HALVINGS):
-        look(p, t, y, i, j, 0.5 * (a.value + b.value), middle, w)
+        between = 0.5 * (a.value + b.value)
+        if between == a.value or between == b.value:
+            break
+        look(p, t, y, i, j, between, middle, w)
         if opposite(a, middle):
             put(b, middle)
         else:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import random
 import shutil
 from collections.abc import Sequence
+from itertools import pairwise
 from math import cos, hypot, pi, sin
+from typing import Any
 
 import pytest
 
 from lagc.run.begin import consistent_start
-from lagc.run.conditions import Consistency
+from lagc.run.conditions import Consistency, least_norm
 from lagc.run.consistency import conditions_of
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
 from tests.run.started import Twins, program_of, start_of, system_of
@@ -65,6 +67,47 @@ def test_divisors_that_are_zero_at_a_guess_cost_no_more_than_others(
     found = consistent_start(system)
     assert not found.missed and not again
     assert found.x[6:12] == pytest.approx([0.75**0.5, 0.75**0.5 - 1.0] * 3)
+
+
+def test_intervals_are_halved_until_no_number_is_left_in_them() -> None:
+    conditions = conditions_of(system := system_of(hanging(4)))
+    evaluate, asked = conditions.evaluate, list[tuple[float, ...]]()
+
+    def noted(t: float, x: Sequence[float]) -> Any:
+        asked.append(tuple(x))
+        return evaluate(t, x)
+
+    conditions.evaluate = noted
+    search = Consistency(conditions, 0.0, system.start(), system.interface.start_levels)
+    assert search.run() == OK
+    assert sum(a == b for a, b in pairwise(asked)) < 10 * 4  # not 5 at the end of each interval
+
+
+class Counted(float):
+    """A float that counts the products that it is in."""
+
+    products = 0
+
+    def __mul__(self, other: float) -> Counted:
+        Counted.products += 1
+        return Counted(float(self) * float(other))
+
+    def __truediv__(self, other: float) -> Counted:
+        return Counted(float(self) / float(other))
+
+    def __sub__(self, other: float) -> Counted:
+        return Counted(float(self) - float(other))
+
+
+def test_rows_that_share_no_unknown_are_not_multiplied() -> None:
+    """Of a chain, each row takes part in what is beside it: the work is in proportion to the links."""
+    work = {}
+    for n in (40, 80):
+        rows = [[Counted(1.0 if j == i else -0.5 if j == i - 1 else 0.0) for j in range(n)] for i in range(n)]
+        Counted.products = 0
+        least_norm(rows, [1.0] * n, 1e-9)
+        work[n] = Counted.products
+    assert work[80] < 2.5 * work[40]
 
 
 @pytest.mark.parametrize("n", (3, 8, 16, 30))
