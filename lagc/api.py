@@ -11,6 +11,7 @@ Numbers are in SI; a pair (70, "cm") is a number with its unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc import library
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from lagc.optimize.program import Interface, Program
     from lagc.run.begin import NoStart
     from lagc.run.solution import Array
+    from lagc.run.start import Start
     from lagc.view.matrices import Matrices
 
 Progress: TypeAlias = Callable[[float], None]
@@ -327,17 +329,22 @@ class CompiledModel(Differentiable):
                 return self._run("numpy", request, parameters, progress, str(error))
         from lagc.run.patience import Patience, TakesLong, compile_time
 
+        system = self._loaded.system("numpy").bind(parameters)
+        began = perf_counter()
+        start = self._begun(system, request)
         patience = Patience(compile_time(self.interface), progress)
         try:
-            return self._run("numpy", request, parameters, patience, "done sooner than C compiles")
+            reason = "done sooner than C compiles"
+            return self._run("numpy", request, parameters, patience, reason, start, perf_counter() - began)
         except TakesLong:
+            spent = perf_counter() - began
             if progress is not None:
                 progress(0.0)  # it begins again: nothing is kept of what was computed
             try:
                 self._loaded.system("c")
             except (CannotCompile, Refused) as error:  # a file that it was made of has changed
-                return self._run("numpy", request, parameters, progress, str(error))
-            return self._run("c", request, parameters, progress, "a long run")
+                return self._run("numpy", request, parameters, progress, str(error), start, spent)
+            return self._run("c", request, parameters, progress, "a long run", start, spent)
 
     def _run(
         self,
@@ -346,17 +353,28 @@ class CompiledModel(Differentiable):
         parameters: Sequence[float],
         progress: Progress | None,
         reason: str = "",
+        start: Start | None = None,
+        spent: float = 0.0,
     ) -> Run:
         from lagc.run.begin import NoStart
         from lagc.run.simulate import simulate
 
         system = self._loaded.system(backend).bind(parameters)
         try:
-            found = simulate(system, request, self.compile_s, running(progress))
+            found = simulate(system, request, self.compile_s, running(progress), start, spent)
         except NoStart as none:
             raise self._placed(none) from None
         found.backend_reason = reason
         return Run(**{name: getattr(found, name) for name in names(Solution)})
+
+    def _begun(self, system: System, request: Request) -> Start:
+        """Where a run begins, in any backend: they agree bitwise."""
+        from lagc.run.begin import NoStart, begin
+
+        try:
+            return begin(system, request)
+        except NoStart as none:
+            raise self._placed(none) from None
 
     def rhs(self, t: float, x: Sequence[float], parameters: Mapping[str, Value] | None = None) -> Array:
         """dx/dt at (t, x), x = (q, v) or (q, v, z) with the work integral z: for other integrators.
@@ -382,13 +400,8 @@ class CompiledModel(Differentiable):
         """A consistent start x = (q, v), for other integrators.  Raises Refused where there is none."""
         import numpy
 
-        from lagc.run.begin import NoStart, begin
-
-        system = self._with(parameters)
-        try:
-            found = begin(system, Request(starts=bound_starts(self.interface, quantities("starts", starts))))
-        except NoStart as none:
-            raise self._placed(none) from None
+        wanted = Request(starts=bound_starts(self.interface, quantities("starts", starts)))
+        found = self._begun(self._with(parameters), wanted)
         return numpy.array(found.x[: self.interface.nq + self.interface.nv])
 
     def _placed(self, none: NoStart) -> Refused:

@@ -18,7 +18,7 @@ from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.library import folder_of
-from lagc.limits import stage
+from lagc.limits import Exhausted, go_on, stage
 from lagc.once import RLock, once
 from lagc.optimize.program import Field
 from lagc.records import dataclass, field, replace
@@ -237,8 +237,8 @@ def _faults(
 
 
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """Warnings: the start cannot be tried because a parameter has no value; an output has none at the start.
-    Raises Refused where a run would before its first step."""
+    """Warnings: the start cannot be tried because a parameter has no value, or not to its end in the time of
+    a stage; an output has no value at the start.  Raises Refused where a run would before its first step."""
     from lagc.run.blame import placed
     from lagc.run.request import bound_parameters
     from lagc.run.trial import NoStart, try_start
@@ -259,6 +259,12 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
             strange = try_start(program, values)
     except NoStart as found:
         raise placed(equations, found) from None
+    except Exhausted:
+        if not go_on():
+            raise
+        return [Fault("LAG0805", "the start was not tried to its end, which takes longer than a stage may",
+                      remedy="`lagc sim` tries it as long as it takes, `lagc check --max-time 1h` as long as "
+                      "that", severity="warning")]  # fmt: skip
     return [
         Fault("LAG0616", f"output `{o.name}` has no finite value at the start", o.span, severity="warning")
         for o in model.outputs

@@ -52,6 +52,8 @@ class Limits:
         self.limit = ""  # what ends then, in words
         self.doing = "the work"
         self.told = ""  # the limit that was reached
+        self.before = inf, ""  # end and limit outside the stage
+        self.own = ""  # the limit of the stage, in words
         self.patient = False  # a ring is answered when it is asked for
         self.timer: Any = None
         self.outer: Limits | None = None
@@ -164,17 +166,31 @@ class Limits:
         if not self.careful or self.time is not None:
             yield
             return
-        before = self.end, self.limit
+        self.before = self.end, self.limit
         allowed = ALLOWED + size
-        self._bound_time(allowed, f"{time_text(allowed)}, which is enough for most models of this size")
+        self.own = f"{time_text(allowed)}, which is enough for most models of this size"
+        self._bound_time(allowed, self.own)
         self._set()
         try:
             yield
         finally:
             self.rest()
             if not self.told:
-                self.end, self.limit = before
-                self._set()
+                self._leave()
+
+    def _leave(self) -> None:
+        """The stage is over: what holds is what held before it."""
+        self.end, self.limit = self.before
+        self._set()
+
+    def go_on(self) -> bool:
+        """After Exhausted: whether it was the stage alone that had no more time, and the work goes on without
+        what it was to find."""
+        if self.told != self.own:
+            return False
+        self.told = ""
+        self._leave()
+        return True
 
 
 def _of_memory(error: BaseException) -> bool:
@@ -217,6 +233,17 @@ def stage(doing: str, size: float = 0.0) -> Iterator[None]:
             yield
 
 
+def doing(what: str) -> None:
+    """What is done from here on is called so where a limit ends it."""
+    if _inside.block is not None:
+        _inside.block.doing = what
+
+
+def go_on() -> bool:
+    """After Exhausted in a stage: see `Limits.go_on`."""
+    return _inside.block is not None and _inside.block.go_on()
+
+
 def running(progress: Progress | None) -> Progress | None:
     """`progress` for a run, which ends in time with what it computed."""
     block = _inside.block
@@ -225,6 +252,7 @@ def running(progress: Progress | None) -> Progress | None:
     block.doing = "the run"
 
     def asked(t: float) -> None:
+        block.doing = "the run"
         block.ask()
         block.patient = t > 0.0
         if progress is not None:

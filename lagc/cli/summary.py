@@ -8,6 +8,7 @@ from lagc.run.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
 MOST_EVENTS = 4  # the same of events
+TOLD = 0.1  # of the time of a run, and in s: a search for the start that is worth a word
 
 
 def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: bool = False) -> str:
@@ -102,8 +103,10 @@ def _method(run: Solution) -> str:
 def _cost(run: Solution) -> str:
     c = run.cost
     several = f" in {c.integrations} integrations" if c.integrations > 1 else ""
+    search = c.start_s >= max(TOLD * c.run_s, TOLD)
+    start = f", {seconds(c.start_s)} of it to find the start" if search else ""
     return (f"{c.steps} steps ({c.rejected} rejected), {c.rhs} right-hand sides of {c.operations} operations"
-            f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}")  # fmt: skip
+            f"{several}; compile {seconds(c.compile_s)}, run {seconds(c.run_s)}{start}")  # fmt: skip
 
 
 def seconds(s: float) -> str:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
+from time import perf_counter
 from typing import Any
 
 from lagc.diagnostics.faults import Fault, Refused
+from lagc.limits import doing
+from lagc.records import replace
 from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
 from lagc.run.request import Request, keep_limits
@@ -34,6 +37,8 @@ def begin(system: System, request: Request) -> Start:
     """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
     value that is not finite (LAG0611); and as `_energies`."""
     keep_limits(system)
+    doing("finding the start")
+    began = perf_counter()
     start = consistent_start(system, 0.0, request.starts)
     if start.missed:
         anchors = [*(m.anchor for m in start.missed), *start.anchors]
@@ -45,7 +50,7 @@ def begin(system: System, request: Request) -> Start:
                 fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system
             )
     _energies(system, start.x)
-    return start
+    return replace(start, seconds=perf_counter() - began)
 
 
 def _energies(system: System, x: Sequence[float]) -> None:

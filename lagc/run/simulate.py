@@ -14,6 +14,7 @@ from lagc.run.problem import FAILED, INTERRUPTED, Options, System, Trajectory
 from lagc.run.request import Request
 from lagc.run.rest import locked, resting, rests
 from lagc.run.solution import Cost, Energy, Event, Solution
+from lagc.run.start import Start
 from lagc.run.verdict import Verdict, judge, redundancy, verdict
 from lagc.run.watched import Watched
 
@@ -26,18 +27,20 @@ LOCKED = "the constraints leave no motion from there: it stays where it starts"
 
 
 def simulate(
-    system: System, request: Request, compile_s: float = 0.0, progress: Progress | None = None
-) -> Solution:
-    """The motion that `request` asks for, with the parameters that `system` holds.
+    system: System, request: Request, compile_s: float = 0.0, progress: Progress | None = None,
+    start: Start | None = None, spent: float = 0.0,
+) -> Solution:  # fmt: skip
+    """The motion that `request` asks for, with the parameters that `system` holds.  `start`: where it was
+    found before; `spent`: s of wall time that the run has taken by now.
 
     `progress` is called with the time reached, now and then; KeyboardInterrupt raised in it, or
     in a run, ends the run with what was computed.  Raises Refused where the request makes no sense
     (LAG0604), and NoStart where no start is consistent, or the motion is not determined there.
     """
-    began = perf_counter()
+    began = perf_counter() - spent
     counted: Any = Counted(system)
     request = request.completed(system.interface.simulate)
-    start = begin(system, request)
+    start = start or begin(system, request)
     times = request.grid()
     notes = list(start.notes)
     if request.by_hand:
@@ -83,7 +86,7 @@ def simulate(
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),
             rhs=sum(r.rhs for r in tried) + counted.evaluations, operations=system.interface.operations,
-            compile_s=compile_s, run_s=perf_counter() - began, integrations=len(tried),
+            compile_s=compile_s, run_s=perf_counter() - began, start_s=start.seconds, integrations=len(tried),
         ),
     )  # fmt: skip
 

@@ -36,7 +36,8 @@ class Energy:
 class Cost:
     """Of all integrations of the run together: the ones that verify the accuracy are a part of it.
 
-    `operations` of one right-hand side; `compile_s`, `run_s` in s of wall time.
+    `operations` of one right-hand side; `compile_s`, `run_s` and, as a part of it, `start_s`, the
+    search for a start, in s of wall time; `run_s` of all backends that it was tried in.
     """
 
     steps: int = 0
@@ -45,6 +46,7 @@ class Cost:
     operations: int = 0
     compile_s: float = 0.0
     run_s: float = 0.0
+    start_s: float = 0.0
     integrations: int = 1
 
 
@@ -231,7 +233,8 @@ class Solution:
             "energy": {"start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
-                     "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s},
+                     "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,
+                     "start_s": cost.start_s},
             "warnings": list(interface.warnings), "dropped": list(interface.dropped),
             "notes": list(self.notes),
         }  # fmt: skip

@@ -67,6 +67,7 @@ class Start:
     missed: tuple[Missed, ...] = ()
     held: tuple[str, ...] = ()
     anchors: tuple[Anchor, ...] = ()  # of the values held
+    seconds: float = 0.0  # that it took
 
     @property
     def notes(self) -> tuple[str, ...]:

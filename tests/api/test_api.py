@@ -13,9 +13,12 @@ import pytest
 
 import lagc
 from lagc.run.backends import compile as c_compiler
+from lagc.run.begin import consistent_start
 from lagc.run.files import CannotSave
 from lagc.run.patience import Patience, TakesLong, compile_time
+from lagc.run.problem import System
 from lagc.run.request import Request
+from lagc.run.start import Start
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -248,6 +251,24 @@ def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: 
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
+
+
+@needs_c
+def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sought: list[System] = []
+
+    def noted(system: System, *given: Any) -> Start:
+        sought.append(system)
+        return consistent_start(system, *given)
+
+    monkeypatch.setattr("lagc.run.begin.consistent_start", noted)
+    monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
+    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.2)
+    run = lagc.load("double_pendulum").compile().simulate(stop=50, rtol=1e-12)
+    assert run.system.backend == "c" and [system.backend for system in sought] == ["numpy"]
+    assert run.cost.start_s > 0.0 and run.cost.run_s > 0.2 + run.cost.start_s
 
 
 def test_what_compiling_takes_is_guessed_from_the_text_not_from_how_often_it_is_gone_through() -> None:

@@ -84,6 +84,44 @@ def test_a_stage_that_never_ends_is_ended_and_named(
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("given", [False, True])
+def test_a_start_that_takes_long_is_no_fault_of_the_model(
+    spring: str, given: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A run goes on with it: `check` says that it was not tried to its end, or that the time given is up."""
+    monkeypatch.setattr("lagc.run.begin.consistent_start", endless)
+    monkeypatch.setattr(limits, "ALLOWED", 0.5)
+    monkeypatch.setattr("lagc.compiler.PER_OPERATION", 0.0)
+    before = signal.getsignal(signal.SIGALRM)
+    words = ["check", spring, "--json", *(["--max-time", "0.5"] if given else [])]
+    assert main(words) == (4 if given else 0)
+    found = json.loads(capsys.readouterr().out)
+    (fault,) = found["faults"]
+    assert fault["code"] == ("LAG0801" if given else "LAG0805")
+    assert fault["severity"] == ("error" if given else "warning")
+    assert not given or fault["message"].startswith("finding the start took longer than ")
+    assert signal.getsignal(signal.SIGALRM) == before
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
+def test_what_comes_after_a_stage_that_had_no_more_time_has_its_own() -> None:
+    with lagc.Limits(careful=True) as block:
+        for _ in range(2):
+            with pytest.raises(limits.Exhausted), limits.stage("the search", 0.1 - limits.ALLOWED):
+                endless()
+            assert limits.go_on() and not limits.go_on()
+            assert block.end == math.inf and not limits.reached()
+        with limits.stage("what comes after"):
+            assert block.end < math.inf
+    with pytest.raises(Refused, match="the search took longer"), lagc.Limits(0.1):
+        try:
+            with limits.stage("the search"):
+                endless()
+        except limits.Exhausted:
+            assert not limits.go_on()
+            raise
+
+
 def test_a_run_that_is_ended_keeps_what_it_computed(
     spring: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -66,7 +66,8 @@ def test_the_json_of_a_run(capsys: pytest.CaptureFixture[str]) -> None:
     assert energy["work"] < 0.0  # the drag takes energy out
     assert energy["imbalance"] == energy["end"] - energy["start"] - energy["work"]
     assert abs(energy["imbalance"]) < 1e-6 * abs(energy["start"])
-    assert set(found["cost"]) == {"steps", "rejected", "rhs", "operations", "compile_s", "run_s"}
+    assert set(found["cost"]) == {"steps", "rejected", "rhs", "operations", "compile_s", "run_s", "start_s"}
+    assert 0.0 < found["cost"]["start_s"] < found["cost"]["run_s"]
 
 
 def test_a_fall_takes_the_time_that_galilei_says(falling: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -85,6 +86,15 @@ def test_the_summary_tells_scene_accuracy_energy_and_cost(capsys: pytest.Capture
     for word in ("SimplePendulum", "scene vacuum", "first of the file", "theta", "deg", "accuracy",
                  "estimated", "energy", "imbalance", "right-hand sides", "numpy"):  # fmt: skip
         assert word in shown
+
+
+def test_the_summary_tells_what_the_start_took_where_that_is_much(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for least, told in ((60.0, False), (0.0, True)):
+        monkeypatch.setattr("lagc.cli.summary.TOLD", least)
+        assert sim(PENDULUM) == 0
+        assert ("of it to find the start" in capsys.readouterr().out) is told
 
 
 def test_quiet_prints_the_final_values_only(capsys: pytest.CaptureFixture[str]) -> None:

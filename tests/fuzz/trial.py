@@ -208,7 +208,7 @@ def _lasting(out: str) -> object:
         found = json.loads(out)
     except ValueError:
         return out
-    for key in ("backend", "compile_s", "run_s"):
+    for key in ("backend", "compile_s", "run_s", "start_s"):
         found.pop(key, None)
         found.get("cost", {}).pop(key, None)
     return found

@@ -27,4 +27,10 @@ ENTRIES: dict[str, Entry] = {
         "Points times states is known before the run: more than 2 GB are recorded only if allowed by "
         "`--max-memory SIZE`.  Fewer points do not make the run less accurate.",
     ),
+    "LAG0805": Entry(
+        "the start was not tried to its end",
+        "`lagc check` tries starts as runs do, each for a minute, more for a large model; whether there is "
+        "one is not known where this warning stands.  A run searches for its start as long as it takes.  "
+        "With `--max-time T` the whole command has that time instead, and is ended by it (LAG0801).",
+    ),
 }
