@@ -10,7 +10,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from math import inf, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -187,10 +187,12 @@ class _Search:
             part = found[first : first + 4]
             if part[np.flatnonzero(np.abs(part) > SAME)[0]] < 0.0:
                 found[first : first + 4] = -part
-        for i in interface.angles:
-            turned = found.copy()
-            turned[i] -= 2.0 * pi * round((found[i] - SAME) / (2.0 * pi))
-            if turned[i] != found[i] and self._met(turned):
+        wound = [i for i in interface.angles if _turns(found[i])]
+        if wound and self._met(_unwound(found, wound)):  # all at once, or one after the other
+            return _unwound(found, wound)
+        for i in wound:
+            turned = _unwound(found, [i])
+            if self._met(turned):
                 found = turned
         return found
 
@@ -204,7 +206,7 @@ class _Search:
         before = inf
         for k in range(STEPS):
             residual, table, columns, rows = self._rows(z)
-            inverse = np.linalg.pinv(table * columns / rows[:, None], rcond=DEPENDENT) / rows
+            inverse = _inverse(table * columns / rows[:, None]) / rows
             step = -inverse @ residual
             length = np.abs(step[:n]).max(initial=0.0)
             if k % LATE == LATE - 1:
@@ -278,3 +280,30 @@ class _Search:
     def _forces(self) -> slice:
         part = self.system.interface.stack["force"]
         return slice(part.start, part.stop)
+
+
+def _turns(angle: float) -> int:
+    """Whole turns, which may be taken off."""
+    return round((angle - SAME) / (2.0 * pi))
+
+
+def _unwound(z: Array, angles: Sequence[int]) -> Array:
+    """The same without whole turns of these."""
+    found = z.copy()
+    for i in angles:
+        found[i] -= 2.0 * pi * _turns(z[i])
+    return found
+
+
+def _inverse(table: Array) -> Any:
+    """The pseudo-inverse; where no singular value is too small, which the norms tell (of Frobenius: they are
+    no less than those of the largest), the inverse of a square one, in a tenth of the time."""
+    if table.shape[0] == table.shape[1]:
+        try:
+            found = np.linalg.inv(table)
+        except np.linalg.LinAlgError:
+            pass
+        else:
+            if DEPENDENT * np.linalg.norm(table) * np.linalg.norm(found) < 1.0:
+                return found
+    return np.linalg.pinv(table, rcond=DEPENDENT)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from lagc.run.linearize import Linear
 
 FEW = 6  # states whose matrices are shown without being asked for
-MOST = 12  # values that are shown without --verbose
+MOST = 12  # values, and eigenvalues, that are shown without --verbose
 PARTS = 4  # of a mode, the largest
 SMALL = 1e-3  # of its largest: parts of a mode that are not shown
 
@@ -53,18 +53,28 @@ def text(linear: Linear, verbose: bool = False) -> str:
             lines += _matrix(name, table.tolist()) if table.size else []
     if len(linear.states):
         lines.append(f"  {'eigenvalue [1/s]':>28}  {'frequency [Hz]':>14}  {'damping':>9}  mode")
+    return "\n".join([*lines, *_spectrum(linear, names, verbose)])
+
+
+def _spectrum(linear: Linear, names: Sequence[str], verbose: bool) -> list[str]:
+    """Eigenvalues with their modes, of a pair one, the fastest growing first."""
+    lines: list[str] = []
     values, modes = linear.eigenvalues.tolist(), linear.modes.T.tolist()
     zeros = [k for k, value in enumerate(values) if value == 0.0]
     for k, (value, mode) in enumerate(zip(values, modes)):
         if value.imag < 0.0 or (k in zeros[1:] and not verbose):
             continue  # of a pair the first stands for both, of zeros without -v for all
-        parts = f"{len(zeros)} of them" if k in zeros and not verbose else _parts(mode, names, interface.nq)
+        parts = (
+            f"{len(zeros)} of them" if k in zeros and not verbose else _parts(mode, names, linear.system.nq)
+        )
         rate, ratio = frequency(value), damping(value)
         lines.append(
             f"  {_complex(value):>28}  {f'{rate:.8g}' if rate else '':>14}  "
             f"{'' if ratio is None else f'{ratio + 0.0:.6g}':>9}  {parts}".rstrip()
         )
-    return "\n".join(lines)
+    if verbose or len(lines) <= MOST:
+        return lines
+    return [*lines[:MOST], f"  and {len(lines) - MOST} more: --json or -v shows them"]
 
 
 def _listed(names: Sequence[str], verbose: bool) -> str:

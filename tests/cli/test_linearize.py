@@ -26,6 +26,17 @@ def test_equilibria_are_told_with_their_modes(capsys: Capture) -> None:
     assert f"0 +- 4.42944692i      {frequency:.8g}" in shown and "theta 1" in shown
 
 
+def test_of_many_eigenvalues_the_first_are_told(capsys: Capture) -> None:
+    words = ["linearize", "chain", "-p", "n=20"]
+    assert main(words) == 0
+    few = capsys.readouterr().out
+    assert main([*words, "-v"]) == 0
+    everything = capsys.readouterr().out
+    assert few.endswith("\n  and 8 more: --json or -v shows them\n") and "more:" not in everything
+    told = [line for line in few.splitlines() if " +- " in line]
+    assert len(told) == 12 and told == [line for line in everything.splitlines() if " +- " in line][:12]
+
+
 def test_a_limit_of_time_ends_the_motion_to_it(capsys: Capture) -> None:
     words = ["--at", "1e9", "--max-time", "0.5", "--json"]
     assert main(["linearize", "simple_pendulum", *words]) == 4

@@ -385,6 +385,30 @@ def test_at_rest_dry_friction_pushes_neither_way() -> None:
         model.equilibria(tries=8)
 
 
+def test_whole_turns_of_many_angles_are_taken_off_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether something is an equilibrium is asked a few times, however many links have turned."""
+    asked: list[object] = []
+    met = equilibria._Search._met
+    monkeypatch.setattr(equilibria._Search, "_met", lambda *given: asked.append(given) or met(*given))
+    for n in (3, 12):
+        asked.clear()
+        system = lagc.load("chain").compile(parameters={"n": n}, backend="numpy").differentiated()
+        start = [2.0 * pi * k for k in range(1, n + 1)] + [0.0] * n
+        (one,) = equilibria.equilibria(system, start, tries=0)
+        assert one.x == pytest.approx([0.0] * 2 * n, abs=1e-12)
+        assert len(asked) <= 5
+
+
+@pytest.mark.parametrize("least", (1.0, 1e-6, 1e-13, 0.0))
+def test_matrices_are_inverted_as_far_as_they_tell(least: float) -> None:
+    dice = np.random.default_rng(1)
+    left, right = (np.linalg.qr(dice.normal(size=(6, 6)))[0] for _ in range(2))
+    sizes = np.array([3.0, 2.0, 1.0, 1.0, 0.5, least])
+    told = np.where(sizes > 1e-9, 1.0 / np.maximum(sizes, 1e-9), 0.0)
+    expected = right * told @ left.T
+    assert equilibria._inverse(left * sizes @ right.T) == pytest.approx(expected, abs=1e-8 * told.max())
+
+
 def test_a_motion_that_is_wrong_has_none() -> None:
     """On its cut the energy of an angle leaps, which no run sees: all agree on what is no motion."""
     text = """model Leaping
