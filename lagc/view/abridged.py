@@ -103,15 +103,16 @@ def _runs(group: Sequence[Member]) -> list[list[Member]]:
         if len(run) > 1 and not _goes_on(run, member):
             runs.append(run)
             run = [] if len(run) >= _LEAST else run[-1:]
-        run = [*run, member]
+        run.append(member)
     return [run for run in (*runs, run) if len(run) >= _LEAST]
 
 
 def _goes_on(run: Sequence[Member], member: Member) -> bool:
-    """Indices exactly; coefficients, which may be decimals, but for rounding."""
+    """Indices exactly; coefficients, which may be decimals, but for rounding: of what changes evenly, an end
+    is the largest."""
     n = len(run)
     expected = [a + n * (b - a) for a, b in zip(run[0][1], run[1][1])]
-    slack = _ROUNDING * max(abs(x[1][0]) for x in (*run, member))
+    slack = _ROUNDING * max(abs(x[1][0]) for x in (run[0], run[-1], member))
     return expected[1:] == member[1][1:] and abs(expected[0] - member[1][0]) <= n * slack
 
 

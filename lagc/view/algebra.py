@@ -9,34 +9,40 @@ another way.
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from math import comb, factorial, gcd, inf, isqrt
-from typing import TypeAlias
+from math import comb, factorial, inf, isqrt
+from typing import Any, TypeAlias
 
-from lagc.expr.graph import Graph, Node
+from lagc.expr.graph import Node
 from lagc.expr.operators import OPERATORS
-from lagc.expr.walk import reachable
+from lagc.expr.walk import missing, within
 from lagc.records import dataclass
+from lagc.view.polynomials import (
+    Exponent,
+    Frozen,
+    Monomial,
+    Polynomial,
+    accumulate,
+    constant,
+    divided,
+    fraction,
+    frozen,
+    number_content,
+    scaled,
+)  # fmt: skip
 
-Exponent: TypeAlias = "int | Fraction"
-Monomial: TypeAlias = tuple[tuple[int, Exponent], ...]
-Polynomial: TypeAlias = dict[Monomial, Fraction]
-Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
+Parts: TypeAlias = list[tuple[Node, Polynomial]]  # of a sum, each with its factor
 
 HALF = Fraction(1, 2)
 HIGHEST = 8  # power of a sum that is multiplied out
 TABLE = "table "  # before the name of one, where an operator stands
 LONG = 12  # terms of what is named
-READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
 
 
 class TooLarge(Exception):
     """The expression has too many terms to be multiplied out."""
-
-
-class NotFinite(Exception):
-    """A number is infinite or NaN, which has no place in an equation."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +64,59 @@ class Algebra:
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}
+        self._sums: dict[Node, Parts] = {}  # long ones, which are not multiplied out until they are asked for
         self._left: float = limit
 
     # -- from nodes -----------------------------------------------------------
 
     def polynomials(self, nodes: Sequence[Node]) -> list[Polynomial]:
-        for node in reachable(nodes):
-            if node not in self._done:
+        known: ChainMap[Node, Any] = ChainMap(self._done, self._sums)
+        for node in missing(nodes, known):
+            parts = self._parts(node)
+            if parts:
+                self._sums[node] = parts
+            else:
+                self._multiply_out(node.args)
                 self._done[node] = self._convert(node)
+        self._multiply_out(nodes)
         return [self._done[node] for node in nodes]
+
+    def _parts(self, node: Node) -> Parts:
+        """Those of a sum that would be long; none of anything else."""
+        if node.op == "add":
+            lengths = [LONG if a in self._sums else len(self._done[a]) for a in node.args]
+            return [(a, constant(Fraction(1))) for a in node.args] if sum(lengths) > LONG else []
+        long = [(a, k) for k, a in enumerate(node.args) if a in self._sums]
+        if len(long) != 1:
+            return []
+        ((part, at),) = long
+        if node.op == "scale":
+            return [(part, constant(fraction(node.value)))]
+        if node.op != "mul" or node.value[at] != 1:
+            return []
+        factors = [(self._done[a], e) for k, (a, e) in enumerate(zip(node.args, node.value)) if k != at]
+        return [(part, self._product(factors))]
+
+    def _multiply_out(self, nodes: Iterable[Node]) -> None:
+        """Long sums, from the top: what stands in many of their parts, as in sums that run on along a
+        chain, is multiplied once, by the factors of all, and not written out for each."""
+        for top in nodes:
+            if top not in self._sums:
+                continue
+            total: Polynomial = {}
+            factors: dict[Node, Polynomial] = {top: constant(Fraction(1))}
+            for node in reversed(within([top], self._sums)):
+                factor = factors.pop(node)
+                for part, own in self._sums[node]:
+                    product = self.multiply(factor, own)
+                    if part in self._done:
+                        into, product = total, self.multiply(product, self._done[part])
+                    else:
+                        into = factors.setdefault(part, {})
+                    for m, c in product.items():
+                        accumulate(into, m, c)
+            self._done[top] = total
+            del self._sums[top]
 
     def _convert(self, node: Node) -> Polynomial:
         op, args = node.op, [self._done[a] for a in node.args]
@@ -79,10 +129,7 @@ class Algebra:
         if op == "scale":
             return scaled(args[0], fraction(node.value))
         if op == "mul":
-            product = constant(Fraction(1))
-            for base, exponent in zip(args, node.value):
-                product = self.multiply(product, self.power(base, exponent))
-            return product
+            return self._product(zip(args, node.value))
         if op == "sqrt":
             return self.root(args[0])
         if op == "entry":
@@ -90,6 +137,12 @@ class Algebra:
         if op == "pow":
             return self._pow(*args)
         return self.function(op, *args)
+
+    def _product(self, factors: Iterable[tuple[Polynomial, int]]) -> Polynomial:
+        product = constant(Fraction(1))
+        for base, exponent in factors:
+            product = self.multiply(product, self.power(base, exponent))
+        return product
 
     def _entry(self, node: Node) -> Polynomial:
         """A coefficient of a curve, as the curve and its slopes say it (Taylor's formula), so that these are
@@ -288,91 +341,3 @@ class Algebra:
         self._left -= work
         if self._left < 0:
             raise TooLarge
-
-
-class NamingAlgebra(Algebra):
-    """Takes `shared` nodes, and whatever gets long, as symbols, those of `graph`; `definitions` says what
-    they are.  It has no limit: nothing is multiplied out that would be long."""
-
-    def __init__(self, graph: Graph, shared: Iterable[Node], nonnegative: Iterable[Node] = ()) -> None:
-        super().__init__(nonnegative, limit=1 << 62)
-        self._graph = graph
-        self._shared = set(shared)
-        self._named: dict[Frozen, Polynomial] = {}
-        self.definitions: list[tuple[Node, Polynomial]] = []
-
-    def multiply(self, p: Polynomial, q: Polynomial) -> Polynomial:
-        if len(p) * len(q) > LONG**2 and min(len(p), len(q)) > 1:
-            p, q = self._name(p), self._name(q)
-        return super().multiply(p, q)
-
-    def power(self, p: Polynomial, n: int) -> Polynomial:
-        return super().power(self._name(p) if n > HIGHEST else p, n)
-
-    def _name(self, p: Polynomial) -> Polynomial:
-        """A symbol for `p`, where it has several terms."""
-        if len(p) < 2:
-            return p
-        key = frozen(p)
-        if key not in self._named:
-            node = self._graph.symbol("shown part", str(len(self._named)))
-            self.definitions.append((node, p))
-            self._named[key] = self.symbol_only(node)
-        return self._named[key]
-
-    def _convert(self, node: Node) -> Polynomial:
-        p = super()._convert(node)
-        if len(p) < 2 or (node not in self._shared and len(p) <= LONG):
-            return p
-        return self._name(p)
-
-
-def fraction(value: float) -> Fraction:
-    """The simple fraction that rounds to `value`, or `value` itself.  Raises NotFinite."""
-    if value - value != 0.0:
-        raise NotFinite
-    near = Fraction(value).limit_denominator(1000)
-    if float(near) == value:
-        return near
-    return Fraction(repr(value))
-
-
-def constant(c: Fraction) -> Polynomial:
-    return {(): c} if c else {}
-
-
-def scaled(p: Polynomial, c: Fraction) -> Polynomial:
-    return {m: c * value for m, value in p.items()} if c else {}
-
-
-def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
-    """total += c*monomial."""
-    before = total.get(monomial)
-    value = c if before is None else before + c
-    if value:
-        total[monomial] = value
-    else:
-        total.pop(monomial, None)
-
-
-def frozen(p: Polynomial) -> Frozen:
-    return tuple(sorted(p.items()))
-
-
-def divided(monomial: Monomial, common: dict[int, Exponent]) -> Monomial:
-    return tuple([(a, e - common.get(a, 0)) for a, e in monomial if e != common.get(a, 0)])
-
-
-def number_content(values: Iterable[Fraction]) -> Fraction:
-    """The greatest number > 0 that divides all `values` to whole numbers; 1 where they are
-    different decimal numbers that no formula has."""
-    sizes = {abs(value) for value in values}
-    if len(sizes) == 1:
-        return sizes.pop()
-    over, under = 0, 1
-    for value in sizes:
-        if value.denominator > READABLE:
-            return Fraction(1)
-        over = gcd(over, value.numerator)
-        under = under * value.denominator // gcd(under, value.denominator)
-    return Fraction(over, under) if under <= READABLE and over else Fraction(1)

@@ -7,7 +7,8 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from lagc.records import dataclass
-from lagc.view.algebra import Algebra, Exponent, Monomial, Polynomial, divided, scaled
+from lagc.view.algebra import Algebra
+from lagc.view.polynomials import Exponent, Monomial, Polynomial, divided, scaled
 
 Factors: TypeAlias = "tuple[tuple[int | Sum, Exponent], ...]"
 

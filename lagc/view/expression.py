@@ -5,9 +5,10 @@ from __future__ import annotations
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import Algebra, NotFinite, TooLarge
+from lagc.view.algebra import Algebra, TooLarge
 from lagc.view.formulas import collector_of, nonnegative, tidy
 from lagc.view.names import Name, names
+from lagc.view.polynomials import NotFinite
 from lagc.view.text import TextWriter
 
 LIMIT = 20_000  # products

@@ -14,9 +14,11 @@ from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.records import dataclass
 from lagc.view.abridged import ALL, MOST, chosen
-from lagc.view.algebra import LONG, Algebra, NamingAlgebra, NotFinite, Polynomial, TooLarge, scaled
+from lagc.view.algebra import LONG, Algebra, TooLarge
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names
+from lagc.view.naming import NamingAlgebra
+from lagc.view.polynomials import NotFinite, Polynomial, scaled
 from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
 
 
@@ -44,6 +46,8 @@ class Sheet:
 
 KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
 ZERO = Sum(())
+WORK, PER_ENTRY = 60_000, 100  # products, and for each entry of the rows of M that are written
+MOST_WORK = 1_000_000  # some seconds
 
 
 def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
@@ -57,7 +61,7 @@ def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
     their numbers is not finite."""
     known, asked = nonnegative(equations), _asked(equations, full)
     try:
-        algebra = Algebra(known)
+        algebra = Algebra(known, min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK))
         try:
             found = _sheet(equations, algebra, asked)
             algebra.rest()

@@ -7,8 +7,9 @@ import re
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX, spelling
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import TABLE, Exponent
+from lagc.view.algebra import TABLE
 from lagc.view.formulas import Sheet, by_kind, sheet
+from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
 
 _GREEK = """

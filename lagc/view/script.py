@@ -10,10 +10,11 @@ from math import inf
 from lagc.expr.graph import Node
 from lagc.expr.operators import TRUTHS, spelling
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.algebra import TABLE, Exponent
+from lagc.view.algebra import TABLE
 from lagc.view.collect import Collector
 from lagc.view.formulas import Sheet
 from lagc.view.names import Name
+from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
 
 WORDS = spelling("sympy")

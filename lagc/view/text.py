@@ -12,9 +12,10 @@ from functools import cached_property
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
 from lagc.view.abridged import FEW, TERMS, Series, Term, linear, series
-from lagc.view.algebra import HALF, TABLE, Exponent, Frozen
+from lagc.view.algebra import HALF, TABLE
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Name
+from lagc.view.polynomials import Exponent, Frozen
 
 _LONGEST = 10**17  # of an integer with all its digits
 _DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)

@@ -12,7 +12,8 @@ from fractions import Fraction
 
 from lagc.expr.operators import TWINS
 from lagc.expr.squares import exchanged
-from lagc.view.algebra import READABLE, Algebra, Exponent, Monomial, Polynomial, accumulate, frozen, scaled
+from lagc.view.algebra import Algebra
+from lagc.view.polynomials import READABLE, Exponent, Monomial, Polynomial, accumulate, frozen, scaled
 
 NOISE = Fraction(1, 2**50)
 Powers = dict[int, Exponent]

@@ -191,5 +191,5 @@ def test_what_is_just_multiplied_out_is_written(name: str, monkeypatch: pytest.M
     algebra = Algebra(formulas.nonnegative(equations))
     formulas._sheet(equations, algebra, formulas._asked(equations, True))
     spent = 60_000 - int(algebra._left)
-    monkeypatch.setattr(formulas, "Algebra", lambda known: Algebra(known, limit=spent))
+    monkeypatch.setattr(formulas, "Algebra", lambda known, _: Algebra(known, limit=spent))
     assert write(equations) == expected

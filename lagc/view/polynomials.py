@@ -1,0 +1,70 @@
+"""Sums of monomials with exact coefficients, and the numbers of a model as such coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from math import gcd
+from typing import TypeAlias
+
+Exponent: TypeAlias = "int | Fraction"
+Monomial: TypeAlias = tuple[tuple[int, Exponent], ...]
+Polynomial: TypeAlias = dict[Monomial, Fraction]
+Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
+
+READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
+
+
+class NotFinite(Exception):
+    """A number is infinite or NaN, which has no place in an equation."""
+
+
+def fraction(value: float) -> Fraction:
+    """The simple fraction that rounds to `value`, or `value` itself.  Raises NotFinite."""
+    if value - value != 0.0:
+        raise NotFinite
+    near = Fraction(value).limit_denominator(1000)
+    if float(near) == value:
+        return near
+    return Fraction(repr(value))
+
+
+def constant(c: Fraction) -> Polynomial:
+    return {(): c} if c else {}
+
+
+def scaled(p: Polynomial, c: Fraction) -> Polynomial:
+    return {m: c * value for m, value in p.items()} if c else {}
+
+
+def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
+    """total += c*monomial."""
+    before = total.get(monomial)
+    value = c if before is None else before + c
+    if value:
+        total[monomial] = value
+    else:
+        total.pop(monomial, None)
+
+
+def frozen(p: Polynomial) -> Frozen:
+    return tuple(sorted(p.items()))
+
+
+def divided(monomial: Monomial, common: dict[int, Exponent]) -> Monomial:
+    return tuple([(a, e - common.get(a, 0)) for a, e in monomial if e != common.get(a, 0)])
+
+
+def number_content(values: Iterable[Fraction]) -> Fraction:
+    """The greatest number > 0 that divides all `values` to whole numbers; 1 where they are
+    different decimal numbers that no formula has."""
+    sizes = {abs(value) for value in values}
+    if len(sizes) == 1:
+        return sizes.pop()
+    over, under = 0, 1
+    for value in sizes:
+        if value.denominator > READABLE:
+            return Fraction(1)
+        over = gcd(over, value.numerator)
+        under = under * value.denominator // gcd(under, value.denominator)
+    return Fraction(over, under) if under <= READABLE and over else Fraction(1)
