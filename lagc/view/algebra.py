@@ -16,6 +16,7 @@ from math import comb, factorial, inf, isqrt
 from typing import Any, TypeAlias
 
 from lagc.expr.graph import Node
+from lagc.expr.modular import turns_of
 from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import missing, within
 from lagc.records import dataclass
@@ -60,6 +61,7 @@ class Algebra:
 
     def __init__(self, nonnegative: Iterable[Node] = (), limit: int = 60_000) -> None:
         self.atoms: list[Atom] = []
+        self.pi: Node | None = None  # what its multiples are written with
         self.named: dict[int, Node] = {}  # sums, by atom, that are written as symbols
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
@@ -91,7 +93,7 @@ class Algebra:
             return []
         ((part, at),) = long
         if node.op == "scale":
-            return [(part, constant(fraction(node.value)))]
+            return [(part, self._times(node.value, constant(Fraction(1))))]
         if node.op != "mul" or node.value[at] != 1:
             return []
         factors = [(self._done[a], e) for k, (a, e) in enumerate(zip(node.args, node.value)) if k != at]
@@ -121,13 +123,13 @@ class Algebra:
     def _convert(self, node: Node) -> Polynomial:
         op, args = node.op, [self._done[a] for a in node.args]
         if op == "const":
-            return constant(fraction(node.value))
+            return self._times(node.value, constant(Fraction(1)))
         if op == "symbol":
             return self.symbol_only(node)
         if op == "add":
             return self.add(args[0], args[1])
         if op == "scale":
-            return scaled(args[0], fraction(node.value))
+            return self._times(node.value, args[0])
         if op == "mul":
             return self._product(zip(args, node.value))
         if op == "sqrt":
@@ -137,6 +139,12 @@ class Algebra:
         if op == "pow":
             return self._pow(*args)
         return self.function(op, *args)
+
+    def _times(self, number: float, p: Polynomial) -> Polynomial:
+        turns = turns_of(number) if self.pi is not None else None
+        if self.pi is None or turns is None:
+            return scaled(p, fraction(number))
+        return self.multiply(scaled(self.symbol_only(self.pi), turns), p)
 
     def _product(self, factors: Iterable[tuple[Polynomial, int]]) -> Polynomial:
         product = constant(Fraction(1))

@@ -16,7 +16,7 @@ from lagc.records import dataclass
 from lagc.view.abridged import ALL, MOST, chosen
 from lagc.view.algebra import LONG, Algebra, TooLarge
 from lagc.view.collect import Collector, Sum, positive_first
-from lagc.view.names import Name, names
+from lagc.view.names import Name, names, pi_of
 from lagc.view.naming import NamingAlgebra
 from lagc.view.polynomials import NotFinite, Polynomial, scaled
 from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
@@ -137,7 +137,10 @@ def _sheet(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> She
 def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
     """What collects terms in the order of the symbols of `equations`."""
     model = equations.model
+    algebra.pi = pi_of(equations)
     parameters = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
+    if algebra.pi is not None:
+        parameters.insert(0, algebra.pi)
     for node in (*parameters, *equations.q, *equations.v, *equations.a, *equations.lam):
         algebra.symbol(node)
     return Collector(

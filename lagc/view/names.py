@@ -32,8 +32,19 @@ def names(equations: EquationsOfMotion) -> dict[Node, Name]:
     for row in equations.rows:
         found[row.multiplier] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
     taken = {n.base for n in found.values()}
+    pi = pi_of(equations)
+    if pi is not None:
+        found[pi] = Name("pi", "pi")
     found[equations.time] = Name("time" if "t" in taken else "t", "time")
     return found
+
+
+def pi_of(equations: EquationsOfMotion) -> Node | None:
+    """The symbol of pi; None where the model calls something else so."""
+    model = equations.model
+    names = [p.name for p in model.parameters] + [i.name for i in model.inputs] + [*equations.q_names]
+    taken = any(name.rpartition(".")[2] == "pi" for name in (*names, *equations.v_names))
+    return None if taken else equations.graph.symbol("number", "pi")
 
 
 def _shortener(full: Sequence[str]) -> Callable[[str], str]:

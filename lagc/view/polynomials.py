@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from math import gcd
+from math import floor, gcd, log10
 from typing import TypeAlias
 
 Exponent: TypeAlias = "int | Fraction"
@@ -13,6 +13,8 @@ Polynomial: TypeAlias = dict[Monomial, Fraction]
 Frozen: TypeAlias = tuple[tuple[Monomial, Fraction], ...]
 
 READABLE = 1_000_000  # a denominator beyond it comes from a decimal number, not from a formula
+WRITTEN = 12  # digits: numbers of more may have been rounded
+PRODUCTS, SUMS = Fraction(1, 2**50), Fraction(1, 2**47)  # what rounding makes of them, relatively; long sums
 
 
 class NotFinite(Exception):
@@ -20,13 +22,27 @@ class NotFinite(Exception):
 
 
 def fraction(value: float) -> Fraction:
-    """The simple fraction that rounds to `value`, or `value` itself.  Raises NotFinite."""
+    """The simple fraction that `value` is but for rounding, as products and sums of quotients are one, or
+    `value` itself.  Raises NotFinite."""
     if value - value != 0.0:
         raise NotFinite
     near = Fraction(value).limit_denominator(1000)
     if float(near) == value:
         return near
-    return Fraction(repr(value))
+    exact = Fraction(repr(value))
+    if len(repr(abs(value)).partition("e")[0].replace(".", "").strip("0")) <= WRITTEN:
+        return exact
+    # to one of these fractions a number of random digits is as near with a chance of some 1e-5
+    unit = Fraction(10) ** floor(log10(abs(value)))
+    for scale, finest, slack in (
+        (unit, 100_000, PRODUCTS),
+        (unit, 3_000, SUMS),
+        (max(unit, Fraction(1)), 30_000, SUMS),
+    ):
+        near = (exact / scale).limit_denominator(finest) * scale
+        if abs(near - exact) <= slack * abs(exact):
+            return near
+    return exact
 
 
 def constant(c: Fraction) -> Polynomial:

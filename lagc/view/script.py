@@ -13,7 +13,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TABLE
 from lagc.view.collect import Collector
 from lagc.view.formulas import Sheet
-from lagc.view.names import Name
+from lagc.view.names import Name, pi_of
 from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
 
@@ -50,7 +50,7 @@ def _variables(equations: EquationsOfMotion, found: Sheet) -> dict[str, str]:
     """Full name in the model -> Python identifier."""
     shared = {f.label for f in found.formulas if f.kind == "shared"}
     taken = {"t", "sympy", "equations", "equation"} | shared
-    variables: dict[str, str] = {}
+    variables = {"pi": "sympy.pi"} if pi_of(equations) is not None else {}
     for node, name in found.names.items():
         if node is equations.time or name.full in variables or name.full in shared:
             continue

@@ -18,6 +18,7 @@ from lagc.view.names import Name
 from lagc.view.polynomials import Exponent, Frozen
 
 _LONGEST = 10**17  # of an integer with all its digits
+_CLEARLY = 5  # characters that a quotient is shorter than the decimal number that it stands for
 _DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)
 
 
@@ -107,9 +108,10 @@ class TextWriter:
 
     def coefficient(self, c: Fraction) -> tuple[str, str]:
         """c >= 0 as the number above and the number below the line."""
-        if c.denominator <= 99 and c.numerator < _LONGEST:
-            return str(c.numerator), str(c.denominator)
-        return self.decimal(_decimal(c)), "1"
+        above, below, written = str(c.numerator), str(c.denominator), _decimal(c)
+        if (c.denominator <= 99 and c.numerator < _LONGEST) or len(above + below) + _CLEARLY < len(written):
+            return above, below
+        return self.decimal(written), "1"
 
     def decimal(self, written: str) -> str:
         return written

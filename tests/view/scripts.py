@@ -42,7 +42,7 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
         return lambda t: values[name]
 
     stand_in = SimpleNamespace(
-        Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float,
+        Symbol=symbol, Function=function, Rational=lambda a, b: a / b, Float=float, pi=math.pi,
         Eq=lambda a, b: a - b, Lt=lambda a, b: a < b, Le=lambda a, b: a <= b,
         Abs=abs, Min=min, Max=max, sign=lambda x: (x > 0) - (x < 0),
         And=lambda a, b: a and b, Or=lambda a, b: a or b, Piecewise=lambda a, b: a[0] if a[1] else b[0],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
-from math import cos, isclose, sin
+from math import cos, isclose, pi, sin
 from random import Random
 
 import pytest
@@ -33,7 +33,7 @@ def values(text: str, at: dict[tuple[str, int, int], float]) -> list[float]:
     def total(first: int, last: int, term) -> float:
         return sum(term(k) for k in range(first, last + 1))
 
-    known = {**dict.fromkeys("lgmkFLM", 0.7), "at": at, "total": total, "sin": sin, "cos": cos}
+    known = {**dict.fromkeys("lgmkFLM", 0.7), "at": at, "total": total, "sin": sin, "cos": cos, "pi": pi}
     found = []
     for left, right in (line.split(" = ", 1)[:: -1 if line[0] == "s" and line[1].isdigit() else 1]
                         for line in re.sub(r"(\w) = (\d+\.\.)", r"\1=\2", text).splitlines()

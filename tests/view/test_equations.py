@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
+from fractions import Fraction
+from random import Random
 
 import pytest
 
+import lagc
 from lagc.view import formulas
 from lagc.view.algebra import Algebra
 from lagc.view.equations import write
 from lagc.view.latex import equations_latex, letter
+from lagc.view.polynomials import fraction
 from tests.view.models import EVERYTHING, LONG, derived, equations_of
 
 
@@ -121,6 +126,31 @@ def test_the_script_runs_with_sympy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", script + check], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("n", [3, 5, 7, 21, 100])
+def test_what_is_made_of_whole_numbers_is_written_so(n: int) -> None:
+    """Their quotients are rounded, and so are products and sums of these."""
+    text = write(lagc.load("large/rope").compile(parameters={"n": n}, backend="numpy").equations, full=False)
+    assert text.splitlines()[1].startswith(f"{n}*L*a[1]'' + ") and not re.search(r"\d\.\d", text)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_fractions_differ_from_numbers_by_rounding(seed: int) -> None:
+    chance = Random(seed)
+    a, b, c = (chance.randrange(1, 40) for _ in range(3))
+    assert fraction(a / b * (1 / c)) == Fraction(a, b * c)
+    assert fraction(sum([1 / b] * 50)) == Fraction(50, b)
+    value = chance.uniform(-1, 1) * 10 ** chance.randrange(-8, 8)
+    assert fraction(value) == Fraction(repr(value))
+    assert fraction(1.00000000000001) == Fraction("1.00000000000001")
+
+
+def test_multiples_of_pi_are_written_with_pi() -> None:
+    text = "model A\n  {}coordinate Angle a, b;\n  potential V = 1 [J]*(cos(2*pi/5 + a) - pi*b^2);\nend A;\n"
+    assert "sin(2*pi/5 + a)" in write(equations_of(text.format("")))
+    named = "parameter Real pi = 3 [1];\n  "
+    assert "pi" not in write(equations_of(text.format(named).replace("2*pi", "6.283185307179586")))
 
 
 def test_names_that_python_reserves_are_legal_in_the_script() -> None:
