@@ -54,9 +54,11 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     preparation = Preparation(len(parameters), len(parameters) + len(equations.model.inputs))
     dense = solver is None or forms_matrix(equations)
     made, slopes = _functions(at, along, switches, solver, solving, work, dense, preparation)
+    factored = solver if equations.rows or differentiate else None
     differentiated = derivatives(along, switches) if differentiate else None
     if differentiated:
-        made.update((f.name, preparation.separated(f)) for f in differentiated.functions)
+        own = _factored(along, solver, False) if solver and not equations.rows else []
+        made.update((f.name, preparation.separated(f)) for f in (*own, *differentiated.functions))
     found, read = preparation.finished(made)
     found = {name: rolled(function, often=name in OFTEN) for name, function in found.items()}
     return Program(
@@ -68,7 +70,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
             read=read,
             work=work,
             straight=solver is not None,
-            work_size=kkt.work_size(solver, not dense) if solver and equations.rows else 0,
+            work_size=kkt.work_size(factored, bool(equations.rows) and not dense) if factored else 0,
             health=dict(found["rhs"].outputs)["health"] if solver else 0,
             operations=_operations(equations, found),
             lifted=len(system.structure.definitions),
@@ -113,8 +115,7 @@ def _functions(
     if dense:
         made.append(functions.system(along, seldom=solver is not None))
     if solver is not None and constrained:
-        made += [kkt.assemble(along, solver, not dense), kkt.factorize(solver, not dense)]
-        made.append(kkt.solve(solver))
+        made += _factored(along, solver, not dense)
         made += [kkt.refiner(solver)] if dense else [kkt.rest(solver), functions.forces(along)]
     made.append(functions.displace(at))
     if constrained:
@@ -134,6 +135,11 @@ def _functions(
     if solver is not None and constrained:
         found.update((f.name, balanced(found[f.name])) for f in solving)
     return found, slopes
+
+
+def _factored(along: Places, solver: Solver, guarded: bool) -> list[Function]:
+    """What solves for any right-hand side."""
+    return [kkt.assemble(along, solver, guarded), kkt.factorize(solver, guarded), kkt.solve(solver)]
 
 
 def _operations(equations: EquationsOfMotion, found: Mapping[str, Function]) -> int:

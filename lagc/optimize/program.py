@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from lagc.records import dataclass, field
+from lagc.records import dataclass, field, replace
 
 FARTHEST = 1.7e308  # in tables: an end that no number comes to
 
@@ -313,7 +313,8 @@ class Program:
                                      M packed by rows of the lower triangle, r = tau - h,
                                      G dense by rows; not of large models that rhs solves
       forces      (p,t,x)         -> qdot[nq], r[nv + nc]   r as above, then gamma     nc > 0, no `system`
-      assemble    (p,t,x)         -> w    KKT entries M and G into w       "straight" and nc > 0
+      assemble    (p,t,x)         -> w    KKT entries M and G into w       "straight" and nc > 0, or with
+                                     derivatives
       factor      (w)             -> w, health[2]   L and D after the entries
       solve       (w,r)           -> s[nv+nc]   r = (r1, r2): M s1 - G^T s2 = r1, G s1 = r2
       refine      (w,r,s)         -> s          one step of iterative refinement of what solve gave
@@ -363,6 +364,14 @@ class Program:
 
     interface: Interface
     functions: dict[str, Function]
+
+    @property
+    def shipped(self) -> Program:
+        """Without the factors that derivatives alone are made with, in runs of lagc."""
+        if self.interface.nc or not self.interface.work_size:
+            return self
+        kept = {name: f for name, f in self.functions.items() if name not in ("assemble", "factor", "solve")}
+        return Program(replace(self.interface, work_size=0, functions=tuple(kept)), kept)
 
     def verify(self) -> None:
         """The invariants of straight-line code.  Raises AssertionError."""

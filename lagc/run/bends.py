@@ -58,10 +58,9 @@ def _changing(point: Point) -> list[int]:
     sides, modes = point.value("side"), system.modes(point.t, point.x)
     rows, n = interface.stack["side"], len(interface.switches)
     doubt = np.zeros(n)
-    for other, t, x, a, lam in point.beside:
-        doubt = np.maximum(
-            doubt, np.abs(np.array(other.stack(t, x, a, lam, modes))[rows.start : rows.stop] - sides)
-        )
+    for other in point.beside:
+        there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
+        doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
     edges = [0.0] * (2 * n)
     if any(interface.counted_switches):
         system.model.module["fn_edges_on"](modes, edges)

@@ -75,31 +75,26 @@ class Point:
     def by(self, group: str) -> Array:
         """All of them by a group as a matrix, where a and lam are held."""
         if group not in self._groups:
-            entries = self.entries(self.system, group, self.t, self.x, self.a, self.lam)
-            for k, (system, t, x, a, lam) in enumerate(self.beside if self.clean else ()):
+            entries = self._entries(group)
+            for k, other in enumerate(self.beside if self.clean else ()):
                 if k >= FEW and not _doubtful(entries).any():
                     break
-                changes = np.abs(self.entries(system, group, t, x, a, lam) - entries)
+                changes = np.abs(other.by(group) - entries)
                 entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
             self._groups[group] = entries
         return self._groups[group]
 
-    def entries(
-        self,
-        system: NumpySystem,
-        group: str,
-        t: float,
-        x: Sequence[float],
-        a: Sequence[float],
-        lam: Sequence[float],
-    ) -> Array:
+    def _entries(self, group: str) -> Array:
         """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
-        entries: Array = system.derivatives(group, t, x, a, lam, self.modes)
+
+        def at(side: float) -> Array:
+            x = [value + side for value in self.x]
+            found: Array = self.system.derivatives(group, self.t, x, self.a, self.lam, self.modes)
+            return found
+
+        entries = at(0.0)
         if not np.isfinite(entries).all():
-            one, two = (
-                system.derivatives(group, t, [v + side for v in x], a, lam, self.modes)
-                for side in (TINY, -TINY)
-            )
+            one, two = at(TINY), at(-TINY)
             size = float(max(np.abs(entries[np.isfinite(entries) & (entries != 0.0)]), default=1.0))
             alike = np.abs(one - two) <= ROUNDING * (np.abs(one) + size)
             both = rounded((one + two) / 2.0, size)
@@ -112,14 +107,14 @@ class Point:
         system, n = self.system, self.system.nq + self.system.nv
         here, lam = np.array([*self.value("qdot"), *self.a]), [0.0] * system.nc
         found = np.zeros(n, dtype=bool)
-        for other, t, x, _, _ in self.beside[:FEW]:
+        for other in self.beside[:FEW]:
             rates = [0.0] * system.nx
-            if self._rhs(other, t, x, rates, lam) not in FAILED:
+            if self._rhs(other.system, other.t, other.x, rates, lam) not in FAILED:
                 found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
         return found
 
     @cached_property
-    def beside(self) -> list[tuple[NumpySystem, float, list[float], list[float], list[float]]]:
+    def beside(self) -> list[Point]:
         """All with other last places."""
         chance = random.Random(0)
 
@@ -127,7 +122,10 @@ class Point:
             return [value * (1.0 + chance.choice((-1, 1)) * LAST) for value in values]
 
         others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(ENOUGH)]
-        return [(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam)) for s in others]
+        return [
+            Point(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam), modes=self.modes)
+            for s in others
+        ]
 
     def partial(self, part: str, group: str) -> Array:
         """Of one part of the stack, where a and lam are held."""
@@ -155,27 +153,55 @@ class Point:
     @cached_property
     def inverse(self) -> Array:
         """K^-1; where rows depend on each other, that of least multipliers."""
+        return self.solved(np.eye(self.system.nv + self.system.nc))
+
+    def solved(self, right: Array) -> Array:
+        """K^-1 `right`: by the factors of the model itself, which know what it is made of, so that of long
+        chains fewer digits are lost than the condition of K tells."""
+        if self._factors is not None:
+            found: Array = self.system.solved(self._factors, right)
+            return found
+        found = self._dense @ right
+        return found + self._dense @ (right - self.residual("acceleration") @ found)
+
+    @cached_property
+    def _factors(self) -> list[float] | None:
+        return self.system.factors(self.t, self.x, self.modes)
+
+    @cached_property
+    def _dense(self) -> Array:
+        """K^-1 as a matrix has it."""
         d, k = np.concatenate(self.scales), self.residual("acceleration")
         scaled = d[:, None] * k * d
         if not np.isfinite(scaled).all():
             raise ArithmeticError("the derivatives have no finite value there")
-        inverse = _inverse(scaled)
-        inverse = inverse + inverse @ (np.eye(len(scaled)) - scaled @ inverse)
-        found: Array = d[:, None] * inverse * d
+        found: Array = d[:, None] * _inverse(scaled) * d
         return found
 
     def motion(self, group: str) -> Array:
         """d(a, lam)/d(group) along motions."""
         if group not in self._motion:
-            self._motion[group] = -self.inverse @ self.residual(group)
+            self._motion[group] = -self.solved(self.residual(group))
         return self._motion[group]
 
     def sizes(self, group: str) -> Array:
         """What the terms of d(a, lam)/d(group) add up to."""
-        found: Array = np.abs(self.inverse) @ self._parts(group)
+        found: Array = np.abs(self.inverse) @ self.parts(group)
         return found
 
-    def _parts(self, group: str) -> Array:
+    def unsure(self, group: str) -> Array:
+        """What rounding of d(a, lam)/d(group) is a share of: of long chains far less than its terms, as what
+        it changes by where last places change tells."""
+        found, terms = np.abs(self.motion(group)), self.sizes(group)
+        changes = np.zeros_like(found)
+        for k, other in enumerate(self.beside):
+            if k >= FEW and not ((SHARE * found > changes) & (found <= ROUNDING * terms)).any():
+                break
+            changes = np.maximum(changes, np.abs(other.motion(group) - self.motion(group)))
+        return np.minimum(terms, found + changes / (SHARE * ROUNDING))
+
+    def parts(self, group: str) -> Array:
+        """What the terms of dF/d(group) add up to."""
         inertia, force, row = (np.abs(self.partial(part, group)) for part in ("inertia", "force", "row"))
         return np.vstack([inertia + force, row])
 
@@ -185,13 +211,12 @@ class Point:
         d = np.concatenate(self.scales)
         solve = np.abs(self.inverse) / np.outer(d, d)
         solve = d[:, None] * np.where(solve > 0.0, solve.max(initial=0.0), 0.0) * d
-        return np.vstack(
-            [np.abs(self.partial("qdot", group)), (solve @ self._parts(group))[: self.system.nv]]
-        )
+        return np.vstack([np.abs(self.partial("qdot", group)), (solve @ self.parts(group))[: self.system.nv]])
 
-    def rate_sizes(self, group: str) -> Array:
-        """The same of d(rate)/d(group)."""
-        return np.vstack([np.abs(self.partial("qdot", group)), self.sizes(group)[: self.system.nv]])
+    def rate_sizes(self, group: str, of_motion: Array | None = None) -> Array:
+        """The same of d(rate)/d(group), where that of d(a, lam)/d(group) is `sizes` or what is given."""
+        of_motion = self.sizes(group) if of_motion is None else of_motion
+        return np.vstack([np.abs(self.partial("qdot", group)), of_motion[: self.system.nv]])
 
     def by_parameters(self) -> Array:
         """d(rate)/d(parameter), with 0 for what is rounding of its terms: of a motion that does not depend on

@@ -13,7 +13,7 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 from functools import cached_property
-from math import inf, pi, sqrt
+from math import inf, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +21,7 @@ import numpy as np
 from lagc.records import dataclass, replace
 from lagc.run.derivatives import ROUNDING, Array, Point, largest_beside, rounded
 from lagc.run.independent import independent
+from lagc.run.least import is_least
 from lagc.run.problem import OK, Options
 from lagc.run.spectrum import Spectrum, spectrum
 
@@ -52,6 +53,7 @@ class Linear:
     of_time: bool  # whether derivatives seem to depend on time itself
     linear: bool  # whether they seem to depend on nothing but parameters
     notes: tuple[str, ...] = ()  # where it is one of those of several sides
+    least: bool = False  # it is an equilibrium at which energy, which is kept, has a strict minimum
     free: int = 0  # of an equilibrium: directions in which it seems to be one of many
     turning: bool = False  # A is another as the motion goes on, though what changes acts on nothing else now
 
@@ -148,24 +150,8 @@ class Linear:
             return "unstable"
         if growth < 0.0:
             return "asymptotically stable"
-        return "stable: energy is least there" if self._least else "neutral: the linear model does not decide"
-
-    @property
-    def _least(self) -> bool:
-        """Whether energy, which is kept, has a strict minimum at this equilibrium, which is stable then
-        (G. Lejeune Dirichlet, *J. reine angew. Math.* 32, 1846).
-
-        Of M q'' + K q = 0, M positive definite, no force of the speeds, all motions oscillate where K is
-        positive definite, and there alone.  Where rates are 0 to STILL, K may be off by its root, as beside
-        the flat place of q^3."""
-        interface, n = self.system.interface, len(self.A)
-        speeds = [k for k, i in enumerate(self.indices) if i >= self.system.nq]
-        kept = interface.conservative and not (interface.doubtful or interface.switches or interface.whens)
-        alone = 2 * len(speeds) == n and not self.A[np.ix_(speeds, speeds)].any()
-        if not (kept and self.still and alone) or self.free:
-            return False
-        squares = np.abs(self.eigenvalues) ** 2
-        return bool(squares.min() > sqrt(STILL) * squares.max())
+        least = self.least and not self.free
+        return "stable: energy is least there" if least else "neutral: the linear model does not decide"
 
     def to_dict(self) -> dict[str, Any]:
         """Numbers in SI."""
@@ -254,17 +240,18 @@ def _linearized(
     """On a branch, where it is not that of the state."""
     point = Point(system, t, x, clean=True, modes=modes)
     first = len(system.interface.parameters)
-    sizes, size_inputs = point.rate_sizes("state"), point.rate_sizes("parameter")[:, first:]
+    by_x, by_u = point.unsure("state"), point.unsure("parameter")
+    sizes, size_inputs = point.rate_sizes("state", by_x), point.rate_sizes("parameter", by_u)[:, first:]
     rates, by_inputs = point.total("rate", "state"), point.total("rate", "parameter")[:, first:]
-    changing = _changing(point, rates, sizes)
+    changing = _changing(point, rates, point.rate_sizes("state"))
     chosen = independent(point, changing.tolist())
     outputs, out_inputs = point.total("output", "state"), point.total("output", "parameter")[:, first:]
     moved, put = np.abs(chosen.motions), np.abs(chosen.inputs)
     a = rounded(rates @ chosen.motions, sizes @ moved)[chosen.indices]
     b = rounded(rates @ chosen.inputs + by_inputs, sizes @ put + size_inputs)[chosen.indices]
     late = np.abs(point.partial("output", "acceleration"))
-    of_state = np.abs(point.partial("output", "state")) + late @ point.sizes("state")
-    of_inputs = np.abs(point.partial("output", "parameter")) + late @ point.sizes("parameter")
+    of_state = np.abs(point.partial("output", "state")) + late @ by_x
+    of_inputs = np.abs(point.partial("output", "parameter")) + late @ by_u
     c = rounded(outputs @ chosen.motions, of_state @ moved)
     d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
     if not all(np.isfinite(table).all() for table in (a, b, c, d)):
@@ -273,8 +260,18 @@ def _linearized(
     scales = _scales(point, chosen.indices, a)
     pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
     time = 1.0 / float(pace) if pace else 1.0
+    least = not any(moving) and _keeps_energy(system, chosen.indices, a) and is_least(point, chosen, a)
     return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
-                  _differs(point, time, 0.0 * far), not _differs(point, time, far))  # fmt: skip
+                  _differs(point, time, 0.0 * far), not _differs(point, time, far), least=least)  # fmt: skip
+
+
+def _keeps_energy(system: NumpySystem, indices: Sequence[int], a: Array) -> bool:
+    """Whether energy is kept, of which speeds have their own part and no other force: then all motions about
+    an equilibrium oscillate where it is least, and there alone, which is stable (G. Lejeune Dirichlet,
+    *J. reine angew. Math.* 32, 1846)."""
+    interface, speeds = system.interface, np.array(indices) >= system.nq
+    kept = interface.conservative and not (interface.doubtful or interface.switches or interface.whens)
+    return bool(kept and 0 < 2 * speeds.sum() == len(a) and not a[np.ix_(speeds, speeds)].any())
 
 
 def _changing(point: Point, rates: Array, sizes: Array) -> Array:
@@ -304,7 +301,7 @@ def _differs(point: Point, time: float, sizes: Array) -> bool:
         x = [value + size * chance.uniform(0.1, 1.0) for value, size in zip(point.x, sizes.tolist())]
         for group in ("state", "acceleration"):
             here = own.by(group)[:outputs]
-            there = own.entries(system, group, t, x, point.a, point.lam)[:outputs]
+            there = Point(system, t, x, point.a, point.lam).by(group)[:outputs]
             largest = np.maximum(largest_beside(here), largest_beside(there))
             if not (np.abs(there - here) <= ROUNDING * largest).all():
                 return True

@@ -6,7 +6,8 @@ many states at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from time import perf_counter
 from types import CodeType
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 from lagc.once import once
 from lagc.optimize.program import Interface
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
-from lagc.run.problem import Options, Trajectory, Vector
+from lagc.run.problem import OK, Options, Trajectory, Vector
 
 
 def compiled(sources: Mapping[str, str]) -> CodeType:
@@ -111,6 +112,39 @@ class NumpySystem(CompiledSystem):
         self.model.module["solve_at"](r, found, self._own.desk.equations.work)
         return found
 
+    def factors(self, t: float, x: Vector, modes: Vector | None = None) -> list[float] | None:
+        """Those of [M -G^T; G 0] at a state, of a program with derivatives; None where it has none, or none
+        that can be trusted.  Without `modes` on the branch of the state."""
+        if "solve" not in self.interface.functions:
+            return None
+        work = self._own.desk.equations.work
+        on = () if not self.interface.switches else (self.modes(t, x) if modes is None else modes,)
+        if not self.nc:
+            module = self.model.module
+            module["fn_assemble_on" if on else "fn_assemble"](self._p, t, x, *on, work.entries)
+            module["fn_factor"](work.entries, work.health)
+            return work.entries[:] if work.health[0] >= module["SINGULAR"] else None
+        with self._on(*on):
+            safely = work.fallbacks
+            status = self.assemble(t, x)
+        return work.entries[:] if status == OK and work.fallbacks == safely else None
+
+    def solved(self, factors: Vector, right: Any) -> Any:
+        """The columns s of M s1 - G^T s2 = r1, G s1 = r2 for those of `right`, with one step of refinement
+        where there are constraints."""
+        import numpy
+
+        module, found = self.model.module, [0.0] * len(right)
+        module["fn_solve"](factors, list(right), found)
+        if "refine" in self.interface.functions:
+            module["fn_refine"](factors, list(right), found)
+        elif self.nc:
+            rest, change = [0.0] * len(right), [0.0] * len(right)
+            module["fn_rest"](factors, list(right), found, rest)
+            module["fn_solve"](factors, rest, change)
+            found = [s + d for s, d in zip(found, change)]
+        return numpy.array([numpy.broadcast_to(s, right.shape[1]) for s in found])
+
     def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
         if "displace" not in self.interface.functions:
             return list(d)
@@ -134,14 +168,20 @@ class NumpySystem(CompiledSystem):
 
     def rhs_on(self, modes: Vector, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
         """`rhs` on a branch."""
-        if not modes:
+        with self._on(modes):
             return self.rhs(t, x, xdot, lam)
+
+    @contextmanager
+    def _on(self, modes: Vector = ()) -> Iterator[None]:
+        """What is asked within is asked on this branch, if one is given."""
+        if not modes:
+            yield
+            return
         work = self._own.desk.equations.work
         before, held = work.modes[:], work.held
         work.modes[:], work.held = modes, True
-        status = self.rhs(t, x, xdot, lam)
+        yield
         work.modes[:], work.held = before, held
-        return status
 
     def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
         """What is differentiated (`lagc.optimize.derivatives`), of a program with derivatives; without
