@@ -41,28 +41,13 @@ class Echelon:
     def rank(self) -> int:
         return len(self.rows)
 
-    def complement(self, columns: Iterable[int]) -> list[Entries]:
-        """A basis of the x that all rows annul."""
-        where = list(columns)
-        found: list[Entries] = []
-        for free in where:
-            if free not in self.rows:
-                values = dict.fromkeys(where, 0)
-                values[free] = 1
-                found.append({j: x for j, x in self._back(values).items() if x})
-        return found
-
     def solution(self, columns: Iterable[int], draw: Callable[[], int]) -> Entries:
         """x with rows . x = right, free entries drawn."""
         values = {j: 0 if j in self.rows else draw() for j in columns}
         values[RIGHT] = P - 1
-        found = self._back(values)
-        del found[RIGHT]
-        return found
-
-    def _back(self, values: Entries) -> Entries:
         for pivot, row in reversed(self.rows.items()):
             values[pivot] = -sum(x * values[j] for j, x in row.items() if j != pivot) % P
+        del values[RIGHT]
         return values
 
 

@@ -164,9 +164,9 @@ class _Part:
         """With as few other rows as will do."""
         own = self.forms[label]
         units = [form for form in self.given if form.is_unit]
-        if self._closed(place, [own], [own, *units]):
+        if self._closed(place, own, *self._motions(place, [own, *units])):
             return "on its own it is the rate of a relation between positions"
-        if self._closed(place, [own], [own, *self.given]):
+        if self._closed(place, own, *self._motions(place, [own, *self.given])):
             return "with the holonomic rows it is the rate of a relation between positions"
         others = [x for x in self.forms if x != label]
         for x in list(others):
@@ -181,28 +181,23 @@ class _Part:
         """The largest set of rows that are closed along each other and the holonomic ones."""
         inside = dict(self.forms)
         while inside:
-            along = [*inside.values(), *self.given]
-            closed = {x: form for x, form in inside.items() if self._closed(place, [form], along)}
+            motions = self._motions(place, [*inside.values(), *self.given])
+            closed = {x: form for x, form in inside.items() if self._closed(place, form, *motions)}
             if len(closed) == len(inside):
                 break
             inside = closed
         return dict.fromkeys(inside, "the rows together are the rates of relations between positions")
 
-    def _closed(self, place: _Place, asked: Sequence[Form], along: Sequence[Form]) -> bool:
-        """dw(X, Y) = sum of dA_x/dy (Y_x X_y - X_x Y_y) = 0 for the `asked` forms w, for all X, Y
-        that the forms `along` annul."""
+    def _motions(self, place: _Place, along: Sequence[Form]) -> tuple[Entries, Entries]:
+        """Two that the forms `along` annul, drawn: what vanishes for them does for all such pairs."""
         rows = Echelon()
         for form in along:
             rows.grows(place.row(form, self.column))
-        basis = rows.complement(range(len(self.where)))
-        for form in asked:
-            values = place.point.values(list(form.slopes.values()), place.truths)
-            entries = [(self.column[x], self.column[y], e) for (x, y), e in zip(form.slopes, values)]
-            for n, a in enumerate(basis):
-                for b in basis[:n]:
-                    terms = (
-                        e * (b.get(x, 0) * a.get(y, 0) - a.get(x, 0) * b.get(y, 0)) for x, y, e in entries
-                    )
-                    if sum(terms) % P:
-                        return False
-        return True
+        one, two = (rows.solution(range(len(self.where)), place.point.draw) for _ in range(2))
+        return one, two
+
+    def _closed(self, place: _Place, form: Form, a: Entries, b: Entries) -> bool:
+        """dw(a, b) = sum of dA_x/dy (b_x a_y - a_x b_y) = 0 for the form w."""
+        values = place.point.values(list(form.slopes.values()), place.truths)
+        places = ((self.column[x], self.column[y]) for x, y in form.slopes)
+        return not sum(e * (b[x] * a[y] - a[x] * b[y]) for (x, y), e in zip(places, values)) % P

@@ -4,7 +4,7 @@ relations together, whatever the factors; what is added to them is not."""
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import pytest
@@ -13,6 +13,7 @@ from lagc.expr.derivative import gradient
 from lagc.expr.graph import Node
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
+from lagc.mechanics.finite import Echelon
 from tests.mechanics.builder import Builder
 
 
@@ -141,6 +142,27 @@ def test_rows_of_many_positions_that_hang_together() -> None:
     b.constraint("mixed", q[3] * b.der(total) + contact(b, q[0], q[1], q[2]))
     found = answers(analyse(derive(b.model())))
     assert found == {"sum": True, "other": True, "mixed": False}
+
+
+def test_rows_that_drop_out_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """dq_k - q_(k+1) dq_(k+2) of a chain are no relations, one sum besides is.  All rows are eliminated once
+    each time that some drop out, not once more for each of them."""
+    grows, counts = Echelon.grows, list[int]()
+
+    def counted(rows: Echelon, row: Mapping[int, int]) -> bool:
+        counts[-1] += 1
+        return grows(rows, row)
+
+    monkeypatch.setattr(Echelon, "grows", counted)
+    for n in (18, 36):
+        b, q = space(n)
+        for k in range(n // 2):
+            b.constraint(f"roll{k}", contact(b, q[k + 2], q[k + 1], q[k]))
+        b.constraint("sum", (1.0 + q[0] ** 2) * b.der(b.graph.sum(x * x for x in q)))
+        counts.append(0)
+        found = answers(analyse(derive(b.model())))
+        assert found == {**{f"roll{k}": False for k in range(n // 2)}, "sum": True}
+    assert counts[1] <= 2.5 * counts[0]
 
 
 @pytest.mark.parametrize("seed", range(8))
