@@ -147,6 +147,28 @@ def test_a_spring_holds_what_rounding_moves(stiffness: float) -> None:
     assert run.status == "ok" and any("rounding only" in note for note in run.notes)
 
 
+ROLLING = """model Roll
+  parameter Length R = 0.1 [m];
+  coordinate Length x;
+  coordinate Angle phi(rate = 20 [rad/s]);
+  body ball = Solid(mass = 1 [kg], inertia = 2/5*(1 [kg])*R^2*{1, 1, 1}, frame = rotate_y(world, phi),
+                    com = {x, 0, R});
+  force rub = -0.3*(9.81 [N])*sign(der(x) - R*der(phi))*world.x on ball at {x, 0, 0};
+end Roll;"""
+
+
+@pytest.mark.usefixtures("no_cache")
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-12])
+def test_friction_that_comes_to_rest_has_moved_its_body(accuracy: float, backend: str) -> None:
+    """The ball slides until it rolls; rounding alone tells the sign of the slip from then on."""
+    run = lagc.loads(ROLLING).compile(backend=backend).simulate(3.0, accuracy=accuracy, points=31)
+    assert run.status == "ok" and not run.notes
+    rolls = 2.0 / (0.3 * 9.81 * 3.5)
+    true = 4.0 / 7.0 * (3.0 - 0.5 * rolls)
+    assert run.estimated is not None and abs(run["x"][-1] - true) <= run.estimated * true + 1e-15
+
+
 def test_a_remembered_run_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
     model = lagc.loads(cart(0.0, 0.0)).compile(backend="numpy")

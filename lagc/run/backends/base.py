@@ -11,7 +11,7 @@ from lagc.once import RLock
 from lagc.optimize.program import Interface
 from lagc.run.problem import System, Vector
 
-Branch: TypeAlias = tuple[float, tuple[float, ...]]  # that of a time and a state
+Branch: TypeAlias = Any  # its modes, as a backend keeps them
 
 
 class Compiled(ABC):
@@ -26,7 +26,7 @@ class Compiled(ABC):
 
     @abstractmethod
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> System:
-        """The system with the array p = `values`; with a `branch`, on that of a time and a state."""
+        """The system with the array p = `values`; with a `branch`, on that."""
 
     def defaults(self) -> list[float]:
         """The model's own values of p; NaN where it gives none."""
@@ -77,19 +77,24 @@ class CompiledSystem(ABC):
         return self.compiled.bind(values, self.branch)
 
     def on(self, t: float, x: Vector) -> System:
-        """The same on the branch of (t, x), whatever the state that is asked."""
+        """The same on the branch of (t, x), whatever the state that is asked and however arithmetic is
+        rounded then."""
         if not self.interface.switches:
             return cast("System", self)
-        return self.compiled.bind(self._values, (t, tuple(x)))
+        return self.compiled.bind(self._values, self._branch(t, x))
 
     def _hold(self, desk: Any) -> None:
         """The branch for a desk that was made."""
         if self.branch is not None:
-            self._held(desk, *self.branch)
+            self._held(desk, self.branch)
 
     @abstractmethod
-    def _held(self, desk: Any, t: float, x: Vector) -> None:
-        """`desk` evaluates on the branch of (t, x) from here on."""
+    def _branch(self, t: float, x: Vector) -> Branch:
+        """That of (t, x)."""
+
+    @abstractmethod
+    def _held(self, desk: Any, branch: Branch) -> None:
+        """`desk` evaluates on the branch from here on."""
 
     @abstractmethod
     def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:

@@ -93,9 +93,13 @@ class CSystem(CompiledSystem):
         super().__init__(model, values, branch, _Desk)
         self.model = model
 
-    def _held(self, desk: _Desk, t: float, x: Vector) -> None:
-        desk.x[:] = [*x]
-        desk.call["hold"](self._p, c_double(t), desk.x, desk.work)
+    def _branch(self, t: float, x: Vector) -> Branch:
+        work = self.model.work()
+        self.model.functions["hold"](self._p, c_double(t), (c_double * self.nx)(*x), work)
+        return work.raw
+
+    def _held(self, desk: _Desk, branch: Branch) -> None:
+        desk.work[:] = branch
 
     @once
     def _p(self) -> Any:

@@ -76,8 +76,12 @@ class NumpySystem(CompiledSystem):
         super().__init__(model, values, branch, _Desk, tuple(values))
         self.model = model
 
-    def _held(self, desk: _Desk, t: float, x: Vector) -> None:
-        self.model.module["hold"](self._p, t, x, desk.equations.work)
+    def _branch(self, t: float, x: Vector) -> Branch:
+        return tuple(self.modes(t, x))
+
+    def _held(self, desk: _Desk, branch: Branch) -> None:
+        work = desk.equations.work
+        work.modes[:], work.held = branch, True
 
     @once
     def _p(self) -> list[float]:
