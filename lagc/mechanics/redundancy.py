@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
+from lagc.expr.operators import CHOICE, CORNER, STEP, smooth_as
 from lagc.expr.walk import reachable
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
@@ -24,6 +25,7 @@ from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 _STATES = 3
+_SIDED = smooth_as(CORNER, STEP, CHOICE) | {"sqrt"}
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
 
 
@@ -40,7 +42,7 @@ def drop_idle(
 ) -> tuple[list[Classified], list[tuple[str, str]]]:
     """The rows that hold a coordinate or speed, and label and reason of others, which are proved to hold
     always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
-    the parameters are: that of a root may not, as sqrt(l^2) = l where l > 0.
+    the parameters are: that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
 
     Raises Refused: LAG0409 a row without any coordinate or speed of which that is not proved.
     """
@@ -51,15 +53,15 @@ def drop_idle(
     from lagc.mechanics.judge import Judge
 
     judge = Judge(anywhere(states))
-    faults = [_motionless(row) for row in idle if _rooted([row.residual]) or not judge.vanish([row.residual])]
+    faults = [_motionless(row) for row in idle if _sided([row.residual]) or not judge.vanish([row.residual])]
     if faults:
         raise Refused(faults)
     return [x for x in classified if x.row.jacobian], [(row.label, _reason(row, ())) for row in idle]
 
 
-def _rooted(nodes: Iterable[Node]) -> bool:
-    """Whether a root is below them, of which only the values at hand say which sign it has."""
-    return any(node.op in ("sqrt", "abs") for node in reachable(nodes))
+def _sided(nodes: Iterable[Node]) -> bool:
+    """Whether a root or a choice is below them, of which only the values at hand say which side it takes."""
+    return any(node.op in _SIDED for node in reachable(nodes))
 
 
 def _motionless(row: Row) -> Fault:
@@ -92,7 +94,7 @@ def drop_redundant(
         others = [classified[k] for k in redundant.others]
         if contradiction:
             faults.append(_contradiction(x, others))
-        elif x.row.holonomic or (not others and _rooted(x.row.jacobian.values())):
+        elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
             continue
         elif _steady(states, classified, redundant):
             from lagc.mechanics.following import follows  # what proves is loaded where there is a question

@@ -173,11 +173,27 @@ def test_relation_of_parameters() -> None:
     assert codes(b) == ["LAG0409"]
 
 
-def test_velocity_row_that_holds_for_one_sign_of_a_parameter_stays() -> None:
-    """(sqrt(l^2) - l) der(x) = 0 says nothing where l > 0, and forbids any motion where l < 0."""
+ONE_SIDED = {  # zero where l is 1, and not for all others
+    "root": lambda g, l: g.sqrt(l * l) - l,
+    "max": lambda g, l: g.binary("max", l, -g.one) - l,
+    "min": lambda g, l: g.binary("min", l, g.zero),
+    "select": lambda g, l: g.select(g.binary("lt", g.zero, l), g.zero, l),
+    "sign": lambda g, l: g.unary("sign", l) - 1.0,
+}
+
+
+@pytest.mark.parametrize("way", ONE_SIDED)
+def test_row_that_holds_for_some_values_of_a_parameter_alone(way: str) -> None:
+    b, _ = plane()
+    b.constraint("c", ONE_SIDED[way](b.graph, b.parameter("l", 1.0)))
+    assert codes(b) == ["LAG0409"]
+
+
+@pytest.mark.parametrize("way", ONE_SIDED)
+def test_velocity_row_that_holds_for_some_values_of_a_parameter_stays(way: str) -> None:
+    """It says nothing where l > 0, and forbids any motion where l is less."""
     b, (x, _, _) = plane()
-    length = b.parameter("l", 1.0)
-    b.constraint("c", (b.graph.sqrt(length * length) - length) * b.der(x))
+    b.constraint("c", ONE_SIDED[way](b.graph, b.parameter("l", 1.0)) * b.der(x))
     assert [r.label for r in derive(b.model()).rows] == ["c"]
 
 
