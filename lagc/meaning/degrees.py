@@ -2,36 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
 from lagc.frontend import tree
 
+Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # what is declared in each
+_NAMED = (tree.ModelDeclaration, tree.Package)
 _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Warnings: whole numbers of many radians, written without a unit, that a file gives to its angles."""
-    blocks = list(_blocks(file.declarations))
-    angles = {
-        declarator.name
-        for d in blocks
-        if isinstance(d, tree.Quantities) and d.type is not None and d.type.path == ("Angle",)
-        for declarator in d.declarators
-    }
+    models = {d.name: [*_own(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)}
     return [
         fault
-        for d in blocks
+        for own in (list(_own(file.declarations)), *models.values())
+        if (angles := _angles(own, models, set()))
+        for d in own
         for name, value in _given(d)
         if name in angles and (fault := _whole(name, value)) is not None
     ]
 
 
-def _blocks(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
+def _angles(own: Sequence[tree.Declaration], models: Models, seen: set[str]) -> set[str]:
+    """The names of the angles among declarations and those of the models of the file that they extend."""
+    found = {
+        declarator.name
+        for d in own
+        if isinstance(d, tree.Quantities) and d.type is not None and d.type.path == ("Angle",)
+        for declarator in d.declarators
+    }
+    for base in [d.path[-1] for d in own if isinstance(d, tree.Extends)]:
+        if base in models and base not in seen:
+            seen.add(base)
+            found |= _angles(models[base], models, seen)
+    return found
+
+
+def _within(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
     for d in declarations:
         yield d
-        if isinstance(d, (tree.ModelDeclaration, tree.Package, tree.Effect, tree.Scene, tree.ForLoop)):
-            yield from _blocks(d.body)
+        if isinstance(d, _NAMED):
+            yield from _within(d.body)
+
+
+def _own(declarations: Sequence[tree.Declaration]) -> Iterator[tree.Declaration]:
+    """Those of one block, with what stands in its effects, scenes and loops."""
+    for d in declarations:
+        yield d
+        if isinstance(d, (tree.Effect, tree.Scene, tree.ForLoop)):
+            yield from _own(d.body)
 
 
 def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:

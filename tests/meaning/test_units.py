@@ -138,3 +138,24 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
     found = check(Source("m.lag", text), Choice())
     assert [f.code for f in found] == ["LAG0618"] * len(warned)
     assert [text[f.span.start : f.span.end] for f in found if f.span] == warned
+
+
+def test_an_angle_is_one_of_its_model_and_of_those_that_extend_it() -> None:
+    text = """model Counted
+  parameter Real n = 20;
+  coordinate Length x;
+  body b = Particle(mass = 1 [kg], at = {n*x, 0, 0});
+end Counted;
+partial model Turning
+  coordinate Angle n;
+  body b = Particle(mass = 1 [kg], at = 1 [m]*{sin(n), 0, cos(n)});
+end Turning;
+model Turned
+  extends Turning;
+  scene s
+    start n = 45;
+  end s;
+end Turned;
+"""
+    (fault,) = check(Source("m.lag", text), Choice())
+    assert fault.code == "LAG0618" and fault.message == "`n` is 45 radians"

@@ -174,11 +174,11 @@ def test_relation_of_parameters() -> None:
 
 
 ONE_SIDED = {  # zero where l is 1, and not for all others
-    "root": lambda g, l: g.sqrt(l * l) - l,
-    "max": lambda g, l: g.binary("max", l, -g.one) - l,
-    "min": lambda g, l: g.binary("min", l, g.zero),
-    "select": lambda g, l: g.select(g.binary("lt", g.zero, l), g.zero, l),
-    "sign": lambda g, l: g.unary("sign", l) - 1.0,
+    "root": lambda g, a: g.sqrt(a * a) - a,
+    "max": lambda g, a: g.binary("max", a, -g.one) - a,
+    "min": lambda g, a: g.binary("min", a, g.zero),
+    "select": lambda g, a: g.select(g.binary("lt", g.zero, a), g.zero, a),
+    "sign": lambda g, a: g.unary("sign", a) - 1.0,
 }
 
 
