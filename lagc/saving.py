@@ -132,6 +132,23 @@ def obstacle(path: str) -> str:
     return "" if all(os.access(each, os.W_OK) for each in needed) else "permission denied"
 
 
+def output(path: str) -> int:
+    """Which of our own outputs `path` is: 1 or 2, 0 for none."""
+    for own in (1, 2):
+        with suppress(OSError, ValueError):
+            if os.path.samestat(os.stat(path), os.fstat(own)):
+                return own
+    return 0
+
+
+def is_straight(path: str) -> bool:
+    """Whether what is written there is written straight: it is no regular file, or our own output."""
+    with suppress(OSError, ValueError):
+        mode = os.stat(path).st_mode
+        return not (stat.S_ISDIR(mode) or stat.S_ISREG(mode)) or output(path) > 0
+    return False
+
+
 def may_wait(path: str) -> bool:
     """Whether writing `path` may last as long as another process likes."""
     try:
@@ -209,10 +226,8 @@ def _straight(path: str) -> BufferedWriter | None:
     old = _status(path)
     if old is None or stat.S_ISDIR(old.st_mode):
         return None
-    for own in (1, 2):
-        with suppress(OSError):
-            if os.path.samestat(old, os.fstat(own)):
-                return os.fdopen(os.dup(own), "wb")
+    if own := output(path):
+        return os.fdopen(os.dup(own), "wb")
     if stat.S_ISREG(old.st_mode):
         return None
     return os.fdopen(_unwaiting(path) if hasattr(os, "O_NONBLOCK") else os.open(path, os.O_WRONLY), "wb")

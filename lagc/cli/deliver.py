@@ -1,16 +1,20 @@
-"""What was computed goes where it was asked for: into files first, then it is printed."""
+"""What was computed goes where it was asked for: into files first, then it is printed, on standard error
+where standard output has taken the numbers."""
 
 from __future__ import annotations
 
 import argparse
 import os
+import sys
 from collections.abc import Callable
+from contextlib import nullcontext, redirect_stdout
 from typing import TYPE_CHECKING
 
 from lagc.cli.exits import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.limits import reached, rest
+from lagc.saving import output
 
 if TYPE_CHECKING:
     from lagc.api import Run
@@ -26,12 +30,8 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     with SIGNALS.patience():
         written = not (options.output and begun) or _save(found, options)
         drawn = not picture or _draw(found, picture, options)
-    if options.json:
-        print_json(found.to_dict())
-    else:
-        from lagc.cli.summary import summary
-
-        show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
+    with redirect_stdout(sys.stderr) if options.output and output(options.output) == 1 else nullcontext():
+        _print(found, options)
     if options.plot == "" and begun and not picture:
         from lagc.view.plot import show as show_picture
 
@@ -44,6 +44,15 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     if not (written and drawn):
         return UNWRITTEN
     return FAILED if found.status == "failed" else DONE
+
+
+def _print(found: Run, options: argparse.Namespace) -> None:
+    if options.json:
+        print_json(found.to_dict())
+    else:
+        from lagc.cli.summary import summary
+
+        show(summary(found, options.scene is None, quiet=options.quiet, verbose=options.verbose) + "\n")
 
 
 def _save(found: Run, options: argparse.Namespace) -> bool:
@@ -94,7 +103,7 @@ def kept(path: str, write: Callable[[str], object], failures: tuple[type[Excepti
     import tempfile
 
     stem, ending = os.path.splitext(os.path.basename(path))
-    name = f"{shortened(stem)}-{os.urandom(4).hex()}{ending}"
+    name = f"{shortened(stem)}-{os.urandom(4).hex()}{ending or '.csv'}"
     for folder in (os.getcwd, tempfile.gettempdir):
         try:
             other = os.path.join(folder(), name)

@@ -26,7 +26,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
     lines += [f"  {'note':9} {note}" for note in (*(interface.notes if verbose else ()), *run.notes)]
     lines.append(f"  {'ended':9} {run.message}")
     final = _final(run, verbose)
-    if run.status == "failed" and run.times:
+    if run.status == "failed" and run.times and run.times[-1] < run.end:
         final.insert(0, f"recorded last, at t = {run.times[-1]:.9g} s")
     lines += [f"  {'final' if k == 0 else '':9} {line}" for k, line in enumerate(final)]
     lines += [f"  {'events' if k == 0 else '':9} {line}" for k, line in enumerate(_events(run, verbose))]

@@ -82,6 +82,7 @@ class Solution:
     velocity_drift: float
     energy: Energy
     cost: Cost
+    end: float  # the last time that was asked for
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
     interrupted: bool = False

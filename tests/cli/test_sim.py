@@ -178,6 +178,21 @@ def test_a_failed_run_keeps_and_writes_what_was_computed(
     assert float(said[1]) ** 2 + float(said[2]) ** 2 == pytest.approx(1.0, rel=1e-5)
 
 
+def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "wall.lag"
+    model.write_text(
+        "model Wall\n  parameter Real n = 12;\n  coordinate Length x(start = 1 [m], rate = -1 [m/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        "  potential wall = 1 [J]*(0.001 [m]/x)^n;\nend Wall;\n"
+    )
+    assert sim(str(model), "--stop", "3", "--sensitivity", "n") == 3
+    printed = capsys.readouterr().out
+    assert "reached t = 3 s; sensitivities: their accuracy" in printed
+    assert "recorded last" not in printed
+
+
 @pytest.mark.parametrize(
     "words, code, said",
     [

@@ -119,6 +119,19 @@ def test_what_is_said_never_goes_among_the_results(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["status"] == "ok"
 
 
+@pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="no name for the standard output")
+def test_the_standard_output_takes_the_numbers_and_nothing_else(tmp_path: Path) -> None:
+    command = f"{sys.executable} -m lagc sim simple_pendulum --points 3 -o /dev/stdout"
+    for more in ("", " --json", " | cat", " > run"):
+        done = shell(f"{command}{more}; cat run 2>&-", tmp_path)
+        lines = done.stdout.splitlines()
+        assert lines[0].startswith("time,theta") and len(lines) == 4, more
+        assert "reached t = " in done.stderr
+    done = shell(f"{command} --points 100000 | head -1", tmp_path)
+    assert done.stdout.count("\n") == 1 and done.returncode == DONE
+    assert [p.name for p in tmp_path.iterdir()] == ["run"]
+
+
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
 def test_letters_that_a_terminal_has_not_are_escaped(encoding: str, tmp_path: Path) -> None:
     name = "p\N{GREEK SMALL LETTER THETA}\N{GRINNING FACE}.lag"

@@ -1,4 +1,5 @@
-"""Solutions as files: the ending of the name says the format, one file here a format."""
+"""Solutions as files: the ending of the name says the format, one file here a format.  What is no regular
+file, as the standard output, takes CSV where its name does not say."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lagc.saving import obstacle
+from lagc.saving import is_straight, obstacle, output
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution
@@ -24,6 +25,8 @@ def check_path(path: str) -> str:
     """The format's module name.  Raises CannotSave where the ending is unknown, or something is
     in the way."""
     ending = os.path.splitext(path)[1].lower()
+    if ending not in FORMATS and is_straight(path):
+        return "csv"
     if ending not in FORMATS:
         known = " ".join(FORMATS)
         reason = f"{ending} is not built yet" if ending in PLANNED else "the ending says the format"
@@ -48,4 +51,6 @@ def save(solution: Solution, path: str, units: bool = False) -> None:
     try:
         module.write(solution, path, units)
     except OSError as error:
+        if isinstance(error, BrokenPipeError) and output(path) == 1:
+            return  # the reader, as `head`, has all it wanted
         raise CannotSave(f"`{path}` cannot be written: {error.strerror or error}") from None

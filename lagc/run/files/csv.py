@@ -1,7 +1,7 @@
 """Comma-separated values, RFC 4180: `time` first, a column a quantity, every digit.
 
 A reader takes the first line for the header; what else is known of the run goes into
-`NAME.csv.json` beside it, for RFC 4180 has no comments.
+`NAME.csv.json` beside it, for RFC 4180 has no comments.  A pipe of another name has nothing beside it.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ def write(solution: Solution, path: str, units: bool) -> None:
     header = [f"{n} [{known[n]}]" if units and known[n] else n for n in ("time", *names)]
     columns = [solution.times, *(solution.column(name) for name in names)]
     with Files() as files:
-        files.open(f"{path}.json").write(f"{json_text(solution.metadata(), indent=1)}\n".encode())
+        if path.lower().endswith(".csv"):
+            files.open(f"{path}.json").write(f"{json_text(solution.metadata(), indent=1)}\n".encode())
         numbers = files.open(path)
         numbers.write(f"{','.join(quoted(name) for name in header)}\r\n".encode())
         for row in zip(*columns):
