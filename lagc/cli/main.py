@@ -23,7 +23,7 @@ COMMANDS = {
     "sim": "compile and simulate",
     "linearize": "equilibria and linear models",
     "build": "generated code for other projects",
-    "new": "a model to start from",
+    "new": "a model to start from; --list: those that there are",
     "cache": "what is kept of compiled models: show, verify, clear",
 }
 

@@ -1,4 +1,5 @@
-"""Write a model to start from: NAME.lag, valid and formatted, with a comment where to go on."""
+"""Write a model to start from: NAME.lag, valid and formatted, with a comment where to go on; or list those
+that come with lagc, which commands take by their names."""
 
 from __future__ import annotations
 
@@ -6,10 +7,10 @@ import argparse
 import os
 import re
 
-from lagc import saving
+from lagc import library, saving
 from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options
-from lagc.cli.output import say
+from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
 
 TEMPLATE = """\
@@ -49,13 +50,20 @@ end {name};
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "name", metavar="NAME", help="the model's name, as in `Pendulum`; a folder may stand before it"
-    )
+        "name", metavar="NAME", nargs="?",
+        help="the model's name, as in `Pendulum`; a folder may stand before it",
+    )  # fmt: skip
+    parser.add_argument("--list", action="store_true", help="the models of the library, and what they are")
     parser.add_argument("--force", action="store_true", help="replace a file that is there")
     add_general_options(parser, json=False)
 
 
 def run(options: argparse.Namespace) -> int:
+    if options.list:
+        show(_listed())
+        return DONE
+    if options.name is None:
+        raise Usage("NAME is missing, the model's; `lagc new --list` lists the models that there are")
     folder, base = os.path.split(options.name)
     base = base.removesuffix(".lag")
     if not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]*", base):
@@ -71,3 +79,14 @@ def run(options: argparse.Namespace) -> int:
         raise cannot_write(path, error) from None
     say(f"{path} written; `lagc sim {path}` simulates it", options.quiet)
     return DONE
+
+
+def _listed() -> str:
+    """A line a model of the library, with the description of the last that its file declares."""
+    models = library.library_models()
+    width = max(map(len, models), default=0)
+    found = []
+    for name in models:
+        described = re.findall(r'^model \w+ "(.*)"', library.read(name).text, re.MULTILINE)
+        found.append(f"{name:{width}}  {described[-1] if described else ''}".rstrip() + "\n")
+    return "".join(found)

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
+from lagc.library import library_models
 
 WRONG = "model M\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {y, 0, 0});\nend M;\n"
 Capture = pytest.CaptureFixture[str]
@@ -39,6 +40,14 @@ def test_a_file_that_is_there_is_not_replaced(pendulum: str, capsys: Capture) ->
 def test_a_new_model_needs_a_name_and_a_folder(name: str, capsys: Capture) -> None:
     assert main(["new", name]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_the_models_of_the_library_are_listed(capsys: Capture) -> None:
+    assert main(["new", "--list"]) == 0
+    listed = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert list(listed) == library_models()
+    assert listed["large/ball_chain"] == "A chain of rods with ball joints"
+    assert main(["new"]) == 2 and "--list" in capsys.readouterr().err
 
 
 def test_check_tells_every_fault_with_its_place(tmp_path: Path, capsys: Capture) -> None:
