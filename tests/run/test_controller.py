@@ -58,16 +58,25 @@ def by_scipy() -> list[float]:
     return [float(a) for a in x]
 
 
-def printed(program: str, folder: Path) -> list[str]:
+def printed(program: str, folder: Path, real: str = "double") -> list[str]:
     """What a program of the documentation prints."""
     (folder / "cart_pole.lag").write_text(block("modelica"))
-    assert main(["build", str(folder / "cart_pole.lag"), "--target", "c", "-o", str(folder), "-q"]) == 0
+    model = str(folder / "cart_pole.lag")
+    assert main(["build", model, "--target", "c", "--real", real, "-o", str(folder), "-q"]) == 0
     (folder / "controller.c").write_text(program)
     strict = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"]
+    if real != "double":
+        strict.remove("-Wconversion")  # numbers of the text are doubles
     command = ["gcc", *strict, "controller.c", "cart_pole.c", "-lm", "-o", "controller"]
     subprocess.run(command, cwd=folder, check=True)
     done = subprocess.run(["./controller"], cwd=folder, capture_output=True, text=True, check=True)
     return done.stdout.split()
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
+def test_the_program_in_c_of_floats(tmp_path: Path) -> None:
+    x, theta, *_ = printed(block("c"), tmp_path, "float")
+    assert [float(x), float(theta)] == pytest.approx(by_scipy()[:2], rel=1e-2, abs=1e-4)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

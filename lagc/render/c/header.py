@@ -95,8 +95,8 @@ _TYPES = {
 
 
 def about(real: Arithmetic) -> str:
-    """What there is to know of a type that is not double."""
-    return _TYPES[real.name]
+    """The type of numbers, and what there is to know of one that is not double."""
+    return f"{_TYPES[real.name]}typedef {real.name} lagc_real;\n"
 
 
 def constants(interface: Interface) -> str:

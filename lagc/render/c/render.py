@@ -78,7 +78,7 @@ def _source(runtime: Runtime, file: str, own_header: str) -> str:
 
 def _prefixed(text: str, interface: Interface, real: Arithmetic) -> str:
     own = prefix(interface.model)
-    text = re.sub(r"\blagc_real\b", real.name, text)
+    text = re.sub(r"\blagc_real\b(?!;)", real.name, text)  # but where the header declares it
     text = re.sub(r"\bLAGC_", f"{own.upper()}_", re.sub(r"\blagc_", f"{own}_", text))
     return _HEAD.sub(_wrapped, text)
 
