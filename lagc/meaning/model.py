@@ -361,6 +361,9 @@ class Model:
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name}, scene {self.scene}>"
+
     def verify(self) -> None:
         """The invariants of a resolved model.  Raises AssertionError."""
         for group in (self.parameters, self.inputs, self.coordinates, self.speeds, self.frames, self.points,

@@ -173,6 +173,10 @@ class EquationsOfMotion:
     dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
     warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
 
+    def __repr__(self) -> str:
+        sizes = f"{len(self.q)} coordinates, {len(self.v)} speeds, {len(self.rows)} rows of constraints"
+        return f"<{type(self).__name__} of {self.model.name}, scene {self.model.scene}: {sizes}>"
+
     @cached_property
     def mass_matrix(self) -> dict[tuple[int, int], Node]:
         """(i, j) with i >= j, zeros left out; in q and t (in v too where a free Lagrangian is not

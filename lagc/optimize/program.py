@@ -365,6 +365,10 @@ class Program:
     interface: Interface
     functions: dict[str, Function]
 
+    def __repr__(self) -> str:
+        scene = f"{self.interface.model}, scene {self.interface.scene}"
+        return f"<{type(self).__name__} of {scene}: {', '.join(self.functions)}>"
+
     @property
     def shipped(self) -> Program:
         """Without the factors that derivatives alone are made with, in runs of lagc."""

@@ -57,6 +57,10 @@ class Linear:
     free: int = 0  # of an equilibrium: directions in which it seems to be one of many
     turning: bool = False  # A is another as the motion goes on, though what changes acts on nothing else now
 
+    def __repr__(self) -> str:
+        sizes = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
+        return f"<{type(self).__name__} of {self.system.interface.model} at t = {self.t:g} s: {sizes}>"
+
     @property
     def states(self) -> tuple[str, ...]:
         interface = self.system.interface

@@ -319,5 +319,7 @@ def test_what_a_console_shows_is_one_line() -> None:
     run = system.simulate(stop=1, points=4000)
     assert repr(system) == "<CompiledModel of SimplePendulum, scene vacuum>"
     assert repr(run).startswith("<Run of SimplePendulum, scene vacuum: ok, 4000 points to t = 1 s, estimated")
-    for shown in (pendulum, run, run.accuracy, run.energy, run.cost):
+    (rest,) = system.equilibria(tries=0)
+    nouns = (system.model, system.equations, rest)
+    for shown in (pendulum, run, run.accuracy, run.energy, run.cost, *nouns):
         assert len(repr(shown)) < 200 and "\n" not in repr(shown)
