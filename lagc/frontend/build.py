@@ -71,7 +71,7 @@ class Builder(Expressions):
 
     def for_loop(self, c: Children, span: Span) -> tree.ForLoop:
         variable, values, items = c
-        return tree.ForLoop(variable.text, self._span(variable), values, items, span)
+        return tree.ForLoop(variable.text, values, items, span)
 
     def when(self, c: Children, span: Span) -> tree.When:
         condition, *statements = c

@@ -301,7 +301,6 @@ class Initial:
 @dataclass(frozen=True, slots=True)
 class ForLoop:
     variable: str
-    variable_span: Span
     range: Expression
     body: tuple[Declaration, ...]
     span: Span

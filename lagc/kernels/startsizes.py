@@ -13,8 +13,6 @@ from lagc.kernels.startrows import SLIGHT, is_blurred, meet, row_begin
 from lagc.kernels.tables import angle, ends, quaternion, unit
 from lagc.kernels.words import Params, Real, Vec, params
 
-TIGHTER = 0  # times that what conditions allow is made less by what they allow others
-
 
 def shake_parameters(p: Params, way: Real, other: Params) -> None:
     """Parameters changed by four units of their last place, every other one the other way."""

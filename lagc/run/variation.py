@@ -109,7 +109,7 @@ class Variation:
                 changes.refuse_at_start(at_start, now)
             while s.t < times[-1]:
                 steps, old, jumps = s.steps, now, s.jumps if whens else 0
-                status, now, table = self._step(s, now, times[-1], modes, found)
+                status, now, table = self._step(s, now, times[-1], found)
                 if status not in (OK, TERMINATED):
                     raise Stopped("the motion could not be followed there once more")
                 if s.steps > steps:
@@ -152,9 +152,7 @@ class Variation:
 
     # -- one step --
 
-    def _step(
-        self, s: Any, now: Array, stop: float, modes: Sequence[float], found: Followed
-    ) -> tuple[int, Array, Array]:
+    def _step(self, s: Any, now: Array, stop: float, found: Followed) -> tuple[int, Array, Array]:
         """One step of the motion that is not too long for S: S behind it, and its rates at the stages."""
         kept = _kept(s)
         while True:

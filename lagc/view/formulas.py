@@ -91,7 +91,7 @@ class _Asked:
 
 def _asked(equations: EquationsOfMotion, full: bool) -> _Asked:
     own = set(equations.v)
-    rates = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(equations, e))]
+    rates = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(e))]
     levels = {
         level: [row for row in equations.rows if row.level.value == level]
         for level in ("position", "velocity")
@@ -211,7 +211,7 @@ def _kinematic(
     return formulas
 
 
-def _is_rate(equations: EquationsOfMotion, speed: Node) -> bool:
+def _is_rate(speed: Node) -> bool:
     return speed.record.kind == "rate" and not speed.record.turns
 
 
