@@ -77,13 +77,16 @@ class Fault:
     remedy: str | None = None
     severity: str = "error"  # or "warning"
 
+    def __str__(self) -> str:
+        return f"{self.code}: {self.message}" + (f" ({self.remedy})" if self.remedy else "")
+
 
 class Refused(Exception):
     """The model is refused; `faults` says why, all of it."""
 
     def __init__(self, faults: list[Fault] | tuple[Fault, ...]):
         self.faults = tuple(faults)
-        super().__init__("; ".join(f"{f.code}: {f.message}" for f in self.faults))
+        super().__init__("; ".join(map(str, self.faults)))
 
     def __reduce__(self) -> tuple[type[Refused], tuple[tuple[Fault, ...]]]:
         return type(self), (self.faults,)

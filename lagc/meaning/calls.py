@@ -241,7 +241,9 @@ def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -
 def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
     span = e.function.span
     if name in RESERVED:
-        return Wrong("LAG0220", f"`{name}` is part of the language, but not yet of this version", span)
+        message = f"`{name}` is part of the language, but not yet of this version"
+        before = "leave it out: in `reinit(x, value)` names stand for the values before"
+        return Wrong("LAG0220", message, span, before if name == "pre" else None)
     if name in environment.instance.unused:
         return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
     if name in ("Particle", "Solid", "Gravity"):

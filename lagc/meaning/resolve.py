@@ -87,16 +87,33 @@ def resolve(
     look_at_uncalled(context, instance.in_order())
     _check_given(context, instance)
     if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
+        empty = _empty(declaration)
+        reason = f": {empty}" if empty else ""
         context.report(
             Wrong(
                 "LAG0222",
-                f"the model `{declaration.name}` has no coordinates, so nothing can move",
+                f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
                 declaration.name_span,
-                "declare one: `coordinate Length x;`",
+                "give a size of 1 or more" if empty else "declare one: `coordinate Length x;`",
             )
         )
     context.refuse_faults()
     return _model(context, declaration, setting, found, conditions, whens, simulate)
+
+
+def _empty(declaration: tree.ModelDeclaration) -> str:
+    """Which arrays of coordinates it declares, of a model that has none: a size of each is 0."""
+    arrays = [
+        declarator
+        for d in declaration.body
+        if isinstance(d, tree.Quantities) and d.kind == "coordinate"
+        for declarator in d.declarators
+        if declarator.dimensions
+    ]
+    return "; ".join(
+        f"`{a.name}` has no entries, as {' or '.join(size.span.text for size in a.dimensions)} = 0"
+        for a in arrays
+    )
 
 
 def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:

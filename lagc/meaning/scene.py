@@ -16,6 +16,8 @@ from lagc.meaning.settings import Settings
 from lagc.meaning.values import Wrong
 from lagc.records import dataclass
 
+MOST_LISTED = 12  # effects, in a message
+
 Numbers = Mapping[str, "float | tuple[float, str | None]"]
 Inputs = Mapping[str, "Source | Points"]
 
@@ -270,6 +272,15 @@ def read_command(context: Context, parameters: Numbers | None, starts: Numbers |
             table[plain] = Given(underived(plain), number=float(number), unit=unit)
 
 
+def _effects(name: str, context: Context) -> str:
+    """What to do about an effect that there is not."""
+    if not context.effects:
+        return f"the model has no effects; one is declared by `effect {name} ... end {name};`"
+    listed = ", ".join(f"`{path}`" for path in [*context.effects][:MOST_LISTED])
+    known = [*context.effects, *(path.rpartition(".")[2] for path in context.effects)]
+    return did_you_mean(name, known) or f"the model has {listed}"
+
+
 def check_effects(context: Context, setting: Setting) -> None:
     """Report every effect that is named and unknown, lacking, or excluded."""
     known = {*context.effects, *(path.rpartition(".")[2] for path in context.effects)}
@@ -280,12 +291,10 @@ def check_effects(context: Context, setting: Setting) -> None:
     for name in named:
         if name.name not in known:
             context.report(
-                Wrong(
-                    "LAG0212", f"there is no effect `{name.name}`", name.span, did_you_mean(name.name, known)
-                )
+                Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, _effects(name.name, context))
             )
     for text in sorted({*setting.uses, *setting.removed} - known - written):
-        context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, did_you_mean(text, known)))
+        context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, _effects(text, context)))
     for path, effect in context.effects.items():
         if not used(setting, path):
             continue

@@ -85,14 +85,15 @@ def over_time(context: Context, points: Points, name: str) -> Node:
     return through(context, context.time, knots, values, way, way == "cubic", name, None)
 
 
-def check_order(knots: Sequence[float], span: Span | None) -> None:
-    """Raises Wrong where there are not two, or one is not above the one before."""
+def check_order(knots: Sequence[float], span: Span | None, lines: Sequence[int] = ()) -> None:
+    """Raises Wrong where there are not two, or one is not above the one before.  `lines` of a file."""
     if len(knots) < 2:
         raise Wrong("LAG0314", f"a table has two rows at least, this has {len(knots)}", span)
     for k, (before, here) in enumerate(pairwise(knots), 2):
         if not here > before:
             said = "again" if here == before else f"after {before:g}"
-            message = f"what a table is over grows from row to row: in row {k} comes {here:g} {said}"
+            place = f"line {lines[k - 1]} of the file" if lines else f"row {k}"
+            message = f"what a table is over grows from row to row: in {place} comes {here:g} {said}"
             raise Wrong("LAG0314", message, span)
 
 
@@ -152,6 +153,7 @@ def _from_file(
     else:
         second = _place(file, values)
     columns = _measured(file, first, over or data), _measured(file, second, values or data)
+    check_order(columns[0].numbers, data.span, [line for line, _ in file.rows])
     return (*columns, file.heads[second][0])
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
+from sys import float_info
 from typing import TYPE_CHECKING
 
 from lagc.limits import reached
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits
 STEPS = 1e38  # that no run takes: an integration whose first step is that short gives up
 SEVERAL = 10
+LAST = 100.0 * float_info.epsilon  # relative: of less than that hardly any motion is told by doubles
 MOST_NAMED = 4  # of a kind, in a message
 UNKNOWN = "the cause is not known"
 
@@ -176,7 +178,7 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
             f"; it is met until t = {horizon:.6g} s" if horizon is not None and horizon > run.times[0] else ""
         )
         if found.rounding > min(asked, 0.5 * estimated):
-            why = f"rounding moves the motion by up to {found.rounding:.2g}, as {_why_rounding(found)}"
+            why = f"rounding moves the motion by up to {found.rounding:.2g}, as {_why_rounding(found, asked)}"
         elif found.options.rtol <= 10.0 * FINEST:
             why = f"the best is estimated at {estimated:.2g}, at the finest tolerance"
         else:
@@ -184,6 +186,8 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
                 f"the accuracy {asked:g} was not reached: the best is estimated at {estimated:.2g}{until}"
             )
             return Verdict("failed", message, run, estimated)
+        if not until:
+            until = f"; {estimated:.0e} or so can be, and more by the code of `lagc build --real quad`"
         message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}{until}"
         return Verdict("failed", message, run, estimated)
     from lagc.run.cause import cause, growth
@@ -194,7 +198,7 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
     if tenfold is not None:
         beyond += f"; differences grow tenfold every {tenfold:.2g} s (it is chaotic, or unstable)"
     elif found.rounding > 0.5 * estimated:
-        beyond = f"rounding moves it by up to {found.rounding:.2g}, as {_why_rounding(found)}"
+        beyond = f"rounding moves it by up to {found.rounding:.2g}, as {_why_rounding(found, asked)}"
     else:
         beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
     message = f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, {beyond}"
@@ -202,9 +206,11 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
     return Verdict("failed", message, cut, asked)
 
 
-def _why_rounding(found: Verified) -> str:
+def _why_rounding(found: Verified, asked: float) -> str:
     if found.rounding > 10.0 * found.drift:
         return f"differences grow {found.rounding / found.drift:.1g} times"
+    if asked < LAST:
+        return "doubles have 16 digits"
     return "the equations are ill-conditioned, or the motion is long"
 
 

@@ -171,6 +171,28 @@ def test_a_wrong_choice_is_refused(choice: dict[str, object], code: str) -> None
     assert [f.code for f in refused.value.faults] == [code]
 
 
+@pytest.mark.parametrize(
+    "effects, said",
+    [
+        ("effect gravity end gravity;", "did you mean `gravity`?"),
+        ("effect air end air;", "the model has `air`"),
+        ("", "the model has no effects"),
+    ],
+)
+def test_an_effect_that_there_is_not_comes_with_those_that_there_are(effects: str, said: str) -> None:
+    with pytest.raises(Refused) as refused:
+        read(f"model A coordinate Length x; {effects} scene s uses gravty; end A;")
+    (fault,) = refused.value.faults
+    assert fault.code == "LAG0212" and said in (fault.remedy or "")
+    assert said in str(refused.value)
+
+
+def test_without_coordinates_empty_arrays_are_the_reason() -> None:
+    with pytest.raises(Refused) as refused:
+        read("model A structural Integer n = 2; coordinate Length x[n - 2]; end A;")
+    assert "`x` has no entries, as n - 2 = 0" in refused.value.faults[0].message
+
+
 def test_without_scenes_no_effect_is_used() -> None:
     model = read(
         SCENES.replace("scene free;", "").replace(
@@ -374,3 +396,9 @@ def test_what_check_passes_can_be_built(model: str, rest: str) -> None:
     else:
         assert check(source, Choice()) == []
         assert found == ("A" if model == WHOLE else "D")
+
+
+def test_what_was_before_needs_no_word() -> None:
+    with pytest.raises(Refused) as refused:
+        read("model A coordinate Length x; when x < 0 then reinit(der(x), -pre(der(x))); end when; end A;")
+    assert "leave it out" in (refused.value.faults[0].remedy or "")

@@ -211,3 +211,12 @@ def test_a_remembered_run_that_misbehaves_is_done_anew(
     assert again.status == "ok" and again.cost.integrations > first.cost.integrations
     true = max(abs(x - cos(t)) for t, x in zip(again.times, again.column("x")))
     assert true <= again.estimated <= 1e-8
+
+
+def test_what_doubles_cannot_tell_is_no_fault_of_the_model() -> None:
+    run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(1.0, accuracy=1e-18)
+    assert run.status == "failed" and run.estimated is not None
+    assert "doubles have 16 digits" in run.message and "ill-conditioned" not in run.message
+    assert (
+        f"{run.estimated:.0e} or so can be, and more by the code of `lagc build --real quad`" in run.message
+    )

@@ -36,6 +36,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     signs.comma_in_list,
     words.brace_for_block,
     words.else_when,
+    words.if_statement,
     words.first_word,
     signs.comparison_for_equation,
     signs.equation_for_comparison,

@@ -108,6 +108,8 @@ def comma_between_starts(w: Where) -> Explained | None:
 def bare_unit(w: Where) -> Explained | None:
     if w.token.kind != WORD or w.before.kind != NUMBER or w.new_line() or not looks_like_unit(w.token.text):
         return None
+    if w.before.end == w.token.start and _is_declared(w, w.token.text):
+        return None  # `2l` is a product
     # A unit may be a product: `9.81 m/s2`.
     last = w.position
     tokens = w.tokens
@@ -127,6 +129,20 @@ def bare_unit(w: Where) -> Explained | None:
     )
     repair = Repair(w.position, last + 1 - w.position, (token_of(f"[{unit}]", w.token.start),))
     return Explained(fault, repair)
+
+
+def _is_declared(w: Where, name: str) -> bool:
+    """Whether a quantity is declared by that name somewhere: `Length l`, `Real[m] l`, `k = 1, l = 2`."""
+    near = zip(w.tokens, w.tokens[1:], w.tokens[2:])
+    return any(
+        here.text == name
+        and (
+            (before.kind == WORD and before.text not in w.keywords)
+            or (before.kind == UNIT and after.text in ("=", "(", ";", ","))
+            or (before.text == "," and after.text == "=")
+        )
+        for before, here, after in near
+    )
 
 
 def unit_behind_expression(w: Where) -> Explained | None:

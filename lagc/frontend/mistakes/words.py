@@ -49,6 +49,17 @@ def else_when(w: Where) -> Explained | None:
     return Explained(fault, Repair(w.position - 1, 1, tuple(words)))
 
 
+def if_statement(w: Where) -> Explained | None:
+    if w.first.text != "if":
+        return None
+    remedy = (
+        "choose the value, `force f = if y > 0 [m] then a else b at P;`; what is done at one moment is a "
+        "`when`, and what a scene may leave out an `effect`"
+    )
+    message = "`if` is part of an expression here, and begins no declaration"
+    return Explained(Fault("LAG0118", message, w.span(w.first), remedy=remedy))
+
+
 def missing_end_word(w: Where) -> Explained | None:
     """`room;` where `end room;` is meant."""
     if w.token.text != ";" or w.position - w.begin != 1 or w.block is None or w.first.text != w.block.closing:
