@@ -21,7 +21,8 @@ def pendulum() -> Any:
     "given",
     [
         {"scene": (1, 2)}, {"model": 1}, {"until": 0}, {"until": []}, {"use": [1]}, {"without": (None,)},
-        {"parameters": 1.0}, {"parameters": 0}, {"parameters": ""}, {"parameters": []}, {"parameters": {1: 2}},
+        {"parameters": 1.0}, {"parameters": 0}, {"parameters": ""}, {"parameters": []},
+        {"parameters": {1: 2}},
         {"inputs": "x"}, {"inputs": 0}, {"inputs": {1: 2}},
     ],
 )  # fmt: skip
