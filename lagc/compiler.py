@@ -164,7 +164,6 @@ def optimize(equations: EquationsOfMotion, work: bool, differentiate: bool = Fal
 @_uncollected
 def render(program: Program, target: str, complete: bool = True, real: str = "double") -> dict[str, str]:
     """File name -> text; `complete` for whoever has no lagc."""
-    program = program.shipped if complete or target == "c" else program
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
             from lagc.render.c.render import render as render_c

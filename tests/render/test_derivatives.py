@@ -156,10 +156,8 @@ def test_who_does_not_ask_pays_nothing(name: str) -> None:
     assert (
         not without.interface.derivatives and without.interface.model_hash != with_them.interface.model_hash
     )
-    more = {
-        "stack",
-        *(f"by_{group}" for group, pattern in with_them.interface.derivatives.items() if pattern),
-    }
+    by = {f"by_{group}" for group, pattern in with_them.interface.derivatives.items() if pattern}
+    more = {"stack", "assemble", "factor", "solve", *by}
     assert set(with_them.functions) - set(without.functions) <= {*more, "bind"}
     for text in (*render_c(without).values(), *render_numpy(without).values()):
         assert "by_state" not in text and "stack(" not in text and "PATTERNS" not in text

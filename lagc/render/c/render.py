@@ -29,6 +29,7 @@ def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -
     takes a compiler as long as much of the rest, by the same kernels in Python, to the same bits; the
     bounds of parameters; texts.
     """
+    program = program.shipped
     interface, runtime = program.interface, Runtime(program, complete, real)
     name = prefix(interface.model)
     return {

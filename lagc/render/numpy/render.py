@@ -27,6 +27,7 @@ from typing import Any, NamedTuple
 def render(program: Program, complete: bool = True) -> dict[str, str]:
     """File name -> text; one file, `<model>.py`.  Unless `complete` it lacks what a run of `lagc` has
     already: the search for a consistent start, the bounds of parameters."""
+    program = program.shipped if complete else program
     file = f"{prefix(program.interface.model)}.py"
     names = local_names(program, (*CALLS.values(), "ArithmeticError", "ValueError"))
     numbers = numbered(program)
