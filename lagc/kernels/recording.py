@@ -98,9 +98,9 @@ def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Stat
 
 
 # step, advance and record look at the options, the times and the parameters of a call once, before anything
-# is done: INVALID says that one makes no sense, NOT_FINITE that a state is not finite (s->culprit says
-# which).  With these *s is as it was; with any other status it is where the last step that was done has
-# ended, and a call may go on from there.
+# is done: INVALID says that one makes no sense, NOT_FINITE that the state is not finite (s->culprit says
+# which), and *s is as it was.  With any other status, and with NOT_FINITE of a motion that comes to where it
+# has no value, *s is where the last step that was done has ended, and a call may go on from there.
 #
 # Between two of these calls the caller may change anything in *p, such as inputs, any option, and s->t and
 # s->x: the next step begins with what is there then, at the cost of one evaluation where p, t or x is

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from lagc import compiler
+from lagc.diagnostics.faults import Source
 from lagc.optimize.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render
@@ -242,3 +244,17 @@ def test_a_module_defines_no_name_twice(name: str) -> None:
     ((_, text),) = render(of_model(name)).items()
     found = re.findall(r"^(?:def |class )?(\w+)(?: = |\(|:)", text, re.M)
     assert len(found) == len(set(found)) > 50, sorted(n for n in found if found.count(n) > 1)
+
+
+def test_where_a_motion_has_no_value_the_state_is_where_its_last_step_ended() -> None:
+    """x'' = -1 - sqrt(x), from 1: beyond 0 there is no root."""
+    text = """model Root
+  coordinate Length x(start = 1 [m]);
+  body b = Particle(mass = 1 [kg], at = {x, 0, 0});
+  force f = {-1 [N]*sqrt(x/1 [m]) - 1 [N], 0, 0} at b;
+end Root;"""
+    m = module(compiler.program(Source("root.lag", text), compiler.Choice()))
+    run = m.Integrator(m.equations(), m.Options(), 0.0, [1.0, 0.0])
+    assert run.advance(5.0) == m.NOT_FINITE and 1.0 < run.t < 2.0
+    ended = run.t
+    assert run.advance(5.0) == m.NOT_FINITE and run.t == ended
