@@ -22,8 +22,7 @@ def pendulum() -> Any:
     [
         {"scene": (1, 2)}, {"model": 1}, {"until": 0}, {"until": []}, {"use": [1]}, {"without": (None,)},
         {"parameters": 1.0}, {"parameters": 0}, {"parameters": ""}, {"parameters": []},
-        {"parameters": {1: 2}},
-        {"inputs": "x"}, {"inputs": 0}, {"inputs": {1: 2}},
+        {"parameters": {1: 2}}, {"inputs": "x"}, {"inputs": 0}, {"inputs": {1: 2}},
     ],
 )  # fmt: skip
 def test_names_are_texts_and_values_have_names(given: Any) -> None:
