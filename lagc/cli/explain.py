@@ -27,7 +27,7 @@ def run(options: argparse.Namespace) -> int:
     equations = compiler.equations(library.read(options.file), choice_of(options))
     program = compiler.optimize(equations, work=False)
     with stage("examining the equations", compiler.PER_PAIR * len(equations.v) ** 2):
-        facts = explanation(equations, program)
+        facts = explanation(equations, program, whole=options.json or options.verbose)
     if options.json:
         print_json({"status": "ok", **facts})
     else:

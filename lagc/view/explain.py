@@ -8,7 +8,9 @@ from typing import Any
 
 from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
+from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
+from lagc.meaning.model import Lagrangian
 from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
 from lagc.optimize.program import Interface, Program
@@ -19,13 +21,15 @@ Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose
 
 
-def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
-    """The facts of one scene of a model; numbers in SI."""
+def explanation(equations: EquationsOfMotion, program: Program, whole: bool = True) -> Facts:
+    """The facts of one scene of a model; numbers in SI; expressions `whole`, or as long as people read."""
     model, analysis = equations.model, analyse(equations)
-    written = Expressions(equations)
+    written = Expressions(equations, whole)
     jumps = any(when.changes for when in equations.whens)
     interface = program.interface
-    kinetic = analysis.kinetic_parts
+    parts = analysis.kinetic_parts
+    kinetic = parts and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), parts)}
+    potential = written.text(equations.potential)
     idle = analysis.speeds - interface.nv
     facts: Facts = {
         "model": model.name,
@@ -59,7 +63,9 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
         "conserved": [
             {
                 "name": c.name,
-                "expression": written.text(c.expression),
+                "expression": written.short(c.expression)
+                or _energy(equations, c.expression, kinetic, potential)
+                or written.text(c.expression),
                 "reason": c.reason + (", between events" if jumps else ""),
                 "proved": c.proved,
             }
@@ -73,8 +79,8 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
             "positional_freedom": analysis.seems.positional_freedom,
         },
         "not_examined": list(analysis.not_examined),
-        "kinetic": kinetic and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), kinetic)},
-        "potential": written.text(equations.potential),
+        "kinetic": kinetic,
+        "potential": potential,
         "pruned": _pruned(equations, program),
         "switches": [
             {"condition": words, "known": k < interface.timed_switches}
@@ -95,6 +101,15 @@ def explanation(equations: EquationsOfMotion, program: Program) -> Facts:
     }
     facts["short_names"] = dict(where(written.seen))
     return facts
+
+
+def _energy(equations: EquationsOfMotion, node: Node, kinetic: Facts | None, potential: str) -> str:
+    """The energy by its parts, which are shown with it; "" for anything else."""
+    free = any(isinstance(action, Lagrangian) for action in equations.model.actions)
+    if node is not equations.energy or kinetic is None or free:
+        return ""
+    text = "K2" + (" - K0" if kinetic["K0"] != "0" else "")
+    return text + (" + V" if potential != "0" else "")
 
 
 def _effect(name: str, description: str) -> Facts:

@@ -19,7 +19,7 @@ from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names, pi_of
 from lagc.view.naming import NamingAlgebra
 from lagc.view.polynomials import NotFinite, Polynomial, scaled
-from lagc.view.trigonometry import shorten, unit_quaternion, without_noise
+from lagc.view.trigonometry import ShortAlgebra, shorten, unit_quaternion, without_noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +61,7 @@ def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
     their numbers is not finite."""
     known, asked = nonnegative(equations), _asked(equations, full)
     try:
-        algebra = Algebra(known, min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK))
+        algebra = ShortAlgebra(known, min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK))
         try:
             found = _sheet(equations, algebra, asked)
             algebra.rest()
@@ -171,7 +171,7 @@ def _long_sums(
     found: list[tuple[Node, Polynomial]] = []
     for number in sorted(times):  # those within others come first
         atom = algebra.atoms[number]
-        if times[number] > 1 and atom.op == "sum" and len(atom.args[0]) > LONG:
+        if times[number] > 1 and atom.op == "sum" and len(atom.args[0]) >= LONG:
             algebra.named[number] = equations.graph.symbol("shown part", str(len(found)))
             found.append((algebra.named[number], tidy(equations, algebra, dict(atom.args[0]))))
     return found

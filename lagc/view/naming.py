@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from lagc.expr.graph import Graph, Node
-from lagc.view.algebra import HIGHEST, LONG, Algebra, Parts
+from lagc.view.algebra import HIGHEST, LONG, Parts
 from lagc.view.polynomials import Frozen, Polynomial, frozen
+from lagc.view.trigonometry import ShortAlgebra
 
 
-class NamingAlgebra(Algebra):
+class NamingAlgebra(ShortAlgebra):
     """Takes `shared` nodes, and whatever gets long, as symbols, those of `graph`; `definitions` says what
     they are.  It has no limit: nothing is multiplied out that would be long."""
 

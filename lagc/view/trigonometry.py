@@ -19,6 +19,16 @@ NOISE = Fraction(1, 2**50)
 Powers = dict[int, Exponent]
 
 
+class ShortAlgebra(Algebra):
+    """Shortens what stands under roots and below lines, where nothing does later."""
+
+    def root(self, p: Polynomial) -> Polynomial:
+        return super().root(shorten(self, p))
+
+    def _inverse_power(self, p: Polynomial, n: int) -> Polynomial:
+        return super()._inverse_power(shorten(self, p) or p, n)  # what vanishes stays as it was written
+
+
 def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:
     """`p` after the identities; exactly equal to it."""
     p = dict(p)

@@ -12,10 +12,10 @@ import pytest
 
 import lagc
 from lagc.view import formulas
-from lagc.view.algebra import Algebra
 from lagc.view.equations import write
 from lagc.view.latex import equations_latex, letter
 from lagc.view.polynomials import fraction
+from lagc.view.trigonometry import ShortAlgebra
 from tests.view.models import EVERYTHING, LONG, derived, equations_of
 
 
@@ -153,6 +153,13 @@ def test_multiples_of_pi_are_written_with_pi() -> None:
     assert "pi" not in write(equations_of(text.format(named).replace("2*pi", "6.283185307179586")))
 
 
+def test_squares_of_sine_and_cosine_are_one_below_lines_and_under_roots() -> None:
+    distance = "R[1]^2 + R[2]^2 - 2*R[1]*R[2]*cos(2*pi/5 - phi[1] + phi[2])"
+    assert f"G*m*R[1]/({distance})^(3/2)" in write(derived("large/n_body"))
+    for name in ("large/n_body", "large/truss"):
+        assert "^2*sin" not in write(derived(name)).replace("'^2*sin", "")
+
+
 def test_names_that_python_reserves_are_legal_in_the_script() -> None:
     script = write(equations_of(RESERVED), "sympy")
     compile(script, "script", "exec")
@@ -218,8 +225,8 @@ def test_what_is_just_multiplied_out_is_written(name: str, monkeypatch: pytest.M
     """Whatever looking for squares in it takes."""
     equations = derived(f"classic/{name}")
     expected = write(equations)
-    algebra = Algebra(formulas.nonnegative(equations))
+    algebra = ShortAlgebra(formulas.nonnegative(equations))
     formulas._sheet(equations, algebra, formulas._asked(equations, True))
     spent = 60_000 - int(algebra._left)
-    monkeypatch.setattr(formulas, "Algebra", lambda known, _: Algebra(known, limit=spent))
+    monkeypatch.setattr(formulas, "ShortAlgebra", lambda known, _: ShortAlgebra(known, limit=spent))
     assert write(equations) == expected

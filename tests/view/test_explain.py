@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import re
+from math import cos, sin
 from pathlib import Path
+from random import Random
 
 import pytest
 
@@ -146,3 +149,32 @@ end Idle;
     }  # fmt: skip
     assert found["degrees_of_freedom"] == found["positional_freedom"] == 1
     assert "dropped, as nothing depends on them: spare, gone, turn" in text(found)
+
+
+def test_long_expressions_are_written_by_their_rule_or_whole(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["explain", "classic/chain", "-p", "n=30"]) == 0
+    said = capsys.readouterr().out
+    assert "V = sum(k = 1..30, (k - 31)*m*l*g*cos(th[k]))" in said
+    assert "energy = K2 + V, since nothing brings power" in said
+    assert main(["explain", "classic/chain", "-p", "n=30", "-v"]) == 0
+    said = capsys.readouterr().out
+    assert "parts)" not in said and "energy = K2" not in said
+    assert main(["explain", "classic/chain", "-p", "n=30", "--json"]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    chance = Random(30)
+    at = {(name, k): chance.uniform(-1, 1) for name in ("th", "rate") for k in range(1, 31)}
+
+    def value(text: str) -> float:
+        code = re.sub(r"th\[(\d+)\]'", r"at['rate', \1]", text)
+        code = re.sub(r"th\[(\d+)\]", r"at['th', \1]", code).replace("^", "**")
+        return float(eval(code, {"at": at, "sin": sin, "cos": cos, "m": 0.7, "l": 0.3, "g": 9.81}))
+
+    x = y = kinetic = potential = 0.0
+    for k in range(1, 31):
+        x += 0.3 * cos(at["th", k]) * at["rate", k]
+        y += 0.3 * sin(at["th", k]) * at["rate", k]
+        kinetic += 0.35 * (x * x + y * y)
+        potential -= 0.7 * 9.81 * 0.3 * (31 - k) * cos(at["th", k])
+    assert value(whole["kinetic"]["K2"]) == pytest.approx(kinetic)
+    assert value(whole["potential"]) == pytest.approx(potential)
+    assert value(whole["conserved"][0]["expression"]) == pytest.approx(kinetic + potential)
