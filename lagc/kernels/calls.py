@@ -56,6 +56,8 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
         s.t_changed = t
         for i in range(NX):
             s.jolts[i] = 0.0
+        for k in range(NMODE):
+            s.slack[k] = 0.0
         s.fresh = False
         s.halved = False
         s.rough = 0.0

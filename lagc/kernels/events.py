@@ -9,11 +9,9 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.branches import adopt_modes, choose_branch, keep_branch, nudge_mode, take
-from lagc.kernels.enclosing import enclose_state, enclose_time
 from lagc.kernels.kinds import enlarge, not_finite
-from lagc.kernels.limits import SPACING
+from lagc.kernels.locating import SEVERAL, smear
 from lagc.kernels.model import (
-    fn_enclosure_on,
     fn_energies,
     fn_holds_on,
     fn_modes,
@@ -31,7 +29,6 @@ from lagc.kernels.switching import change, is_little
 from lagc.kernels.tables import clause, counted, ending, kind, target
 from lagc.kernels.words import Params, Real, Status
 
-SEVERAL = 8.0  # last places
 MANY_TIMES = 1e5
 MISSED = 1e-6  # of the sizes of states: what constraints move new values by is no rounding
 
@@ -79,17 +76,6 @@ def meets_constraints(p: Params, s: State, w: Work) -> bool:
     return True
 
 
-def smear(p: Params, s: State, w: Work) -> None:
-    """w.blurs: what last places of time and states are worth in the sides that these change."""
-    enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
-    for i in range(NQ + NV):
-        enclose_state(i, s.x[i], s.x[i], SPACING * fabs(s.x[i]), w)
-    fn_enclosure_on(p, w.modes, w.box, w.ends)
-    for j in range(NFREE):
-        far = w.ends[2 * j + 1] - w.ends[2 * j]
-        w.blurs[j] = far if far >= 0.0 and far < inf else 0.0
-
-
 def land(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The branch on from a state that has jumped, and its rates, in w.xdot.  w.beside: its sides before."""
     w.left_sides[:] = w.beside
@@ -104,7 +90,7 @@ def land(p: Params, s: State, direction: Real, w: Work) -> Status:
         if w.jumped[i] > 0:
             nudge_mode(i, direction, 0.0, w, s.t)
     if NFREE > 0:
-        smear(p, s, w)
+        smear(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
             if w.jumped[k] > 0:
@@ -171,7 +157,7 @@ def told_apart(p: Params, s: State, direction: Real, w: Work) -> bool:
     else since they changed last: what comes back within the last places of the time or of a state, as bounces
     that are ever shorter, has not got anywhere."""
     if NFREE > 0:
-        smear(p, s, w)
+        smear(p, s, s.x, w)
         for j in range(NFREE):
             k = NTIMED + j
             if w.crossed[k] > 0 and w.jumped[k] == 0:

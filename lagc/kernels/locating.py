@@ -11,16 +11,26 @@ from __future__ import annotations
 from math import fabs, inf
 
 from lagc.kernels.branches import margin
-from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_step, is_known, look_at
+from lagc.kernels.enclosing import (
+    COARSEST,
+    NONE,
+    dense_of_trial,
+    enclose_state,
+    enclose_step,
+    enclose_time,
+    is_known,
+    look_at,
+)
+from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import SPACING
 from lagc.kernels.method import last, method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
 from lagc.kernels.records import State, Trial, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
+from lagc.kernels.sizes import NEDGES, NFREE, NKIND, NMODE, NQ, NTIMED, NV, NX
 from lagc.kernels.statuses import failed
-from lagc.kernels.tables import counted
-from lagc.kernels.words import Params, Real, Vec
+from lagc.kernels.tables import counted, kind
+from lagc.kernels.words import Params, Real, Vec, vector
 
 FINEST = 0.00390625  # the shortest that is looked at by its ends
 THINNEST = 1e-9  # of a step: what is narrower is not looked for
@@ -28,6 +38,7 @@ MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a chang
 NEARLY_THERE = 100.0  # last places of the time
 LEAST_SLACK = 2.0  # of what a switch is beyond its change by rounding; more where it is so again in a step,
 MOST_SLACK = 4096.0  # but what is beyond ever again is so for another reason
+SEVERAL = 8.0  # last places
 
 
 def margins(p: Params, t: Real, x: Vec[NX], s: State, w: Work) -> None:
@@ -197,6 +208,73 @@ def only_seem(p: Params, s: State, method: int, part: Real, much: Real, a: Trial
         if w.crossed[NTIMED + j] > 0:
             s.slack[NTIMED + j] -= much * w.margins[j]
     return True
+
+
+def smear(p: Params, s: State, reach: Vec[NX], w: Work) -> None:
+    """w.blurs: what last places of time and of states that are as large as here, or as `reach`, are worth in
+    the sides that these change."""
+    enclose_time(s.t - SPACING * fabs(s.t), s.t + SPACING * fabs(s.t), w)
+    for i in range(NQ + NV):
+        size = fabs(s.x[i]) if fabs(s.x[i]) > fabs(reach[i]) else fabs(reach[i])
+        enclose_state(i, s.x[i], s.x[i], SPACING * size, w)
+    fn_enclosure_on(p, w.modes, w.box, w.ends)
+    for j in range(NFREE):
+        far = w.ends[2 * j + 1] - w.ends[2 * j]
+        w.blurs[j] = far if far >= 0.0 and far < inf else 0.0
+
+
+def still_at_rest(k: int, s: State, w: Work) -> bool:
+    """Whether a side that was at rest, w.beside now, has not left its slack."""
+    return s.modes[k] == 0.0 and counted[k] == 0 and fabs(w.beside[k]) <= s.slack[k]
+
+
+def passes(k: int, direction: Real, w: Work) -> bool:
+    """Whether a switch changes where dense output says so, by the rate of its side, w.turning, where the step
+    has ended: what moves away from its change has not come to it."""
+    if w.modes[k] == 0.0 and counted[k] == 0:
+        return w.beside[k] != 0.0 or w.turning[k] != 0.0
+    return not inward(k, direction, w)
+
+
+def draw_tight(p: Params, s: State, w: Work) -> None:
+    """Sides that have got away from their changes, by several times their slack, need none any more."""
+    fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+    for j in range(NFREE):
+        k = NTIMED + j
+        if margin(k, w.sides[k], 0.0, w) > SEVERAL * s.slack[k]:
+            s.slack[k] = 0.0
+
+
+def slacken(p: Params, s: State, k: int, w: Work) -> None:
+    """More slack for a switch that dense output says has changed, and has not: what that was off by, or last
+    places of sizes in its step are worth.  It is off beside what grows from nothing."""
+    sizes = vector(NKIND)
+    for i in range(NKIND):
+        sizes[i] = 0.0
+    enlarge(s.x, sizes)
+    enlarge(w.arrived, sizes)
+    for i in range(NQ + NV):
+        w.middle[i] = sizes[kind[i]]
+    smear(p, s, w.middle, w)
+    j = k - NTIMED
+    off = fabs(margin(k, w.beside[k], s.slack[k], w)) + fabs(w.margins[j])
+    s.slack[k] += SEVERAL * (off if off > w.blurs[j] else w.blurs[j])
+
+
+def any_passes(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether any in w.crossed does; others are taken out."""
+    found = False
+    for k in range(NMODE):
+        if w.crossed[k] > 0:
+            if k >= NTIMED:
+                goes = passes(k, direction, w)
+                if not goes or still_at_rest(k, s, w):
+                    slacken(p, s, k, w)
+                if not goes:
+                    w.crossed[k] = 0
+            if w.crossed[k] > 0:
+                found = True
+    return found
 
 
 def all_but_changes(p: Params, s: State, direction: Real, w: Work) -> bool:

@@ -173,7 +173,6 @@ class Work:
         held_before: Vec[NWHEN]
         modes_before: Vec[NMODE]
         slack_before: Vec[NMODE]
-        blurs: Vec[NFREE]  # what last places are worth in the sides that the state changes
     if NJUMP > 0:
         fresh_values: Vec[NJUMP]
         landed: Vec[NX]
@@ -188,6 +187,7 @@ class Work:
         ends: Vec[NENDS]
         margins: Vec[NFREE]  # how far each side is from where its switch changes
         spans: Vec[NFREE]
+        blurs: Vec[NFREE]  # what last places are worth in these sides
     if NFEAT > 0:
         bounds: Vec[NBOUNDS]
         values: Vec[NFEAT]

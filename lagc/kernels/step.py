@@ -16,6 +16,7 @@ from lagc.kernels.locating import (
     MOST_SLACK,
     all_but_changes,
     any_due,
+    draw_tight,
     first_change,
     next_change,
     only_seem,
@@ -80,6 +81,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
 def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     """Where a switch changes within the step, the step once more, to end there; a.h is 0 where that is at its
     beginning, and the switch has changed."""
+    draw_tight(p, s, w)
     much = LEAST_SLACK
     part = first_change(p, s, o.method, a, w)
     while part >= 0.0 and part < NONE and much < MOST_SLACK and only_seem(p, s, o.method, part, much, a, w):

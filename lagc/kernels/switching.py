@@ -6,7 +6,7 @@ from math import fabs
 
 from lagc.kernels.branches import count, keep_branch, sign_of, spread_changes, take
 from lagc.kernels.limits import SPACING
-from lagc.kernels.locating import NEARLY_THERE
+from lagc.kernels.locating import NEARLY_THERE, any_passes, still_at_rest
 from lagc.kernels.model import fn_side_rates_on, fn_sides_on
 from lagc.kernels.records import NOWHERE, State, Work
 from lagc.kernels.resting import come_to_rest, hold_still, late, rates_of_sides, rests, turns_back
@@ -84,7 +84,6 @@ def pass_edge(k: int, s: State, direction: Real, w: Work) -> None:
 
 def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The switches in w.crossed change at (s.t, s.x)."""
-    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
     if NEDGES > 0:
         for i in range(NEDGES):
             w.left_edges[i] = w.edges[i]
@@ -92,13 +91,20 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
     status = rhs_at(p, s.t, s.x, w.left_rates, w.lam, w)
     if failed(status):
         return status
-    fn_side_rates_on(p, s.t, s.x, w.modes, w.left_rates, w.before)
+    fn_side_rates_on(p, s.t, s.x, w.modes, w.left_rates, w.turning)
+    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
+    w.sides[:] = w.beside
+    if NFREE > 0:
+        if not any_passes(p, s, direction, w):
+            return OK
+    w.before[:] = w.turning
     for i in range(NMODE):
         if w.crossed[i] > 0:
             if counted[i] > 0:
                 pass_edge(i, s, direction, w)
             elif w.modes[i] == 0.0:
-                w.modes[i] = sign_of(w.beside[i])
+                away = w.before[i] * direction if still_at_rest(i, s, w) else w.beside[i]
+                w.modes[i] = sign_of(away)
             else:
                 w.modes[i] = -w.modes[i]
     spread_changes(p, s, direction, w.left_rates, w)
@@ -118,7 +124,8 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         rate = w.turning[k]
         if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, rate, w.before[k], direction, w):
             # From rest it goes only where it does not come back.
-            if s.modes[k] == 0.0 or not rests(p, s, k, rate, w.before[k], w):
+            left = s.modes[k] == 0.0 and not still_at_rest(k, s, w)
+            if left or not rests(p, s, k, rate, w.before[k], w):
                 w.culprit = k
                 return CHATTERING
     for i in range(NMODE):

@@ -1,0 +1,129 @@
+"""Contacts that just touch: along a chain sides leave zero one after the other, and grow from nothing by
+powers that no dense output follows."""
+
+from __future__ import annotations
+
+from math import cos
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import lagc
+from lagc.api import Run
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+CHAIN = """model Chain
+  structural Integer n = 5;
+  parameter Stiffness k = 1e6 [N/m];
+  parameter Velocity last = 0 [m/s];
+  coordinate Length u[n](each start = {start} [m]);
+  for i in 1:n loop
+    body p[i] = Particle(mass = 1 [kg], at = {{u[i] + 0.1 [m]*i, 0, 0}});
+  end for;
+  for i in 1:n-1 loop
+    potential V[i] = {potential};
+  end for;
+  scene go
+    start der(u[1]) = 1 [m/s];
+    start der(u[n]) = last;
+    simulate(stop = 0.1 [s]);
+  end go;
+end Chain;"""
+BALLS = "k/2*max(u[i] - u[i+1], 0 [m])^2"
+BRANCHES = "(if u[i] > u[i+1] then k/2*(u[i] - u[i+1])^2 else 0 [J])"
+ROPE = "k/2*max(u[i+1] - u[i], 0 [m])^2"
+
+
+def chain(n: int, potential: str = BALLS, start: float = 0.0, backend: str = "numpy") -> lagc.CompiledModel:
+    text = CHAIN.format(potential=potential, start=start)
+    return lagc.loads(text).compile(backend=backend, parameters={"n": n})
+
+
+def truth(n: int, last: float = 0.0, sign: float = 1.0) -> list[float]:
+    """The speeds in the end."""
+
+    def rates(_: float, x: np.ndarray) -> np.ndarray:
+        force = sign * 1e6 * np.maximum(sign * (x[: n - 1] - x[1:n]), 0.0)
+        return np.concatenate([x[n:], -np.append(force, 0.0) + np.append(0.0, force)])
+
+    begin = np.zeros(2 * n)
+    begin[n], begin[-1] = 1.0, last or begin[-1]
+    found = solve_ivp(rates, (0.0, 0.1), begin, method="DOP853", rtol=1e-12, atol=1e-16, max_step=5e-5)
+    return list(found.y[n:, -1])
+
+
+def speeds(run: Run, n: int) -> list[float]:
+    assert run.status == "ok", run.message
+    return [float(run[f"der(u[{i}])"][-1]) for i in range(1, n + 1)]
+
+
+@pytest.mark.parametrize(("start", "potential"), [(0.0, BALLS), (0.1, BALLS), (0.0, BRANCHES)])
+@pytest.mark.parametrize("n", [3, 5, 8, 20])
+def test_a_row_of_balls_is_hit(n: int, start: float, potential: str) -> None:
+    run = chain(n, potential, start).simulate()
+    assert speeds(run, n) == pytest.approx(truth(n), abs=2e-6)
+    assert sum(speeds(run, n)) == pytest.approx(1.0, abs=1e-13)
+    assert abs(run.energy.imbalance) < 1e-7
+    assert run.cost.rhs < 1_500 * n and len(run.events) == 2 * n - 3
+
+
+@pytest.mark.parametrize("start", [0.0, 0.1])
+@pytest.mark.parametrize("method", ["dop853", "dopri5"])
+def test_it_errs_by_what_was_asked(method: str, start: float) -> None:
+    known = truth(10)
+    system = chain(10, start=start)
+    for rtol in (1e-4, 1e-7, 1e-10):
+        run = system.simulate(method=method, rtol=rtol)
+        assert speeds(run, 10) == pytest.approx(known, abs=20.0 * rtol)
+        assert run.cost.rhs < 6_000
+
+
+def test_it_is_the_same_in_c() -> None:
+    runs = [chain(8, backend=name).simulate(method="dop853", rtol=1e-8) for name in ("c", "numpy")]
+    assert runs[0].status == "ok" and runs[0].cost.rhs == runs[1].cost.rhs
+    assert [list(x) for x in runs[0].states] == [list(x) for x in runs[1].states]
+
+
+@pytest.mark.parametrize("n", [4, 7, 12])
+def test_balls_are_hit_from_both_sides(n: int) -> None:
+    """What comes out is as symmetrical as what goes in."""
+    run = chain(n).simulate(parameters={"last": -1.0})
+    found = speeds(run, n)
+    assert found == [-v for v in reversed(found)]
+    assert found == pytest.approx(truth(n, -1.0), abs=2e-6)
+
+
+@pytest.mark.parametrize("n", [6, 12])
+def test_a_rope_that_is_just_slack_is_pulled(n: int) -> None:
+    run = chain(n, ROPE).simulate(parameters={"last": 2.0})
+    assert speeds(run, n) == pytest.approx(truth(n, 2.0, -1.0), abs=5e-6)
+    assert sum(speeds(run, n)) == pytest.approx(3.0, abs=1e-12)
+
+
+FLOOR = """model Floor
+  coordinate Length z;
+  body b = Particle(mass = 1 [kg], at = {0, 0, z});
+  potential V = 1e4 [N/m]/2*max(-z, 0 [m])^2;
+  force f = {0, 0, if time > 0.5 [s] then -1 [N] else 0 [N]} at b;
+end Floor;"""
+
+
+def test_what_rests_on_a_floor_is_pressed_into_it() -> None:
+    """It rises to where it just touches, in each swing."""
+    run = lagc.loads(FLOOR).compile(backend="numpy").simulate(2.0, accuracy=1e-7)
+    assert run.status == "ok", run.message
+    for t, z in zip(run.t, run["z"]):
+        assert z == pytest.approx(-1e-4 * (1.0 - cos(100.0 * max(t - 0.5, 0.0))), abs=1e-10)
+
+
+@pytest.mark.parametrize("push", ["1 [N]", "(if time > 2 [s] then 1 [N] else 0 [N])"])
+def test_friction_that_holds_is_still_told(push: str) -> None:
+    text = (
+        "model S\n  coordinate Length x(rate = 1 [m/s]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        f"  force f = {{{push} - 2 [N]*sign(der(x)), 0, 0}} at b;\nend S;"
+    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(3.0)
+    assert run.status == "failed" and "drives it back" in run.message
