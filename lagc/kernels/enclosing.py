@@ -5,12 +5,12 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.limits import UNKNOWN
-from lagc.kernels.method import method_at, method_coefficients
+from lagc.kernels.method import last, method_at, method_coefficients, method_strays
 from lagc.kernels.records import NOWHERE, State, Trial, Work
-from lagc.kernels.sizes import NQ, NV, NX
-from lagc.kernels.words import Params, Real, Status, Vec
+from lagc.kernels.sizes import NQ, NV
+from lagc.kernels.words import Params, Real, Status
 
-COARSEST = 0.25  # of a step: the longest part that is enclosed in one
+COARSEST = 0.125  # of a step: the longest part that is enclosed in one
 WIDER = 0.25  # of what a cubic between the ends of a step keeps to
 NONE = 2.0  # no part of a step: nothing changes within it
 
@@ -30,10 +30,11 @@ def enclose_state(i: int, low: Real, high: Real, more: Real, w: Work) -> None:
     w.box[NQ + NV + 2 + i] = high + more
 
 
-def enclose_step(s: State, a: Trial, rate: Vec[NX], w: Work) -> None:
-    """About what the step keeps to: the hull of the cubic between its ends, and a quarter more; `rate` is
-    that at the new state."""
+def enclose_step(s: State, method: int, a: Trial, w: Work) -> None:
+    """About what the step keeps to: the hull of the cubic between its ends, a quarter more, and twice what
+    rates at the stages allow to be beside it."""
     enclose_time(s.t, a.t_new, w)
+    method_strays(method, a.h, s, w.middle)
     for i in range(NQ + NV):
         low = s.x[i]
         high = low
@@ -43,12 +44,12 @@ def enclose_step(s: State, a: Trial, rate: Vec[NX], w: Work) -> None:
             elif j == 1:
                 value = s.x[i] + a.h * s.k[0][i] / 3.0
             else:
-                value = s.y[i] - a.h * rate[i] / 3.0
+                value = s.y[i] - a.h * s.k[last(method)][i] / 3.0
             if value < low:
                 low = value
             if value > high:
                 high = value
-        enclose_state(i, low, high, WIDER * (high - low), w)
+        enclose_state(i, low, high, WIDER * (high - low) + fabs(a.h) * w.middle[i], w)
 
 
 def enclose_part(t: Real, h: Real, left: Real, right: Real, w: Work) -> None:

@@ -23,7 +23,7 @@ from lagc.kernels.enclosing import (
 )
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import SPACING
-from lagc.kernels.method import last, method_at
+from lagc.kernels.method import method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
 from lagc.kernels.records import State, Trial, Work
 from lagc.kernels.rhs import rhs_at
@@ -142,7 +142,7 @@ def located(p: Params, s: State, method: int, h: Real, left: Real, right: Real, 
 def first_change(p: Params, s: State, method: int, a: Trial, w: Work) -> Real:
     """The part of the step from s.x to s.y after which a switch changes first; NONE; below zero where that
     cannot be told."""
-    enclose_step(s, a, s.k[last(method)], w)
+    enclose_step(s, method, a, w)
     if certain(p, s, w):
         return NONE
     if failed(dense_of_trial(p, s, method, a, w)):

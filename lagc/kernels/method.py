@@ -47,6 +47,12 @@ def method_parts(method: int, s: State, w: Work) -> None:
                 m.error_parts(s, w)
 
 
+def method_strays(method: int, h: Real, s: State, far: Vec[NX]) -> None:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            m.strays(h, s, far)
+
+
 def method_coefficients(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,
                         w: Work) -> Status:  # fmt: skip
     for m in static(METHODS):

@@ -7,7 +7,7 @@ from math import fabs, inf
 
 from lagc.kernels.enclosing import COARSEST, NONE, dense_of_trial, enclose_step, is_known, look_at
 from lagc.kernels.locating import FINEST, THINNEST
-from lagc.kernels.method import last, method_at
+from lagc.kernels.method import method_at
 from lagc.kernels.model import (
     fn_feature_bounds,
     fn_feature_bounds_on,
@@ -242,7 +242,7 @@ def first_hidden(p: Params, s: State, method: int, a: Trial, rtol: Real, w: Work
             if begins < 1.0:
                 return begins
         limit_features(rtol, w)
-    enclose_step(s, a, s.k[last(method)], w)
+    enclose_step(s, method, a, w)
     if NPOLE > 0:
         limit_poles(p, s, a, w)
     if is_seen(p, s.t, a.h, 0.0, 1.0, w):

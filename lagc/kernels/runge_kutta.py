@@ -6,7 +6,7 @@ Equations I, Springer 1993, sections II.4 (error), II.6 (dense output), II.10 (D
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import fabs, inf, sqrt
 
 from lagc.kernels.kinds import set_apart
 from lagc.kernels.records import State, Work
@@ -73,6 +73,20 @@ def error_parts(s: State, w: Work) -> None:
         for j in static(range(len(ERROR))):
             for i in range(NX):
                 w.parts[j][i] = combination(ERROR[j], s.k, i)
+
+
+def strays(h: Real, s: State, far: Vec[NX]) -> None:
+    """How far rates at the stages are, at most, from the slopes there of the cubic between the ends of the
+    step from s.x to s.y."""
+    for i in range(NQ + NV):
+        mean = (s.y[i] - s.x[i]) / h
+        far[i] = 0.0
+        for j in static(range(1, len(C))):
+            c = number(C[j])
+            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+            own = fabs(s.k[j][i] - slope - c * (3.0 * c - 2.0) * s.k[len(C)][i])
+            if own > far[i]:
+                far[i] = own
 
 
 def coefficients(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from numpy.polynomial import Polynomial
 
 import lagc
 from lagc.cli.main import main
@@ -116,6 +117,31 @@ def test_numbers_beyond_those_of_which_enclosures_know(condition: str) -> None:
     ).simulate(40.0)
     assert run.status == "terminated"
     assert run.t[-1] == pytest.approx(15.0 - math.sqrt(225.0 - 97.0 * math.log(10.0)), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol", "v", "force", "below"),
+    [
+        ("dop853", 1e-6, -1.0, (0.985009293, -0.659445209, 0.12954891, -0.00763851424), -1.060075),
+        ("dop853", 1e-4, -0.0414577882, (0.217301629, -0.480199030, 0.173358771, -0.0147631455), -0.659956),
+        ("dopri5", 1e-6, 0.433660142, (-1.28893523, 0.685232903, -0.067713335), -2.791648),
+        ("dop853", 1e-6, 1.0, (-1.82798145, 1.21254517, -0.219356629, 0.0119479956), -2.381747),
+        ("dopri5", 1e-6, -0.0376075927, (0.0487605271, -0.0395883152, 0.00758825424), -0.0206760),
+    ],
+)
+def test_a_dip_within_one_long_step(
+    method: str, rtol: float, v: float, force: tuple[float, ...], below: float
+) -> None:
+    """Steps of a polynomial are as long as it likes; whether x dips within one no cubic tells."""
+    terms = " + ".join(f"({a!r})*(time/(1 [s]))^{k}" for k, a in enumerate(force))
+    run = model(
+        f'when x < {below!r} [m] then terminate("low"); end when;',
+        start=f"x(start = 0 [m], rate = {v!r} [m/s])",
+        more=f"force f = {{2 [N]*({terms}), 0, 0}} at b;",
+    ).simulate(10.0, method=method, rtol=rtol)
+    motion = Polynomial([-below, v, *(a / ((k + 1) * (k + 2)) for k, a in enumerate(force))])
+    first = min(t.real for t in motion.roots() if t.imag == 0.0 and t.real > 0.0)
+    assert run.status == "terminated" and run.t[-1] == pytest.approx(first, abs=1e-3)
 
 
 @pytest.mark.parametrize(("relation", "fires"), [("<", True), ("<=", False)])
