@@ -6,6 +6,7 @@ Each equation is the derived one up to a factor that is a number or a product of
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 
 from lagc.diagnostics.faults import Fault, Refused
@@ -19,7 +20,7 @@ from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import Name, names, pi_of
 from lagc.view.naming import NamingAlgebra
 from lagc.view.polynomials import NotFinite, Polynomial, scaled
-from lagc.view.trigonometry import ShortAlgebra, shorten, unit_quaternion, without_noise
+from lagc.view.trigonometry import ShortAlgebra, TurningAlgebra, shorten, unit_quaternion, without_noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,13 +62,14 @@ def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
     their numbers is not finite."""
     known, asked = nonnegative(equations), _asked(equations, full)
     try:
-        algebra = ShortAlgebra(known, min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK))
-        try:
-            found = _sheet(equations, algebra, asked)
-            algebra.rest()
-            return found
-        except TooLarge:
-            return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations, asked), known), asked)
+        work = min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK)
+        for kind in (ShortAlgebra, TurningAlgebra):
+            algebra = kind(known, work)
+            with suppress(TooLarge):
+                found = _sheet(equations, algebra, asked)
+                algebra.rest()
+                return found
+        return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations, asked), known), asked)
     except NotFinite:
         message = "a factor in the equations of motion is not a finite number"
         remedy = "the numbers of the model are too large, or too different, to be multiplied"

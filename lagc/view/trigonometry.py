@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from lagc.expr.graph import Node
 from lagc.expr.operators import TWINS
 from lagc.expr.squares import exchanged
 from lagc.view.algebra import Algebra
@@ -27,6 +28,15 @@ class ShortAlgebra(Algebra):
 
     def _inverse_power(self, p: Polynomial, n: int) -> Polynomial:
         return super()._inverse_power(shorten(self, p) or p, n)  # what vanishes stays as it was written
+
+
+class TurningAlgebra(ShortAlgebra):
+    """Shortens each sum as it comes: along frames that are turned one by the other, the sine and the cosine
+    of the whole angle are one term each, and not all products of those of the angles."""
+
+    def _convert(self, node: Node) -> Polynomial:
+        p = super()._convert(node)
+        return shorten(self, p) if node.op == "add" else p
 
 
 def shorten(algebra: Algebra, p: Polynomial) -> Polynomial:

@@ -160,6 +160,12 @@ def test_squares_of_sine_and_cosine_are_one_below_lines_and_under_roots() -> Non
         assert "^2*sin" not in write(derived(name)).replace("'^2*sin", "")
 
 
+def test_joint_angles_add_up() -> None:
+    """Along an arm each frame is turned against the one before."""
+    text = write(derived("large/relative_chain"))
+    assert "shared" not in text and "9*cos(q[3] + q[4])" in text
+
+
 def test_names_that_python_reserves_are_legal_in_the_script() -> None:
     script = write(equations_of(RESERVED), "sympy")
     compile(script, "script", "exec")
