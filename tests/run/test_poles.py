@@ -167,7 +167,7 @@ def test_what_flies_side_by_side_costs_what_the_rest_does(near: str) -> None:
 
 
 def counted(module: dict[str, Any], ending: str) -> list[str]:
-    """The names of the model's functions of that ending, one for each time that they are called from now on."""
+    """The names of the functions of the model with that ending, once for each call from now on."""
     found: list[str] = []
     for name in [name for name in module if name.startswith("fn_") and name.endswith(ending)]:
 
