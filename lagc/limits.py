@@ -195,8 +195,8 @@ class Limits:
 
 def _of_memory(error: BaseException) -> bool:
     """Whether there was no memory left: for an object, a process, or a library, in the words of loaders."""
-    if isinstance(error, ImportError):
-        return any(words in str(error) for words in ("failed to map", "allocate memory"))
+    if isinstance(error, ImportError):  # hashlib keeps the reason to itself, and then lacks a name
+        return any(words in str(error) for words in ("failed to map", "allocate memory", "from 'hashlib'"))
     return isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == ENOMEM)
 
 

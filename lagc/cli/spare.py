@@ -14,7 +14,15 @@ if TYPE_CHECKING:
 def spare(compilation: Compilation, *paths: str | None) -> None:
     """Raises Usage where one of these is the file of the model, or one that it reads, links followed."""
     files = [compilation.source.name, *(compilation.read.paths if compilation.read else ())]
-    read = set(map(os.path.realpath, files))
+    read = set(map(_real, files))
     for path in paths:
-        if path and os.path.realpath(path) in read:
+        if path and _real(path) in read:
             raise Usage(f"`{path}` is read by the model, and not written over: name another file")
+
+
+def _real(path: str) -> str:
+    """Itself where the folder that it is relative to is gone."""
+    try:
+        return os.path.realpath(path)
+    except OSError:
+        return path

@@ -265,10 +265,10 @@ def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
 
     monkeypatch.setattr("lagc.run.begin.consistent_start", noted)
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.2)
+    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
     run = lagc.load("double_pendulum").compile().simulate(stop=50, rtol=1e-12)
     assert run.system.backend == "c" and [system.backend for system in sought] == ["numpy"]
-    assert run.cost.start_s > 0.0 and run.cost.run_s > 0.2 + run.cost.start_s
+    assert run.cost.start_s > 0.0 and run.cost.run_s > 0.05 + run.cost.start_s
 
 
 def test_what_compiling_takes_is_guessed_from_the_text_not_from_how_often_it_is_gone_through() -> None:
