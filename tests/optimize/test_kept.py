@@ -88,7 +88,7 @@ def test_work_grows_as_the_number_of_loops() -> None:
         e = large.equations(large.LADDER, n)
         found.append(min(solved(e, solver)[0].cost for solver in solvers(e)))
     steps = [(b - a) / 10 for a, b in pairwise(found)]
-    assert steps[0] <= 660
+    assert steps[0] <= 530
     assert steps[1] <= 1.05 * steps[0]
 
 
