@@ -100,6 +100,7 @@ def run(options: argparse.Namespace) -> int:
         raise Usage(f"`--until` is given twice: one condition, such as '{' or '.join(until)}'")
     if until[0] is not None and not until[0].strip():
         raise Usage("`--until` is given no condition, such as 'x > 3[m]'")
+    given = quantities(options.starts, "--start")
     choice = replace(choice_of(options), until=until[0])
     source = library.read(options.file)
     most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
@@ -109,13 +110,13 @@ def run(options: argparse.Namespace) -> int:
 
     compilation = Compilation(source, choice, look=look)
     model = CompiledModel(compilation, options.backend)
+    complete = request.completed(model.interface.simulate)  # not looked at where it comes from the cache
+    check_memory(complete, model.interface.nx, most)
     written = targets(options.output) if options.output else ()
     spare(compilation, *written, picture_of(model.interface, options.plot))
-    starts = bound_starts(model.interface, quantities(options.starts, "--start"))
+    starts = bound_starts(model.interface, given)
     parameters = bound_parameters(model.interface, choice.parameters, model.artifact.unused)
     request = replace(request, starts=starts)
-    complete = request.completed(model.interface.simulate)
-    check_memory(complete, model.interface.nx, most)
     stop = complete.stop or 0.0
     with Bar(stop, quiet=options.quiet or options.json) as bar:
         try:

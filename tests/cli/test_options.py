@@ -190,3 +190,19 @@ def test_a_wrong_parameter_is_refused_by_every_command(
     )
     assert main([command, str(path), "-p", given]) == 2
     assert code in "".join(capsys.readouterr())
+
+
+@pytest.mark.parametrize("start", ["theta=1_0", "nosuch=1", "theta=70"])
+def test_of_two_things_that_are_wrong_the_same_is_told_whatever_the_cache_holds(
+    start: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    told = []
+    words = ["sim", "simple_pendulum", "--backend", "numpy", "-q", "--stop", "0.1"]
+    wrong = ["--step", "1e-2", "--rtol", "1e-6", "--start", start]
+    for _ in range(2):
+        assert main([*words, *wrong]) == 2
+        told.append("".join(capsys.readouterr()))
+        assert main(words) == 0
+        capsys.readouterr()
+    assert told[0] == told[1]
