@@ -43,7 +43,7 @@ class Lifted:
     entries: dict[Entry, Node]
     coefficients: dict[Entry, Node]  # (lifted unknown, unknown of its definition)
     right: list[Node]  # r and gamma, and what acts on lifted velocities
-    heavy: tuple[int, ...] = ()  # lifted velocities that are components of those of bodies with mass
+    heavy: tuple[int, ...] = ()  # lifted velocities that bodies with mass move with
 
 
 def plain(equations: EquationsOfMotion) -> Lifted:
@@ -126,19 +126,21 @@ class _Sums:
         acting = self._slopes(self.equations.loads)
         right = [acting.get(u, graph.zero) for u in range(structure.moving)]
         right[n : structure.size] = _gammas(self.equations)
-        return Lifted(structure, kept, coefficients, right, tuple(sorted(self._heavy())))
+        heavy = sorted(self._heavy()) if self.rates else ()
+        return Lifted(structure, kept, coefficients, right, tuple(heavy))
 
     def _heavy(self) -> set[int]:
-        """Unknowns with masses that are positive, with parameters as they are given."""
+        """Unknowns that masses move with, which are positive, with parameters as they are given."""
         model = self.equations.model
         given = {p.symbol: p.value for p in model.parameters if p.value is not None}
         masses = dict.fromkeys(part.mass for part in self.equations.inertias if isinstance(part.mass, Node))
         known = [mass for mass in masses if symbols([mass]) <= given.keys()]
         positive = {mass for mass, value in zip(known, evaluate(known, given)) if value > 0.0}
-        found: set[int] = set()
+        found, one = set[int](), self.equations.graph.one
         for part in self.equations.inertias:
             if part.mass in positive:
-                found.update(self.number[x] for x in part.velocity if x in self.number)
+                for x in part.velocity:
+                    found.update(u for u, slope in self._slopes({x: one}).items() if slope is one)
         return found & self.definitions.keys()
 
     def _inertias(self, entries: _Entries) -> dict[int, int]:

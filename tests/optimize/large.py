@@ -123,6 +123,19 @@ STRIP = _model("""
   end for;
 """)
 
+TRAILERS = _model("""
+  coordinate Length x, y;
+  coordinate Angle th[n](each start = 10 [deg]);
+  point P[0] = {x, y, 0};
+  for i in 1:n loop
+    frame F[i] = rotate_z(world, th[i]);
+    point P[i] = P[i-1] - l*F[i].x;
+    body box[i] = Solid(mass = m, inertia = m*l^2/12*{0, 0, 1}, frame = F[i], com = P[i] + 0.3*l*F[i].x);
+    constraint skid[i]: dot(velocity(P[i]), F[i].y) = 0;
+  end for;
+  body car = Particle(mass = m, at = P[0]);
+""")
+
 
 def equations(text: str, n: int) -> EquationsOfMotion:
     tree = compiler.parse(Source("large.lag", text))
