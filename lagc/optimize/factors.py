@@ -11,7 +11,7 @@ from math import isfinite
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import reachable
-from lagc.optimize.lower import Product, split
+from lagc.optimize.lower import Product, inverse, is_divisor, split
 
 Term = tuple[float, dict[Node, int]]  # coefficient, powers of the bases
 
@@ -195,32 +195,34 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
 
     Greedy: the pair of factors that most products hold becomes a factor of its own, while any
     two products share one (M. Breuer, *Generation of optimal code for expressions via
-    factorization*, CACM 12 (1969)).  As products have few factors (`MOST_FACTORS`), the work is linear
-    in the number of products.
+    factorization*, CACM 12 (1969)).  A divisor is one factor more: what products share may be over it.
+    As products have few factors (`MOST_FACTORS`), the work is linear in the number of products.
     """
     products: dict[Product, Row] = {}
     atoms: list[Product] = []  # what each factor number stands for
-    numbers: dict[Node, int] = {}
+    numbers: dict[Node | Product, int] = {}
     for node in reachable(nodes):
         if node.op == "mul":
-            for part in split(node):
-                if part and part not in products:
-                    products[part] = _numbered(part, atoms, numbers)
+            product = tuple(zip(node.args, node.value))
+            over, divisor = split(product)
+            products[product] = _numbered(over, divisor, atoms, numbers)
+            if divisor and (under := inverse(divisor)) not in products:
+                products[under] = _numbered(under, (), atoms, numbers)
     made: dict[Product, tuple[Product, Product]] = {}
     pairs = _Pairs(list(products.values()))
     while (pair := pairs.most_common()) is not None:
-        i, j = pair
-        whole = _joined(atoms[i], atoms[j])
-        made[whole] = (atoms[i], atoms[j])
+        one, other = sorted([atoms[k] for k in pair], key=is_divisor)
+        whole = _joined(one, other)
+        made[whole] = (one, other)
         atoms.append(whole)
         pairs.replace(pair, len(atoms) - 1)
     for product, row in products.items():
-        first, *others = [k for k, power in row.items() for _ in range(power)]
-        whole = atoms[first]
-        for k in others:
-            longer = _joined(whole, atoms[k])
+        factors = sorted([atoms[k] for k, power in row.items() for _ in range(power)], key=is_divisor)
+        whole, *others = factors
+        for factor in others:
+            longer = _joined(whole, factor)
             if longer not in made:
-                made[longer] = (whole, atoms[k])
+                made[longer] = (whole, factor)
             whole = longer
         assert whole == product
     return made
@@ -229,14 +231,22 @@ def plan(nodes: Sequence[Node]) -> dict[Product, tuple[Product, Product]]:
 Row = dict[int, int]  # the numbers of the factors of a product, with their exponents
 
 
-def _numbered(product: Product, atoms: list[Product], numbers: dict[Node, int]) -> Row:
+def _numbered(
+    product: Product, divisor: Product, atoms: list[Product], numbers: dict[Node | Product, int]
+) -> Row:
     row: Row = {}
-    for base, exponent in product:
-        k = numbers.get(base)
+
+    def count(factor: Node | Product, atom: Product, exponent: int) -> None:
+        k = numbers.get(factor)
         if k is None:
-            k = numbers[base] = len(atoms)
-            atoms.append(((base, 1),))
+            k = numbers[factor] = len(atoms)
+            atoms.append(atom)
         row[k] = exponent
+
+    for base, exponent in product:
+        count(base, ((base, 1),), exponent)
+    if divisor:
+        count(divisor, divisor, 1)
     return row
 
 

@@ -1,7 +1,7 @@
 """Nodes of the expression graph -> operations of a block.
 
-A monomial becomes one product over another; which factors are multiplied first is a `Plan`
-(see `factors`), so that monomials share their sub-products.
+A monomial becomes a product over a divisor; which factors are multiplied or divided first is a `Plan`
+(see `factors`), so that monomials share parts.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from lagc.expr.operators import PARITY
 from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
 
-Product = tuple[tuple[Node, int], ...]  # a numerator or a denominator: bases with exponents > 0
+Product = tuple[tuple[Node, int], ...]  # bases by index, with exponents
 Plan = Mapping[Product, tuple[Product, Product]]  # a product -> the two that it is made of
 
 
@@ -24,7 +24,7 @@ class Lowering:
         self.block = block
         self.known: dict[Node, int] = dict(known)
         self.plan: Plan = plan or {}
-        self._products: dict[Product, int] = {}
+        self._products: dict[Product, int] = {(): block.one}
 
     def __call__(self, nodes: Sequence[Node]) -> list[int]:
         """References to the values of `nodes`.  KeyError for a symbol that is not known."""
@@ -39,10 +39,7 @@ class Lowering:
         if op == "mul":
             if node.value == (1, 1):
                 return block.mul(known[node.args[0]], known[node.args[1]])
-            over, under = split(node)
-            if not under:
-                return self._product(over)
-            return block.div(self._product(over) if over else block.one, self._product(under))
+            return self._product(tuple(zip(node.args, node.value)))
         if op == "add":
             a, b = node.args
             return block.add(known[a], known[b])
@@ -77,26 +74,37 @@ class Lowering:
                 self._products[top] = self.known[top[0][0]]
                 continue
             left, right = self.plan.get(top) or halves(top)
-            missing = [part for part in (left, right) if part not in self._products]
+            divides = is_divisor(right)
+            parts = left, inverse(right) if divides else right
+            missing = [part for part in parts if part not in self._products]
             if missing:
                 stack.extend(missing)
                 continue
-            self._products[top] = self.block.mul(self._products[left], self._products[right])
+            one, other = [self._products[part] for part in parts]
+            self._products[top] = self.block.div(one, other) if divides else self.block.mul(one, other)
         return self._products[product]
 
 
-def split(node: Node) -> tuple[Product, Product]:
-    """Numerator and denominator of a monomial."""
-    pairs = tuple(zip(node.args, node.value))
-    if min(node.value) > 0:
-        return pairs, ()
-    over = tuple([(b, e) for b, e in pairs if e > 0])
-    under = tuple([(b, -e) for b, e in pairs if e < 0])
-    return over, under
+def is_divisor(product: Product) -> bool:
+    """Whether it is one over a product."""
+    return bool(product) and product[0][1] < 0 and max([exponent for _, exponent in product]) < 0
+
+
+def inverse(product: Product) -> Product:
+    return tuple([(base, -exponent) for base, exponent in product])
+
+
+def split(product: Product) -> tuple[Product, Product]:
+    """The factors above the line, and one over those below it."""
+    over = tuple([(b, e) for b, e in product if e > 0])
+    return (product, ()) if len(over) == len(product) else (over, tuple([x for x in product if x[1] < 0]))
 
 
 def halves(product: Product) -> tuple[Product, Product]:
-    """The two parts of a product that no plan speaks of: squares first, then left to right."""
+    """The two parts of a product that no plan speaks of: divided last; squares first, then left to right."""
+    over, divisor = split(product)
+    if divisor:
+        return over, divisor
     if len(product) == 1:
         base, exponent = product[0]
         return ((base, exponent // 2),), ((base, exponent - exponent // 2),)

@@ -31,6 +31,7 @@ _MUCH = 0.2  # of a function's length: a cost of loops that may be worth another
 _TEXT = 0.35  # of an iteration or an index: what an operation of text costs more than one done again
 _LONG = 4000  # operations; beyond, one is paid for by the room that it takes, too
 _ENTRIES = 4  # of tables that take as much room as an operation
+_FEW = 8  # operations between leaves and what is made where it is asked for
 _COMMUTE = ("add", "mul")
 
 
@@ -43,7 +44,7 @@ def rolled(function: Function, often: bool = False) -> Function:
     if not moves_itself(function):
         cost, found = _looped(function, often)
         if often and cost > _MUCH * straight:
-            cost, found = min((cost, found), _looped(eager(function), often), key=lambda form: form[0])
+            cost, found = min((cost, found), _looped(local(function), often), key=lambda form: form[0])
         if cost < _cost(often, straight):
             return found
     return ordered(function)
@@ -66,25 +67,37 @@ def _cost(often: bool, text: int, indexing: int = 0) -> float:
     return text + indexing / _ENTRIES
 
 
-def eager(function: Function) -> Function:
-    """Each operation as soon as its operands are there, so that what is done to one value is done at once."""
+def local(function: Function) -> Function:
+    """What a store needs, store by store, and after each operation what it makes possible: all that is done
+    to one value and all of one part come together.  What few operations make of leaves is made where it
+    is asked for, and counts as there."""
     operations = function.operations
+    cone = [0] * len(operations)  # operations that lead to each, as far as they are few
     users: list[list[int]] = [[] for _ in operations]
-    missing = [0] * len(operations)
     for k, o in enumerate(operations):
-        for operand in set(o.operands):
-            if operations[operand].op not in LEAVES:
+        if o.op not in LEAVES:
+            cone[k] = min(1 + sum([cone[a] for a in o.operands]), _FEW + 1)
+            for operand in set(o.operands):
                 users[operand].append(k)
-                missing[k] += 1
-    order = [k for k, o in enumerate(operations) if o.op in LEAVES]
-    begin = [k for k, o in enumerate(operations) if o.op not in LEAVES and not missing[k]]
-    stack = begin[::-1]
-    while stack:
-        order.append(stack.pop())
-        for k in reversed(users[order[-1]]):
-            missing[k] -= 1
-            if not missing[k]:
-                stack.append(k)
+    done = [o.op in LEAVES for o in operations]
+    order = [k for k, leaf in enumerate(done) if leaf]
+
+    def waits(k: int) -> bool:
+        return any([not done[a] and cone[a] > _FEW for a in operations[k].operands])
+
+    for store in function.stores:
+        stack = [store.value]
+        while stack:
+            k = stack[-1]
+            missing = [] if done[k] else [a for a in operations[k].operands if not done[a]]
+            if missing:
+                stack += reversed(missing)
+                continue
+            stack.pop()
+            if not done[k]:
+                done[k] = True
+                order.append(k)
+                stack += [u for u in reversed(users[k]) if not done[u] and cone[u] > _FEW and not waits(u)]
     return reordered(function, order)
 
 

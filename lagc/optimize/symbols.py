@@ -22,8 +22,7 @@ STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
 _LARGEST_SELDOM = 100  # nodes, of a function that no step calls
 _LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
-_LARGEST_SEARCHED = 30_000  # nodes; beyond, the search for common factors and shared products costs too much
-_LARGEST_SEARCHED_SELDOM = 4000  # nodes, of a function that no step calls
+_LARGEST_SEARCHED = 4000  # nodes, for common factors and shared products, of a function that no step calls
 _WEIGHTS = {
     "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
     **{op: row.weight for op, row in OPERATORS.items()},
@@ -68,7 +67,7 @@ def lower(
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     size = len(reachable(nodes))
     if size > _LARGEST_GATHERED:
-        searched = size <= (_LARGEST_SEARCHED_SELDOM if seldom else _LARGEST_SEARCHED)
+        searched = not seldom or size <= _LARGEST_SEARCHED
         if searched:
             nodes = factored(graph, nodes)
         lowering = Lowering(block, known, plan(nodes) if searched and not seldom else None)

@@ -112,6 +112,17 @@ def test_products_share_their_parts() -> None:
     assert function.cost == 4
 
 
+def test_what_several_products_are_divided_by_divides_once() -> None:
+    """The three components of a force along a thread, and others over the same divisor."""
+    g = Graph()
+    x = [g.symbol("coordinate", name) for name in "abcdef"]
+    a, b, c, d, e, f = x
+    ops = [o.op for o in lowered(x, [a * d / (e * f), b * d / (e * f), c * d / (e * f)]).operations]
+    assert (ops.count("mul"), ops.count("div")) == (4, 1)
+    ops = [o.op for o in lowered(x, [1.0 / e, a / e, b / e**2, a * b / e**2]).operations]
+    assert (ops.count("mul"), ops.count("div")) == (2, 3)  # e e, a (b / e e)
+
+
 def test_integer_powers_are_products_and_one_reciprocal_serves_a_quotient() -> None:
     g = Graph()
     a, b = g.symbol("parameter", "a"), g.symbol("parameter", "b")

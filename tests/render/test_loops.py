@@ -12,7 +12,7 @@ import pytest
 
 import lagc
 from lagc.optimize.program import LEAVES, Function, uses
-from lagc.optimize.rolling import eager, rolled
+from lagc.optimize.rolling import local, rolled
 from lagc.records import replace
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.optimize.interpret import interpret
@@ -50,7 +50,7 @@ def test_random_repetitions_compute_what_their_operations_say(
 ) -> None:
     monkeypatch.setattr("lagc.render.c.functions.LONGEST", longest)
     made = [sorted_leaves(repeated_function(seed, f"f{seed}")) for seed in range(16)]
-    functions = [rolled(eager(f) if k % 2 else f) for k, f in enumerate(made)]
+    functions = [rolled(local(f) if k % 2 else f) for k, f in enumerate(made)]
     assert all([f.runs and any([run.count > 1 for run in f.runs]) for f in functions])
     python, library = build(functions, tmp_path)
     rng = random.Random(3)

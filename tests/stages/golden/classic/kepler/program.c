@@ -19,15 +19,14 @@ static void lagc_fn_rhs(const lagc_params *p, lagc_real t, const lagc_real *x, l
     /* der(y) */
     xdot[1] = x[3];
     const lagc_real x_ = x[0];
-    const lagc_real prepared0 = p->prepared[0];
     const lagc_real y_ = x[1];
     const lagc_real t0 = x_ * x_ + y_ * y_;
-    const lagc_real t1 = t0 * sqrt(t0);
+    const lagc_real t1 = p->prepared[0] / (t0 * sqrt(t0));
     const lagc_real prepared1 = p->prepared[1];
     /* der(der(x)) */
-    xdot[2] = -(x_ * prepared0 / t1 * prepared1);
+    xdot[2] = -(x_ * t1 * prepared1);
     /* der(der(y)) */
-    xdot[3] = -(prepared1 * (prepared0 * y_ / t1));
+    xdot[3] = -(prepared1 * (y_ * t1));
     health[0] = 1.0;
     health[1] = 0.0;
     (void)(t);
@@ -44,12 +43,11 @@ static void lagc_fn_system(const lagc_params *p, lagc_real t, const lagc_real *x
     M[2] = m;
     M[1] = 0.0;
     const lagc_real x_ = x[0];
-    const lagc_real prepared0 = p->prepared[0];
     const lagc_real y_ = x[1];
     const lagc_real t0 = x_ * x_ + y_ * y_;
-    const lagc_real t1 = t0 * sqrt(t0);
-    r[0] = -(x_ * prepared0 / t1);
-    r[1] = -(prepared0 * y_ / t1);
+    const lagc_real t1 = p->prepared[0] / (t0 * sqrt(t0));
+    r[0] = -(x_ * t1);
+    r[1] = -(y_ * t1);
     (void)(t);
     (void)(G);
     (void)(gamma);

@@ -308,8 +308,9 @@ static void lagc_fn_conditions(const lagc_params *p, lagc_real t, const lagc_rea
     const lagc_real t5 = z / t1;
     J[1] = t5;
     J[5] = t5;
-    J[2] = (der_x - x_ * t2 / t0) / t1;
-    J[3] = (der_z - z * t2 / t0) / t1;
+    const lagc_real t6 = t2 / t0;
+    J[2] = (der_x - x_ * t6) / t1;
+    J[3] = (der_z - z * t6) / t1;
     sizes[0] = fabs(t1) + p->prepared[4];
     sizes[1] = fabs(t3);
     (void)(t);
