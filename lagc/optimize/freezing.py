@@ -3,6 +3,9 @@
 Of each condition that a motion may change, `sign(g)`, `floor(g)` or the piece of a table that holds its side
 g is a *mode*, a symbol of its own; the equations are made of modes, and smooth for each choice of them.
 `abs(x)` is mode*x, `a < b` says that the mode of b - a is above 0.
+
+A step ends where a side changes but for rounding, and stages go beyond.  There a power whose base is not
+negative on its branch, as those of abs(x) or max(0, x), goes on as that of the distance from zero.
 """
 
 from __future__ import annotations
@@ -23,6 +26,8 @@ from lagc.optimize.program import FARTHEST
 from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
+_COUNTING = ("floor", "piece")
+_POWERS = ("pow", "sqrt")  # of which there are none below zero
 _TIME, _MOVES, _LOOSE = 1, 2, 4  # time; what states move; modes of switches without a slope
 
 
@@ -49,9 +54,10 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
     changing = [equations.time, *equations.q, *equations.v]
     conditions = [when.condition for when in equations.whens]
     moved = depends([*deciding(equations), *conditions], changing)
-    if not any(node.op in _SWITCHING for node in moved):
+    switching = sorted((node for node in moved if node.op in _SWITCHING), key=lambda node: node.index)
+    if not switching:
         return equations, ()
-    made = _Freezing(equations.graph, frozenset(changing), equations.time)
+    made = _Freezing(equations.graph, frozenset(changing), equations.time, switching)
     found = _with(equations, made)
     count = len(made.switches)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
@@ -61,7 +67,9 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
 
 
 class _Freezing:
-    def __init__(self, graph: Graph, changing: frozenset[Node], time: Node) -> None:
+    def __init__(
+        self, graph: Graph, changing: frozenset[Node], time: Node, switching: Sequence[Node]
+    ) -> None:
         self.graph = graph
         self.known: dict[Node, Node] = {}
         self.modes: dict[Node, Node] = {}  # by what they stand for
@@ -71,6 +79,10 @@ class _Freezing:
         self._time = time
         self._ranges: dict[Node, Interval] = {}
         self._texts: Texts = {}
+        self._asked: dict[Node, Node] = {}  # by what the sign of is asked for, who does first
+        for node in switching:
+            for side in self._sides(node):
+                self._asked.setdefault(side, node)
 
     def all(self, nodes: Sequence[Node]) -> list[Node]:
         known = self.known
@@ -78,6 +90,8 @@ class _Freezing:
             args = tuple([known[a] for a in node.args])
             if node.op in _SWITCHING:
                 known[node] = self._switching(node, args)
+            elif node.op in _POWERS:
+                known[node] = self.graph.rebuild(node, (self._base(node.args[0]), *args[1:]))
             else:
                 known[node] = node if args == node.args else self.graph.rebuild(node, args)
         return [known[node] for node in nodes]
@@ -96,7 +110,7 @@ class _Freezing:
         graph, op = self.graph, node.op
         if not any(self._kind(a) & (_TIME | _MOVES) for a in args):
             return node if args == node.args else graph.rebuild(node, args)
-        if op in ("floor", "piece"):
+        if op in _COUNTING:
             return self._counted(args[0], node)
         if op in ("abs", "sign"):
             mode = self._sign(args[0], node.args[0], node)
@@ -107,6 +121,34 @@ class _Freezing:
             return graph.binary("eq", mode, graph.zero) if op == "eq" else graph.binary(op, graph.zero, mode)
         first = (args[0], args[1]) if op == "min" else (args[1], args[0])
         return graph.select(graph.binary("lt", graph.zero, mode), *first)
+
+    def _sides(self, node: Node) -> list[Node]:
+        """The expression whose sign `node` asks for, without a number before it, and its opposite."""
+        if node.op in _COUNTING:
+            return []
+        side = node.args[0] if len(node.args) == 1 else self.graph.sub(node.args[1], node.args[0])
+        bare = side.args[0] if side.op == "scale" else side
+        return [bare, self._opposite(bare)]
+
+    def _opposite(self, side: Node) -> Node:
+        return self.graph.add(*(-a for a in side.args)) if side.op == "add" else -side
+
+    def _base(self, base: Node) -> Node:
+        """That of a power, on its branch and beyond."""
+        c, product = (base.value, base.args[0]) if base.op == "scale" else (1.0, base)
+        factors = zip(product.args, product.value) if product.op == "mul" else ((product, 1),)
+        held = ((self._beyond(x) if e % 2 else self.known[x], e) for x, e in factors)
+        return self.graph.scale(c, self.graph.product(held))
+
+    def _beyond(self, factor: Node) -> Node:
+        """A factor with the sign that it has on its branch, where that is known."""
+        graph, frozen = self.graph, self.known[factor]
+        if extended(self._ranges, factor)[0] >= 0.0:
+            return frozen if extended(self._ranges, frozen)[0] >= 0.0 else graph.unary("abs", frozen)
+        asking = self._asked.get(factor)
+        if asking is None or not self._kind(frozen) & (_TIME | _MOVES):
+            return frozen
+        return self._sign(frozen, factor, asking) * graph.unary("abs", frozen)
 
     def _counted(self, side: Node, node: Node) -> Node:
         """floor(side), or the piece of a table that holds it, as a mode."""
@@ -127,8 +169,7 @@ class _Freezing:
         if side.op == "scale":
             mode = self._sign(side.args[0], graph.scale(1.0 / side.value, plain), node)
             return mode if side.value > 0.0 else -mode
-        opposite = graph.add(*(-a for a in side.args)) if side.op == "add" else -side
-        known = self.modes.get(graph.unary("sign", opposite))
+        known = self.modes.get(graph.unary("sign", self._opposite(side)))
         if known is not None:
             return -known
         low, high = extended(self._ranges, side)

@@ -102,6 +102,81 @@ def test_a_rope_that_is_just_slack_is_pulled(n: int) -> None:
     assert sum(speeds(run, n)) == pytest.approx(3.0, abs=1e-12)
 
 
+HERTZ = """model Cradle
+  structural Integer n = 5;
+  parameter Force k(min = 0) = 1e6 [N];
+  parameter Length d(min = 0) = 0.1 [m], gap = 0 [m];
+  coordinate Length u[n];
+  for i in 1:n loop
+    body p[i] = Particle(mass = 1 [kg], at = {{u[i] + i*(d + gap), 0, 0}});
+  end for;
+  for i in 1:n-1 loop
+    force left[i] = {{-k*{law}, 0, 0}} at p[i];
+    force right[i] = {{k*{law}, 0, 0}} at p[i+1];
+  end for;
+  scene go
+    start der(u[1]) = 1 [m/s];
+    simulate(stop = 0.1 [s]);
+  end go;
+end Cradle;"""
+WAY = "(u[i] - u[i+1] - gap)/d"
+LAWS = {
+    "max": "max(0, {way})^{power}",
+    "outside": "(max(0 [m], u[i] - u[i+1] - gap)/d)^{power}",
+    "if": "(if u[i] - u[i+1] > gap then ({way})^{power} else 0)",
+    "abs": "max(0, sign({way}))*abs({way})^{power}",
+}
+
+
+def cradle(n: int, law: str, power: float, backend: str = "numpy") -> lagc.CompiledModel:
+    text = HERTZ.format(law=LAWS[law].format(way=WAY, power=power))
+    return lagc.loads(text).compile(backend=backend, parameters={"n": n})
+
+
+def cradle_truth(n: int, power: float, gap: float) -> list[float]:
+    def rates(_: float, x: np.ndarray) -> np.ndarray:
+        force = 1e6 * np.maximum((x[: n - 1] - x[1:n] - gap) / 0.1, 0.0) ** power
+        return np.concatenate([x[n:], -np.append(force, 0.0) + np.append(0.0, force)])
+
+    begin = np.zeros(2 * n)
+    begin[n] = 1.0
+    found = solve_ivp(rates, (0.0, 0.1), begin, method="DOP853", rtol=1e-12, atol=1e-15, max_step=2e-4)
+    return list(found.y[n:, -1])
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-6, 1e-4])
+@pytest.mark.parametrize("power", [1.5, 2.5])
+def test_a_cradle_of_many_balls(power: float, gap: float) -> None:
+    """Forces that are no whole power of the way: none below zero, where sides are by rounding."""
+    run = cradle(20, "max", power).simulate(parameters={"gap": gap})
+    assert speeds(run, 20) == pytest.approx(cradle_truth(20, power, gap), abs=2e-6)
+    assert run.cost.rhs < 80_000
+
+
+@pytest.mark.parametrize("law", sorted(LAWS))
+def test_however_the_force_is_written(law: str) -> None:
+    run = cradle(4, law, 1.5).simulate(parameters={"gap": 1e-4})
+    assert speeds(run, 4) == pytest.approx(cradle_truth(4, 1.5, 1e-4), abs=2e-6)
+
+
+def test_a_cradle_is_the_same_in_c() -> None:
+    systems = [cradle(12, "max", 2.5, backend=name) for name in ("c", "numpy")]
+    runs = [system.simulate(method="dop853", rtol=1e-8, parameters={"gap": 1e-5}) for system in systems]
+    assert runs[0].status == "ok" and runs[0].cost.rhs == runs[1].cost.rhs
+    assert [list(x) for x in runs[0].states] == [list(x) for x in runs[1].states]
+
+
+def test_a_power_of_what_is_negative_is_still_refused() -> None:
+    """The sign that is asked for is no reason to go on where there is no force."""
+    text = (
+        "model S\n  coordinate Length x(start = 1 [m]);\n"
+        "  body b = Particle(mass = 1 [kg], at = {x, 0, 0});\n"
+        "  force f = {-1 [N]*sign(x)*(x/1 [m])^1.5, 0, 0} at b;\nend S;"
+    )
+    run = lagc.loads(text).compile(backend="numpy").simulate(5.0)
+    assert run.status == "failed" and "not a finite number" in run.message
+
+
 FLOOR = """model Floor
   coordinate Length z;
   body b = Particle(mass = 1 [kg], at = {0, 0, z});
