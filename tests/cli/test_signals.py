@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -84,7 +85,7 @@ def test_a_signal_at_any_time_loses_nothing(tmp_path: Path) -> None:
             (folder / name).write_bytes(UGLY.encode() if name == "ugly.lag" else OLD)
     given = json.dumps([random.Random(KILLS).random(), KILLS, commands])
     done = subprocess.run([sys.executable, "-c", DRIVER, given], cwd=tmp_path, env=environment(),
-                          capture_output=True, text=True, timeout=60 + 10 * KILLS)  # fmt: skip
+                          capture_output=True, text=True, timeout=300 + 30 * KILLS)  # fmt: skip
     assert "Traceback" not in done.stderr and "internal error" not in done.stderr, done.stderr
     ended = json.loads(done.stdout.splitlines()[-1])
     stopped = 0
@@ -139,13 +140,37 @@ def started(words: list[str], folder: Path | None = None, **more: str) -> subpro
 LONG = ["sim", "simple_pendulum", "--backend", "numpy", "--stop", "1e5", "--rtol", "1e-12", "--every", "1"]
 
 
+def told_until(terminal: int, enough: float) -> str:
+    """What comes out of a terminal until the bar of a run tells of a later time than `enough`."""
+    shown = ""
+    while not any(float(t) > enough for t in re.findall(r"t = (\S+) s of", shown)):
+        shown += os.read(terminal, 1024).decode()
+    return shown
+
+
+def told_in_the_end(terminal: int) -> str:
+    """What still comes after the process at its other end has ended."""
+    shown = b""
+    try:
+        while more := os.read(terminal, 1024):
+            shown += more
+    except OSError:  # as Linux says it
+        pass
+    os.close(terminal)
+    return shown.decode()
+
+
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_ended_keeps_what_was_computed(name: str, tmp_path: Path) -> None:
     out, number = tmp_path / "run.csv", getattr(signal, name)
-    process = started([*LONG, "-o", str(out)])
-    time.sleep(2.5)
+    terminal, other = os.openpty()
+    command = [sys.executable, "-m", "lagc", *LONG, "-o", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=other, text=True, env=environment())
+    os.close(other)
+    said = told_until(terminal, 2.0)
     process.send_signal(number)
-    shown, said = process.communicate(timeout=60)
+    shown = process.communicate(timeout=60)[0]
+    said += told_in_the_end(terminal)
     assert process.returncode == 128 + number
     assert "interrupted at t =" in shown and "Traceback" not in said
     assert len(out.read_text().splitlines()) > 2
