@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from statistics import linear_regression
 from typing import Any, NamedTuple
 
 from tests.benchmarks import peers
@@ -146,8 +147,7 @@ def exponent(pieces: Sequence[int], values: Sequence[float]) -> float | None:
     known = [(math.log(n), math.log(v)) for n, v in zip(pieces, values) if n >= few]
     if len(known) < 2:
         return None
-    x, y = (sum(column) / len(known) for column in zip(*known))
-    return sum((a - x) * (b - y) for a, b in known) / sum((a - x) ** 2 for a, _ in known)
+    return linear_regression(*zip(*known)).slope
 
 
 def rows(family: Family, most: int) -> list[list[Cell]]:

@@ -16,8 +16,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from lagc import library
-from lagc.compiler import Choice, program
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.turning import turning
@@ -97,12 +95,12 @@ def in_python(function: Callable[[float], tuple[float, float]], angles: Sequence
 
 
 def main() -> None:
-    model = program(library.read("classic/double_pendulum"), Choice())
+    kernels = turning(["sine_cosine(x)"])
     space: dict[str, Any] = {}
-    exec("\n\n".join([functions.ARITHMETIC, *functions.sine_cosine(turning(model))]), space)
+    exec("\n\n".join([functions.ARITHMETIC, *functions.sine_cosine(kernels)]), space)
     print("| angles up to | C: ours | library | chained: ours | library | Python: ours | library |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
-    for largest, found in zip(RANGES, in_c("\n".join(runtime.sine_cosine(turning(model))))):
+    for largest, found in zip(RANGES, in_c("\n".join(runtime.sine_cosine(kernels)))):
         angles = [random.Random(k).uniform(-largest, largest) for k in range(1000)]
         found.append(in_python(space["sine_cosine"], angles))
         found.append(in_python(lambda x: (math.sin(x), math.cos(x)), angles))
