@@ -231,6 +231,7 @@ class State:
         acts: int  # of clauses `when` then
         acted: IVec[NACTS]  # which, in the order in which they did
         jumps: Count  # acts that gave states new values
+        x_left: Vec[NX]  # where the last step ended, before anything was done there
     longest: Real  # step that was tried at first
     listening: bool  # the error of the last step was judged with its rounding
     recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
@@ -267,7 +268,6 @@ class State:
         held: Vec[NWHEN]  # 1: a condition that holds
         acquainted: bool  # these are known
         came: Vec[NFREE]  # when each switch that the state changes did last
-        x_left: Vec[NX]  # where the last step ended, before anything was done there
     y: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output

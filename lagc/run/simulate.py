@@ -82,7 +82,7 @@ def simulate(
         position_drift=trajectory.position_drift, velocity_drift=trajectory.velocity_drift,
         energy=energy(system, trajectory), notes=tuple(notes),
         events=tuple([Event(t, name) for t, k in trajectory.events for name in event_names(system, k)]),
-        interrupted=trajectory.status == INTERRUPTED, end=times[-1],
+        corners=tuple(trajectory.corners), interrupted=trajectory.status == INTERRUPTED, end=times[-1],
         cost=Cost(
             steps=sum(r.steps for r in tried), rejected=sum(r.rejected for r in tried),
             rhs=sum(r.rhs for r in tried) + counted.evaluations, operations=system.interface.operations,

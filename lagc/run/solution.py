@@ -65,6 +65,7 @@ class Solution:
     "failed"; what was computed before a failure is kept.  `system` holds the parameters of the run; nothing
     that is done with the model since changes what is computed from it.  `accuracy` is the global relative
     asked (None: by hand) and estimated (None: not verified); see `lagc.run.accuracy` for its norm.
+    `corners`: times of events, with the states before and behind, which need not be recorded.
     """
 
     system: System
@@ -85,6 +86,7 @@ class Solution:
     end: float  # the last time that was asked for
     notes: tuple[str, ...] = ()
     events: tuple[Event, ...] = ()
+    corners: tuple[tuple[float, list[float], list[float]], ...] = ()
     interrupted: bool = False
     backend_reason: str = ""  # why `auto` took this backend
     sensitivities: Sensitivities | None = None  # where they were asked for

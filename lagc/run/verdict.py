@@ -202,7 +202,8 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
     else:
         beyond += f"; {cause(system, run, run.times[kept - 1], run.states[kept - 1]) or UNKNOWN}"
     message = f"the motion can be foretold to {asked:g} until t = {horizon:.6g} s only: beyond it, {beyond}"
-    cut = run.changed(times=times, states=states, t=times[-1], x=states[-1])
+    events, corners = ([e for e in own if e[0] <= times[-1]] for own in (run.events, run.corners))
+    cut = run.changed(times=times, states=states, t=times[-1], x=states[-1], events=events, corners=corners)
     return Verdict("failed", message, cut, asked)
 
 

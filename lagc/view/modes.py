@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from textwrap import fill
-from typing import TYPE_CHECKING
+from math import ceil
+from typing import TYPE_CHECKING, Any
 
 from lagc.printable import printable
 from lagc.run.linearize import damping, frequency
-from lagc.view.plot import COLORS, save, styled
+from lagc.view.plot import COLORS, entitle, panels, save, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from lagc.run.linearize import Linear
 
 MOST = 12  # modes of a picture
-WIDE = 120  # letters of a line
+LEVEL = 6  # names that stand level below an axis
+NAMED = 30  # coordinates that are named: of more every second, or third, and so on
 STILL = 1e-9  # of the largest: what a mode leaves where it is
 
 
@@ -30,9 +31,8 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         from matplotlib.figure import Figure
 
         figure = Figure(layout="constrained")
-        figure.set_size_inches(8.0, 1.0 + 1.6 * max(1, len(shown)))
-        figure.suptitle(fill(printable(title), WIDE), fontsize=9, x=0.01, ha="left")
-        axes = figure.subplots(max(1, len(shown)), 1, sharex=True, squeeze=False)[:, 0]
+        axes, lowest = panels(figure, max(1, len(shown)), 1.6)
+        entitle(figure, title)
         for axis, k in zip(axes, shown):
             value, mode = complex(linear.eigenvalues[k]), linear.modes[:nq, k]
             turned = abs(mode.imag).max(initial=0.0) > STILL
@@ -49,8 +49,13 @@ def plot_modes(linear: Linear, title: str, path: str | None = None) -> Figure:
         if not shown:
             axes[0].set(xlim=(-0.6, nq - 0.4), yticks=[])
             axes[0].set_title("no eigenvalues but 0", fontsize=8, loc="left")
+        every = ceil(nq / NAMED)
         labels = [f"{name} [{unit}]" if unit else name for name, unit in zip(names, interface.q_units)]
-        axes[-1].set_xticks(range(nq), [printable(label) for label in labels], rotation=45 if nq > 6 else 0)
+        slanted: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"}
+        for axis in lowest:
+            axis.set_xticks(
+                range(0, nq, every), [*map(printable, labels[::every])], **slanted if nq > LEVEL else {}
+            )
     if path is not None:
         save(figure, path)
     return figure

@@ -10,11 +10,13 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from lagc.once import RLock
 from lagc.printable import printable
 from lagc.saving import Files, fitting
+from lagc.view.curves import Scales, scales, with_corners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +36,10 @@ COLORS = (
     "#000000",
 )  # Okabe, Ito
 LEGEND = 12  # lines an axis names one by one
-CONSTANT = 1e-6  # a relative change below it is shown as none
+WIDTH = 8.0  # inches, of a column of panels
+COLUMN = 6  # panels of a picture that has one column
+LETTERS = 14  # of a title, an inch
+LINES = 200  # at events: more would hide the curves
 STYLE: dict[Any, Any] = {
     "font.size": 9.0, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "#e6e6e6", "grid.linewidth": 0.6, "axes.linewidth": 0.8, "lines.linewidth": 1.3,
@@ -102,17 +107,41 @@ def save(figure: Figure, path: str) -> None:
 
 def draw(solution: Solution, figure: Figure, names: Sequence[str] = ()) -> None:
     groups = by_unit(solution, names or shown_names(solution))
+    drawn, known = with_corners(solution), scales(solution)
     with styled():
-        figure.set_size_inches(8.0, 1.2 + 2.0 * max(1, len(groups)))
-        figure.suptitle(title(solution), fontsize=9, x=0.01, ha="left")
-        axes = figure.subplots(max(1, len(groups)), 1, sharex=True, squeeze=False)[:, 0]
+        axes, lowest = panels(figure, max(1, len(groups)), 2.0)
+        entitle(figure, title(solution))
         for axis, (unit, group) in zip(axes, groups.items()):
-            _draw_group(axis, solution, unit, group)
-        axes[-1].set_xlabel("time [s]")
-        for axis in axes:
-            for event in solution.events:
-                axis.axvline(event.t, color="#999999", linewidth=0.8, linestyle=":")
+            _draw_group(axis, solution, drawn, known, unit, group)
+        times = sorted({event.t for event in solution.events})
+        for axis in axes if len(times) <= LINES else ():
+            for t in times:
+                axis.axvline(t, color="#999999", linewidth=0.8, linestyle=":")
+        for axis in lowest:
+            axis.set_xlabel("time [s]")
         figure.align_ylabels()
+
+
+def panels(figure: Figure, count: int, height: float) -> tuple[list[Axes], list[Axes]]:
+    """So many over one quantity, column after column where a figure would be much higher than wide; and those
+    that are the lowest of a column."""
+    columns = 1 if count <= COLUMN else math.ceil(math.sqrt(count * height / WIDTH))
+    rows = math.ceil(count / columns)
+    figure.set_size_inches(WIDTH * columns, 1.2 + height * rows)
+    grid = figure.subplots(rows, columns, sharex=True, squeeze=False).T.ravel()
+    for spare in grid[count:]:
+        spare.remove()
+    lowest = [*grid[rows - 1 : count - 1 : rows], grid[count - 1]]
+    for axis in lowest:
+        axis.tick_params(labelbottom=True)
+    return [*grid[:count]], lowest
+
+
+def entitle(figure: Figure, text: str) -> None:
+    """In lines that the figure has room for."""
+    wide = int(LETTERS * figure.get_size_inches()[0])
+    lines = [fill(line, wide) for line in printable(text).splitlines()]
+    figure.suptitle("\n".join(lines), fontsize=9, x=0.01, ha="left")
 
 
 def title(solution: Solution) -> str:
@@ -125,7 +154,7 @@ def title(solution: Solution) -> str:
     else:
         quality = f"accuracy asked {solution.asked:.0e}, estimated {solution.estimated:.0e}"
     status = "" if solution.status == "ok" else f"\n{solution.status}: {solution.message}"
-    return printable(f"{interface.model}, scene {interface.scene}\n{solution.method}, {quality}{status}")
+    return f"{interface.model}, scene {interface.scene}\n{solution.method}, {quality}{status}"
 
 
 def shown_names(solution: Solution) -> list[str]:
@@ -136,10 +165,11 @@ def shown_names(solution: Solution) -> list[str]:
 
 
 def by_unit(solution: Solution, names: Sequence[str]) -> dict[str, list[str]]:
-    """Unit as it is shown -> names, in order; parts of a quaternion are a group of their own."""
+    """Unit as it is shown -> names, in order; parts of a quaternion are a group of their own, of many one."""
     interface = solution.system.interface
+    several = len(interface.quaternions) > COLUMN
     parts = {
-        interface.q_names[first + k]: interface.q_names[first].rpartition(".")[0]
+        interface.q_names[first + k]: "s" if several else f" {interface.q_names[first].rpartition('.')[0]}"
         for first in interface.quaternions
         for k in range(4)
     }
@@ -148,42 +178,31 @@ def by_unit(solution: Solution, names: Sequence[str]) -> dict[str, list[str]]:
     for name in names:
         unit = units.get(name, "")
         unit = unit if "rad" in unit.partition("/")[2] else unit.replace("rad", "deg")
-        key = f"orientation {parts[name]}" if name in parts else unit
+        key = f"orientation{parts[name]}" if name in parts else unit
         groups.setdefault(key, []).append(name)
     return groups
 
 
-def _draw_group(axis: Axes, solution: Solution, unit: str, names: list[str]) -> None:
+def _draw_group(
+    axis: Axes, solution: Solution, drawn: Solution, known: Scales, unit: str, names: list[str]
+) -> None:
     factor = 180.0 / math.pi if "deg" in unit and not unit.startswith("orientation") else 1.0
-    lowest, highest, constant = math.inf, -math.inf, True
-    size = energy_size(solution) if unit == "J" else 0.0
+    ends, flat, size = [0.0] if known.still.issuperset(names) else [], True, 0.0
     for number, name in enumerate(names):
-        values = [factor * x for x in solution.column(name)]
+        run = solution if solution.sensitivities and name in solution.sensitivities else drawn
+        values = [factor * x for x in run.column(name)]
         finite = [x for x in values if math.isfinite(x)]
-        if finite:
-            lowest, highest = min(lowest, *finite), max(highest, *finite)
-            constant = constant and is_constant(finite, size)
-        axis.plot(solution.times, values, label=name, **_line(number, len(names)))
+        if finite and name not in known.still:
+            ends += [min(finite), max(finite)]
+            size = max(size, known.sizes.get(name, 0.0))
+            flat = flat and known.is_flat(name, finite, unit)
+        axis.plot(run.times, values, label=name, **_line(number, len(names)))
     _label(axis, unit, names)
-    if constant and lowest <= highest:
-        middle, half = (lowest + highest) / 2.0, 0.6 * max(abs(lowest), abs(highest), size)
-        axis.set_ylim(middle - (half or 1.0), middle + (half or 1.0))
+    if flat and ends:
+        low, high = min(ends), max(ends)
+        half = 0.6 * max(abs(low), abs(high), size) or 1.0
+        axis.set_ylim((low + high) / 2.0 - half, (low + high) / 2.0 + half)
         axis.ticklabel_format(axis="y", useOffset=False)
-
-
-def is_constant(values: Sequence[float], size: float = 0.0) -> bool:
-    """Whether the change is nothing beside the values, or beside `size`: rounding must not fill
-    an axis."""
-    low, high = min(values), max(values)
-    return high - low <= CONSTANT * max(abs(low), abs(high), size)
-
-
-def energy_size(solution: Solution) -> float:
-    """What a change of energy is small beside: the largest kinetic energy of some twenty points."""
-    step = max(1, len(solution) // 20)
-    points = list(zip(solution.times, solution.states))[::step]
-    kinetic = [solution.system.energies(t, x)[0] for t, x in points]
-    return max([k for k in kinetic if math.isfinite(k)], default=0.0)
 
 
 def _line(number: int, count: int) -> dict[str, Any]:

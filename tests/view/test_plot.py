@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
 import lagc
 from lagc.api import Run
+from lagc.view.curves import is_constant
 from lagc.view.html import solution_html, table
-from lagc.view.plot import by_unit, is_constant, plot, show
+from lagc.view.modes import plot_modes
+from lagc.view.plot import by_unit, plot, show
 from tests.view.models import MODELS
 
 pytest.importorskip("matplotlib")
@@ -64,7 +67,7 @@ def test_parts_of_a_quaternion_share_an_axis() -> None:
 def test_what_is_constant() -> None:
     assert is_constant([1.0, 1.0 + 1e-9])
     assert not is_constant([0.0, 1e-9])
-    assert is_constant([0.0, 1e-9], size=1.0)
+    assert is_constant([0.0, 1e-9], 1e-6)
     assert is_constant([0.0, 0.0])
 
 
@@ -96,3 +99,103 @@ def test_a_run_in_a_notebook_is_its_picture() -> None:
     run = run_of("course/simple_pendulum")
     assert "<svg" in run._repr_html_()
     assert "theta" in table(run)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_curves_bend_and_jump_at_events_that_are_not_recorded(backend: str) -> None:
+    run = lagc.load(str(MODELS / "classic/bouncing_ball.lag")).compile(backend=backend).simulate(points=20)
+    height, energy = (axis.lines[0].get_xydata() for axis in plot(run).axes)
+    assert len(run.times) == 20 and len(height) == 20 + 2 * len(run.events)
+    for event in run.events:
+        there = [k for k, (t, _) in enumerate(height) if t == event.t]
+        assert len(there) == 2 and all(abs(height[k][1]) < 1e-9 for k in there)
+        before, behind = (energy[k][1] for k in there)
+        assert behind == pytest.approx(0.64 * before, rel=1e-6)
+
+
+def test_corners_are_the_same_in_c() -> None:
+    system = lagc.load(str(MODELS / "classic/bouncing_ball.lag"))
+    one, other = (system.compile(backend=name).simulate(rtol=1e-8) for name in ("numpy", "c"))
+    assert one.corners and one.corners == other.corners
+
+
+def test_no_corner_lies_behind_what_is_told() -> None:
+    """The run ends where it can be foretold no longer."""
+    run = (
+        lagc.loads(
+            "model S\n  coordinate Angle a(start = 2, rate = 1), b(start = 2);\n"
+            "  point p = {sin(a), 0, -cos(a)}*1[m];\n  point q = p + {sin(b), 0, -cos(b)}*1[m];\n"
+            "  body m = Particle(mass = 1 [kg], at = p);\n  body n = Particle(mass = 1 [kg], at = q);\n"
+            "  force f = {-1e-3 [N]*max(0, sin(a)), 0, 0} at n;\n  Gravity field;\nend S;"
+        )
+        .compile(backend="numpy")
+        .simulate(60.0)
+    )
+    assert run.status == "failed" and run.times[-1] < 60.0
+    assert run.corners and run.corners[-1][0] <= run.times[-1] and run.events[-1].t <= run.times[-1]
+
+
+def test_a_long_title_has_lines() -> None:
+    run = run_of("course/simple_pendulum")
+    run.status, run.message = "failed", "what is said of it " * 30
+    figure = plot(run)
+    figure.draw_without_rendering()
+    assert figure.get_suptitle().count("\n") > 4
+    assert figure._suptitle.get_window_extent().x1 < figure.bbox.x1
+
+
+CART = """model Cart
+  coordinate Length x;
+  coordinate Angle a(start = 50 [deg]), b(start = -50 [deg]);
+  body cart = Particle(mass = 2 [kg], at = {x, 0, 0});
+  body left = Particle(mass = 0.3 [kg], at = {x + 0.7[m]*sin(a), 0, -0.7[m]*cos(a)});
+  body right = Particle(mass = 0.1 [kg]*3, at = {x + 0.7[m]*sin(b), 0, -0.7[m]*cos(b)});
+  Gravity field;
+  output Momentum px = momentum().x;
+end Cart;"""
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_rounding_does_not_fill_an_axis(by_hand: bool) -> None:
+    options = {"rtol": 1e-9} if by_hand else {}
+    run = lagc.loads(CART).compile(backend="numpy").simulate(5.0, points=501, **options)
+    assert 0.0 < max(abs(run["x"])) < 1e-10
+    axes = {axis.get_ylabel(): axis for axis in plot(run).axes}
+    assert axes["x [m]"].get_ylim() == (-1.0, 1.0)
+    low, high = axes["px [kg.m/s]"].get_ylim()
+    assert high - low > 0.1
+
+
+def test_what_is_small_and_no_rounding_fills_its_axis() -> None:
+    run = lagc.loads(CART.replace("start = 50", "start = 50.0001")).compile(backend="numpy").simulate(5.0)
+    axis = next(axis for axis in plot(run).axes if axis.get_ylabel() == "x [m]")
+    low, high = axis.get_ylim()
+    assert high - low < 2.5 * max(abs(run["x"])) < 1e-4
+
+
+def test_many_panels_stand_in_columns() -> None:
+    run = lagc.load(str(MODELS / "classic/gyroscope.lag")).compile(backend="numpy").simulate(
+        0.05, points=11, sensitivity=["A1", "C", "m", "d", "field.g", "start(beta)"]
+    )  # fmt: skip
+    figure = plot(run)
+    width, height = figure.get_size_inches()
+    assert len(figure.axes) > 12 and 0.4 < width / height < 2.5
+    named = [axis for axis in figure.axes if axis.get_xlabel()]
+    assert len(named) == round(width / 8.0) and all(
+        axis.xaxis.get_tick_params()["labelbottom"] for axis in named
+    )
+
+
+def test_many_orientations_share_an_axis() -> None:
+    run = lagc.load(str(MODELS / "large/ball_chain.lag")).compile(backend="numpy", parameters={"n": 8})
+    assert len(plot(run.simulate(0.01, points=3)).axes) == 3
+
+
+def test_of_many_coordinates_every_second_is_named(tmp_path: Path) -> None:
+    chain = lagc.load(str(MODELS / "classic/spring_chain.lag")).compile(parameters={"n": 50}, backend="numpy")
+    figure = plot_modes(chain.linearize(), "modes")
+    figure.draw_without_rendering()
+    lowest = figure.axes[-1]
+    boxes = [label.get_window_extent() for label in lowest.get_xticklabels()]
+    assert len(boxes) == 25
+    assert min(b.x1 - a.x1 for a, b in pairwise(boxes)) > lowest.get_xticklabels()[0].get_fontsize()

@@ -156,7 +156,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
     asked, done = run._asked(times[-1] if times else t0), [0]
     states = [[0.0] * NX for _ in times]
     work, fallbacks, events = problem.work, problem.work.fallbacks, []
-    jumps = []
+    jumps, corners = [], []
 
     def record_(steps, max_steps):
         """As the kernel, but where an exception ends it all is as before."""
@@ -168,6 +168,9 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             status = record(problem.p, run, asked, times, len(times), states, done, steps, work)
             if NMODE and asked.report and run.changes > seen:
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
+                if len(corners) < MOST_CORNERS:
+                    jumped = NWHEN and run.jumps > len(jumps)
+                    corners.append((run.t, run.x_left[:] if jumped else run.x[:], run.x[:]))
                 if NWHEN:
                     events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
@@ -186,7 +189,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
             velocity_drift=run.velocity_drift, sizes=run.sizes[:], jolts=run.jolts[:] if NMODE else (),
-            events=events, jumps=jumps, changes=run.changes if NMODE else 0,
+            events=events, jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 
     return recorded(run, options, record_, told, progress, clock)

@@ -10,7 +10,7 @@ from typing import Any
 
 from lagc.kernels import METHODS, MOST_ACTS
 from lagc.once import once
-from lagc.render.numpy.support.base import MOST_EVENTS
+from lagc.render.numpy.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.backends.library import library
@@ -189,6 +189,7 @@ class CSystem(CompiledSystem):
                          options.report, options.halves)  # fmt: skip
         events: list[tuple[float, int]] = []
         jumps: list[float] = []
+        corners: list[tuple[float, list[float], list[float]]] = []
         switches, whens, noted = len(self.interface.switches), len(self.interface.whens), self.interface.noted
         grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
         head = self.model.head.from_buffer(work)
@@ -208,6 +209,10 @@ class CSystem(CompiledSystem):
             )  # fmt: skip
             if self.interface.switches and asked.report and state.changes > seen:
                 events.extend((state.t, k) for k in noted if state.changed[k])
+                if len(corners) < MOST_CORNERS:
+                    x = state.x[:]
+                    jumped = whens and state.jumps > len(jumps)
+                    corners.append((state.t, state.x_left[:] if jumped else x, x))
                 if whens:
                     events.extend((state.t, switches + k) for k in state.acted[: state.acts])
                     jumps.extend([state.t] * (state.jumps - len(jumps)))
@@ -226,7 +231,8 @@ class CSystem(CompiledSystem):
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
                 sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
-                events=events, jumps=jumps, changes=state.changes if self.interface.switches else 0,
+                events=events, jumps=jumps, corners=corners,
+                changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
 
         return recorded(state, options, record, told, progress, None if way else perf_counter)
@@ -276,7 +282,11 @@ def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
                 if switches
                 else ()
             ),
-            *((("acts", c_int), ("acted", c_int * acts), ("jumps", c_long)) if acts else ()),
+            *(
+                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long), ("x_left", c_double * nx))
+                if acts
+                else ()
+            ),
         )  # fmt: skip
 
     return State

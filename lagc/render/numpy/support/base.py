@@ -12,6 +12,7 @@ from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS, T
 # -- what follows is part of generated modules --
 
 MOST_EVENTS = 10_000
+MOST_CORNERS = 1000
 FIRST_LOOK = 1024  # accepted steps after which a run is looked at; then twice as many, and so on
 FAILED = frozenset((SINGULAR_MASS, INCONSISTENT, NOT_FINITE))  # of one evaluation
 
@@ -74,7 +75,8 @@ class Trajectory:
     `sizes`: the largest magnitude of the states of each kind, at the ends of all steps.
     `events`: (time, switch) of changes of switches, and (time, number of switches + clause) of clauses `when`
     that acted, the first MOST_EVENTS of them, where they were asked for; `jumps` their times at which states
-    took new values.  Where a clause ended the run, its time and state are the last of `times`, `states`.
+    took new values; `corners`: the first MOST_CORNERS times of changes, with the states before and behind.
+    Where a clause ended the run, its time and state are the last of `times`, `states`.
     `changes`: how often switches changed.
     `jolts`: what the last place of the times at which switches changed is worth in each state, in all.
     """
@@ -99,6 +101,7 @@ class Trajectory:
         jolts: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
         jumps: Sequence[float] = (),
+        corners: Sequence[tuple[float, list[float], list[float]]] = (),
         changes: int = 0,
     ):
         self.times, self.states = times, states
@@ -109,6 +112,7 @@ class Trajectory:
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
         self.sizes, self.jolts, self.events, self.jumps = sizes, jolts, events, jumps
+        self.corners = corners
         self.changes = changes
         if status == TERMINATED and (not times or times[-1] != t):
             self.times, self.states = [*times, t], [*states, list(x)]

@@ -1,0 +1,91 @@
+"""What a picture draws of a run: curves with their corners, and which of their changes are rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from lagc.records import dataclass, replace
+
+if TYPE_CHECKING:
+    from lagc.run.problem import Trajectory
+    from lagc.run.solution import Solution
+
+SAMPLES = 20  # states at which outputs are asked what they are made of
+BESIDE = 1e-6  # of the sizes of states: how far from these
+CONSTANT = 1e-6  # of its values: a change below it is shown as none, as of an energy that is kept
+ROUNDING = 1e-12  # of what an output is made of: a change below it is no more than rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """What is rounding: changes of the states `still` whatever they are, of outputs beside their `sizes`."""
+
+    still: frozenset[str]
+    sizes: dict[str, float]
+
+    def is_flat(self, name: str, values: Sequence[float], unit: str) -> bool:
+        """Whether what is shown of `name` is a constant."""
+        share = CONSTANT if unit == "J" else ROUNDING
+        return name in self.still or is_constant(values, share * self.sizes.get(name, 0.0))
+
+
+def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
+    """Whether the change is nothing beside the values, or no more than `least`: rounding must not fill an
+    axis."""
+    low, high = min(values), max(values)
+    return high - low <= max(CONSTANT * max(abs(low), abs(high)), least)
+
+
+def with_corners(solution: Solution) -> Solution:
+    """With the states at events among those that are recorded: curves bend there, or jump."""
+    last = solution.times[-1] if solution.times else 0.0
+    corners = [(t, x) for t, *states in solution.corners if t <= last for x in states]
+    points = sorted([*corners, *zip(solution.times, solution.states)], key=lambda point: point[0])
+    return replace(
+        solution, times=[t for t, _ in points], states=[x for _, x in points], sensitivities=None, _columns={}
+    )
+
+
+def scales(solution: Solution) -> Scales:
+    from lagc.run.problem import Trajectory
+
+    if len(solution) < 2:
+        return Scales(frozenset(), {})
+    times, states = solution.times, solution.states
+    run = Trajectory(times, states, times[-1], states[-1], steps=solution.cost.steps)
+    return Scales(frozenset(_still(solution, run)), _sizes(solution, run))
+
+
+def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
+    """The states that rounding alone moves."""
+    from lagc.run.distance import sizes
+    from lagc.run.rounding import quick_look
+    from lagc.run.still import still_kinds
+
+    system, names = solution.system, solution.state_names
+    groups = sizes(run, system.interface)
+    bounds = still_kinds(system, run, groups, quick_look(system, run, groups))
+    for k, (group, size) in enumerate(groups):
+        if size <= bounds.get(k, 0.0):
+            yield from (names[i] for i in group)
+
+
+def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
+    """What each output would change by if the states did by their sizes, angles by a radian at most."""
+    from lagc.run.distance import sizes
+    from lagc.run.rounding import generic
+
+    system, interface = solution.system, solution.system.interface
+    way = [0.0] * system.nx
+    for group, size in sizes(run, interface):
+        for i in group:
+            way[i] = generic(i) * (min(size, 1.0) if interface.kinds[i] == 0 else size)
+    found = [0.0] * len(interface.outputs)
+    step = max(1, len(solution) // SAMPLES)
+    for t, x in [*zip(solution.times, solution.states)][::step] if found else ():
+        beside = system.outputs(t, [a + BESIDE * b for a, b in zip(x, way)])
+        changes = [abs(b - a) / BESIDE for a, b in zip(system.outputs(t, x), beside)]
+        found = [max(a, b) if isfinite(b) else a for a, b in zip(found, changes)]
+    return {output.name: size for output, size in zip(interface.outputs, found)}
