@@ -13,19 +13,21 @@ from lagc.mechanics.judge import Judge
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.records import replace
 
 _STATES = 3
 
 
 def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
     """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one
-    combination of those of `others`, for any speeds."""
+    combination of those of `others`, for any speeds and whatever comparisons say, of parameters too, which
+    a run may give other values."""
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
     met = map(onto(states, others), samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
-    ground = on_rows(states, [r for r in others if r.holonomic], tries)
+    ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
     asked = False
     for placed, truths in Judge(ground).points(spelt):
         for x in placed:

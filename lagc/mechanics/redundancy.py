@@ -25,7 +25,8 @@ from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 _STATES = 3
-_SIDED = smooth_as(CORNER, STEP, CHOICE) | {"sqrt"}
+_CHOOSING = smooth_as(CORNER, STEP, CHOICE)
+_SIDED = _CHOOSING | {"sqrt"}
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
 
 
@@ -62,6 +63,10 @@ def drop_idle(
 def _sided(nodes: Iterable[Node]) -> bool:
     """Whether a root or a choice is below them, of which only the values at hand say which side it takes."""
     return any(node.op in _SIDED for node in reachable(nodes))
+
+
+def _chooses(nodes: Iterable[Node]) -> bool:
+    return any(node.op in _CHOOSING for node in reachable(nodes))
 
 
 def _motionless(row: Row) -> Fault:
@@ -109,14 +114,17 @@ def drop_redundant(
 
 
 def _steady(states: States, classified: Sequence[Classified], redundant: Redundant) -> bool:
-    """Whether the row is the same combination of the others at every posture.
+    """Whether the row is the same combination of the others at every posture, and for all parameters.
 
     One that is not, cos(a) s and sin(a) s of rolling in a plane, is all that is left of both where
-    the other vanishes.
+    the other vanishes, as s is beside p s where the parameter p is 0.  What the states that are drawn tell of
+    one branch of a choice is not known of others.
     """
     rows = [classified[k].row for k in (*redundant.others, redundant.row)]
+    if _chooses([node for row in rows for node in row.jacobian.values()]):
+        return False
     known: dict[int, float] = {}
-    for table in tables(states, rows, _STATES, vary=False):
+    for table in tables(states, rows, _STATES):
         *before, last = range(len(table.rows))
         for line in before:
             table.add(line, *table.reduce(line))

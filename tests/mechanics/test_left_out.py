@@ -1,0 +1,63 @@
+"""Rows are left out only where others say the same whatever the motion is, and the parameters are."""
+
+from __future__ import annotations
+
+import pytest
+
+import lagc
+from lagc.diagnostics.faults import Refused
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+TEXT = """model R
+  parameter Real p = 2, q = 3;
+  coordinate Length x(start = 1 [m]), y(start = 1 [m]), z(start = 1 [m]);
+  body m = Particle(mass = 1 [kg], at = {{x, y, z}});
+  force f = {{1 [N], 2 [N], 3 [N]}} at m;
+  constraint a: {first} = 0;
+  constraint b: {second} = 0;
+end R;"""
+HELD = "der(x)"
+
+# What they hold with other values than those at which the model is compiled
+CASES = {
+    "a choice": (HELD, "(if p > 1 then der(x) else der(y))", {"p": 0.5}, "xy"),
+    "a kink": (HELD, "max(p - 1, 0)*der(x) + max(1 - p, 0)*der(y)", {"p": 0.5}, "xy"),
+    "a size": (HELD + " - der(y)", "abs(p)*der(x) - p*der(y)", {"p": -2.0}, "xy"),
+    "a root of a square": (HELD + " - der(y)", "sqrt(p^2)*der(x) - p*der(y)", {"p": -2.0}, "xy"),
+    "a factor that vanishes": ("p*der(x)", HELD, {"p": 0.0}, "x"),
+    "a difference that vanishes": ("(p - q)*der(x)", HELD, {"p": 3.0}, "x"),
+    "the same": (HELD, "(if p > 1 then der(x) else der(y))", {"p": 1.5}, "x"),
+}
+
+
+@pytest.mark.parametrize("case", sorted(CASES))
+def test_rows_hold_whatever_the_parameters(case: str) -> None:
+    first, second, given, held = CASES[case]
+    system = lagc.loads(TEXT.format(first=first, second=second)).compile(backend="numpy")
+    run = system.simulate(1.0, parameters=given)
+    assert run.status == "ok", run.message
+    for axis, force in zip("xyz", (1.0, 2.0, 3.0)):
+        way = 0.0 if axis in held else 0.5 * force
+        assert run[axis][-1] == pytest.approx(1.0 + way, abs=1e-9)
+
+
+def test_rows_that_contradict_each_other_for_some_parameters_do() -> None:
+    second = "der(x) - (if p > 1 then 0 else 0.5)*1 [m/s]"
+    system = lagc.loads(TEXT.format(first=HELD, second=second)).compile(backend="numpy")
+    assert system.simulate(1.0).status == "ok"
+    with pytest.raises(Refused, match="constraint `b`"):
+        system.simulate(1.0, parameters={"p": 0.5})
+
+
+def test_a_row_stays_that_another_is_a_part_of_on_one_branch() -> None:
+    """z comes to 2.5 m, where the first row vanishes."""
+    first = "(1 - max(0, z/1 [m] - 1.5)^2)*der(x)"
+    run = lagc.loads(TEXT.format(first=first, second=HELD)).compile(backend="numpy").simulate(2.0)
+    assert run.status == "ok" and abs(run["x"][-1] - 1.0) < 1e-12
+
+
+@pytest.mark.parametrize("second", ["2*der(x)", "-der(x)/3", "der(x) + 0*der(y)"])
+def test_what_is_the_same_is_left_out(second: str) -> None:
+    equations = lagc.loads(TEXT.format(first=HELD, second=second)).compile(backend="numpy").equations
+    assert equations.dropped == ("row `b` is left out: it follows from `a`",)
