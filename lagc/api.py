@@ -15,7 +15,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc import library
-from lagc.compiler import Choice, Compilation, check
+from lagc.compiler import Choice, Compilation
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.given import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
@@ -94,6 +94,8 @@ class ModelFile:
 
     def check(self) -> list[Fault]:
         """Every fault of the text, in all its scenes."""
+        from lagc.checking import check
+
         return check(self.source, Choice())
 
     def _repr_latex_(self) -> str:

@@ -9,7 +9,7 @@ so that a run of a model that is in the cache loads none of the first four.
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping
 from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -18,7 +18,7 @@ from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.library import folder_of
-from lagc.limits import Exhausted, go_on, stage
+from lagc.limits import stage
 from lagc.once import RLock, once
 from lagc.optimize.program import Field
 from lagc.records import dataclass, field, replace
@@ -173,111 +173,6 @@ def render(program: Program, target: str, complete: bool = True, real: str = "do
         from lagc.render.numpy.render import render as render_numpy
 
         return render_numpy(program, complete)
-
-
-def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
-    """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
-    scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
-    parameters of `choice` are given to those that have them."""
-    from lagc.frontend.scenes import ByScene
-    from lagc.meaning.degrees import whole_radians
-    from lagc.meaning.variants import variants
-
-    try:
-        tree = parse(source)
-    except Refused as refused:
-        return list(refused.faults)
-    known: set[str] = set()
-    if choice.scene is not None:
-        found = _faults(tree, choice, roots, known)
-        return [*whole_radians(tree), *found.values(), *_unknown(choice, known)]
-    faults: dict[tuple[object, ...], Fault] = {}
-    models: set[str | None] = set()
-    scenes = ByScene(tree)
-    for v in variants(tree, choice.model, roots):
-        each = replace(
-            choice,
-            model=v.model,
-            scene=v.scene,
-            with_effects=(*choice.with_effects, *v.with_effects),
-            without_effects=(*choice.without_effects, *v.without_effects),
-        )
-        # The first look at a model tells what is wrong between its scenes.
-        file = scenes.only(v.scene) if v.scene and v.model in models else tree
-        models.add(v.model)
-        found = _faults(file, each, roots, known)
-        if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
-            alone = replace(each, without_effects=(*each.without_effects, *v.alone))
-            without = _faults(file, alone, roots, known)
-            found = {key: fault for key, fault in found.items() if key in without}
-        for key, fault in found.items():
-            faults.setdefault(key, fault)
-    return [*whole_radians(tree), *faults.values(), *_unknown(choice, known)]
-
-
-def _faults(
-    tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str]
-) -> dict[tuple[object, ...], Fault]:
-    """The faults of one choice, by code and place, and the warnings where there are none; the names of its
-    parameters and inputs go to `known`."""
-    faults: Sequence[Fault]
-    try:
-        model = resolve(tree, choice, roots)
-        known.update([p.name for p in model.parameters], [u.name for u in model.inputs], model.built_in)
-        equations = derive(model)
-        faults = [*equations.warnings, *_unstarted(model, equations, choice)]
-    except Refused as refused:
-        faults = refused.faults
-    found: dict[tuple[object, ...], Fault] = {}
-    for fault in faults:
-        span = fault.span
-        at = (span.source.name, span.start, span.end) if span else (fault.message,)
-        found.setdefault((fault.code, *at), fault)
-    return found
-
-
-def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
-    """Warnings: the start cannot be tried because a parameter has no value, or not to its end in the time of
-    a stage; an output has no value at the start.  Raises Refused where a run would before its first step."""
-    from lagc.run.blame import placed
-    from lagc.run.request import bound_parameters
-    from lagc.run.trial import NoStart, try_start
-
-    program = optimize(equations, work=True)
-    interface, left = program.interface, unused(model, program.interface)
-    fields = (*interface.parameters, *interface.inputs)
-    names = {f.name for f in (*fields, *left)}
-    given = {name: value for name, value in choice.parameters.items() if name in names}
-    values = bound_parameters(interface, given, left, demanding=False)
-    missing = {f.name for f, value in zip(fields, values) if value != value}
-    for p in model.parameters:
-        if p.name in missing:
-            return [Fault("LAG0603", f"parameter `{p.name}` has no value: the start was not tried", p.span,
-                          remedy=f"give it one: -p {p.name}=...", severity="warning")]  # fmt: skip
-    try:
-        with stage("trying the start", PER_OPERATION * interface.operations):
-            strange = try_start(program, values)
-    except NoStart as found:
-        raise placed(equations, found) from None
-    except Exhausted:
-        if not go_on():
-            raise
-        return [Fault("LAG0805", "the start was not tried to its end, which takes longer than a stage may",
-                      remedy="`lagc sim` tries it as long as it takes, `lagc check --max-time 1h` as long as "
-                      "that", severity="warning")]  # fmt: skip
-    return [
-        Fault("LAG0616", f"output `{o.name}` has no finite value at the start", o.span, severity="warning")
-        for o in model.outputs
-        if o.name in strange
-    ]
-
-
-def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
-    """Given parameters that nothing has; silent where nothing could be resolved."""
-    from lagc.run.request import unknown
-
-    names = [name for name in choice.parameters if known and name not in known]
-    return [unknown(name, known, "parameter or input", "LAG0601") for name in names]
 
 
 class Compilation:

@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
-    from lagc import compiler, library
+    from lagc import checking, compiler, library
 
     try:
         source = library.read(name)
@@ -55,7 +55,7 @@ def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
     given = quantities(options.parameters, "-p")
     choice = compiler.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
-        return compiler.check(source, choice)
+        return checking.check(source, choice)
     except Refused as refused:  # of what was given
         return list(refused.faults)
 

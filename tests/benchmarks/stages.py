@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from lagc import compiler, library
+from lagc import checking, compiler, library
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.limits import Limits
@@ -159,7 +159,7 @@ class Stages:
 
     def check(self) -> list[Fault]:
         """All of it, from the text."""
-        return compiler.check(self.source, self.choice)
+        return checking.check(self.source, self.choice)
 
 
 NEEDS = {

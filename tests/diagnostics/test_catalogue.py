@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.compiler import Choice, check
+from lagc.checking import check
+from lagc.compiler import Choice
 from lagc.diagnostics.catalogue import Entry, entries
 from lagc.diagnostics.faults import Source
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.compiler import Choice, check
+from lagc.checking import check
+from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve

@@ -15,8 +15,9 @@ import pytest
 
 import lagc
 from lagc import library
+from lagc.checking import check
 from lagc.cli.main import main
-from lagc.compiler import Choice, check, parse, resolve
+from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.meaning.namespace import TOGETHER
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lagc.compiler import Choice, check
+from lagc.checking import check
+from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve

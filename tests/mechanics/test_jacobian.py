@@ -7,7 +7,8 @@ import random
 import numpy as np
 import pytest
 
-from lagc.compiler import Choice, check, parse, resolve
+from lagc.checking import check
+from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.expr import slopes
 from lagc.meaning.model import Model

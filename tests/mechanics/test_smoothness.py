@@ -9,7 +9,8 @@ from random import Random
 
 import pytest
 
-from lagc.compiler import Choice, check
+from lagc.checking import check
+from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 
 SMOOTH, KINK, JUMP = "smooth", "kink", "jump"

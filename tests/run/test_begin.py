@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pytest
 
 import lagc
-from lagc import compiler
+from lagc import checking, compiler
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.run.request import Quantity
@@ -132,7 +132,7 @@ end Bead;
 
 def faults(**given: float) -> list[tuple[str, str]]:
     choice = compiler.Choice(parameters={name: Quantity(value) for name, value in given.items()})
-    return [(f.code, f.severity) for f in compiler.check(Source("m.lag", SCENES), choice)]
+    return [(f.code, f.severity) for f in checking.check(Source("m.lag", SCENES), choice)]
 
 
 def test_given_parameters_are_those_of_a_run() -> None:
@@ -156,7 +156,7 @@ end M;
 
     def codes(row: str, rate: str = "") -> list[str]:
         text = form.format(x=size, rate=rate, row=row)
-        return [f.code for f in compiler.check(Source("m.lag", text), compiler.Choice())]
+        return [f.code for f in checking.check(Source("m.lag", text), compiler.Choice())]
 
     assert codes("y = 2*x") == codes("x = 2*y") == []
     assert codes("x^2 + y^2 = 1 [m2]") == ["LAG0610"]

@@ -8,7 +8,8 @@ import re
 
 import pytest
 
-from lagc.compiler import Choice, check
+from lagc.checking import check
+from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 
 

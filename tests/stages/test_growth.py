@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from lagc import compiler
+from lagc import checking, compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
@@ -154,7 +154,7 @@ def formatted(text: str) -> None:
 
 
 def checked(text: str) -> None:
-    compiler.check(Source("m.lag", text), Choice())
+    checking.check(Source("m.lag", text), Choice())
 
 
 def work(job: Callable[[Any], Any], text: Any) -> int:
@@ -314,14 +314,14 @@ def test_each_scene_is_checked_without_the_others(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(Builder, "_one", counting)
     for n in (5, 10, 20):
         seen.append(0)
-        assert compiler.check(Source("m.lag", scenes(n)), Choice()) == []
+        assert checking.check(Source("m.lag", scenes(n)), Choice()) == []
     assert seen[2] - seen[1] < 2.25 * (seen[1] - seen[0])
 
 
 def test_scenes_are_compared_where_they_are_checked_one_by_one() -> None:
     """What is wrong with two scenes together, in each of two models."""
     text = scenes(3) + scenes(3).replace("model M", "model N").replace("end M", "end N").replace("s1", "s2")
-    faults = compiler.check(Source("m.lag", text), Choice())
+    faults = checking.check(Source("m.lag", text), Choice())
     assert [(f.code, f.span.line > 12) for f in faults if f.span] == [("LAG0202", True)]
 
 
