@@ -2,7 +2,7 @@
 
 A. Griewank, A. Walther, *Evaluating Derivatives*, SIAM 2008, chapter 3.  Only nodes that
 depend on the seeds are visited; piecewise functions are differentiated branch by branch,
-with the value 0 for the derivative of a step.
+with the value 0 for the derivative of a step.  A branch that is not taken need have no slope.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import OPERATORS
+from lagc.expr.operators import END, OPERATORS, POLE
 from lagc.expr.walk import reachable
 
 
@@ -56,6 +56,8 @@ def tangent(
         if not moving:
             continue
         total = zero
+        if node.op == "select":
+            total, moving = graph.select(node.args[0], *[rates.get(a, zero) for a in node.args[1:]]), []
         for k in moving:
             rate = rates[node.args[k]]
             share = rate if node.op == "add" else graph.mul(partial(graph, node, k), rate)
@@ -94,11 +96,34 @@ def gradient(
         args = node.args
         for k, argument in enumerate(args):
             if argument in live:
-                share = weight if node.op == "add" else graph.mul(weight, partial(graph, node, k))
+                share = weight if node.op == "add" else _share(graph, weight, node, k)
                 held = adjoint.get(argument)
                 adjoint[argument] = share if held is None else graph.add(held, share)
     found = sorted([w for w in adjoint if w in places], key=places.__getitem__)
     return {w: adjoint[w] for w in found if not adjoint[w].is_zero}
+
+
+def _share(graph: Graph, weight: Node, node: Node, k: int) -> Node:
+    """Of the weight of `node`, what its argument k has: 0 where a choice leaves none, whatever the slope is."""
+    slope = partial(graph, node, k)
+    within = node.value[k] > 0 if node.op == "mul" else node.op == "scale" or _is_everywhere(node.op)
+    return graph.mul(weight, slope) if within else _chosen(graph, weight, slope)
+
+
+def _is_everywhere(op: str) -> bool:
+    return OPERATORS[op].smoothness not in (END, POLE)
+
+
+def _chosen(graph: Graph, weight: Node, slope: Node) -> Node:
+    if weight.op == "scale":
+        return graph.scale(weight.value, _chosen(graph, weight.args[0], slope))
+    factors = zip(weight.args, weight.value) if weight.op == "mul" else ((weight, 1),)
+    for k, (factor, exponent) in enumerate(factors):
+        if factor.op == "select" and exponent == 1 and graph.zero in factor.args[1:]:
+            rest = graph.reduced(weight, k) if weight.op == "mul" else graph.one
+            whole = graph.mul(rest, slope)
+            return graph.select(factor.args[0], *[graph.mul(side, whole) for side in factor.args[1:]])
+    return graph.mul(weight, slope)
 
 
 def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:

@@ -103,6 +103,25 @@ def test_branches_are_differentiated_one_by_one() -> None:
     assert [at(slope, x=v) for v in (-2.0, 2.0)] == [-4.0, 3.0]
 
 
+@pytest.mark.parametrize("x", [-0.3, 0.3])
+def test_a_branch_that_is_not_taken_need_have_no_slope(x: float) -> None:
+    """Of a spring that pushes where it is pressed, 3/2 k (-u)^(5/2), and 1/sqrt(-u), as they may be written."""
+    graph = Graph()
+    u, k = graph.symbol("coordinate", "u"), graph.symbol("parameter", "k")
+    pressed = graph.binary("lt", u, graph.zero)
+    energy = graph.select(
+        pressed, 1.5 * k * graph.pow(-u, graph.const(2.5)) + graph.sqrt(-u) / -u, graph.zero
+    )
+    force = gradient(graph, {2.0 * energy: k}, [u])[u]
+    slope = tangent(graph, [force], {u: graph.one})[0]
+    h = max(-x, 0.0)
+    wanted = [
+        6.0 * (-3.75 * 3.0 * h**1.5 + 0.5 * h**-1.5) if h else 0.0,
+        6.0 * (5.625 * 3.0 * h**0.5 + 0.75 * h**-2.5) if h else 0.0,
+    ]
+    assert evaluate([force, slope], {u: x, k: 3.0}) == pytest.approx(wanted, rel=1e-14)
+
+
 def test_weights_of_several_outputs_add_up() -> None:
     graph = Graph()
     x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")
