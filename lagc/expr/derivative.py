@@ -104,7 +104,7 @@ def gradient(
 
 
 def _share(graph: Graph, weight: Node, node: Node, k: int) -> Node:
-    """Of the weight of `node`, what its argument k has: 0 where a choice leaves none, whatever the slope is."""
+    """What argument k has of the weight of `node`: 0 where a choice leaves none, whatever the slope is."""
     slope = partial(graph, node, k)
     within = node.value[k] > 0 if node.op == "mul" else node.op == "scale" or _is_everywhere(node.op)
     return graph.mul(weight, slope) if within else _chosen(graph, weight, slope)

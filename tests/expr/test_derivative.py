@@ -105,7 +105,7 @@ def test_branches_are_differentiated_one_by_one() -> None:
 
 @pytest.mark.parametrize("x", [-0.3, 0.3])
 def test_a_branch_that_is_not_taken_need_have_no_slope(x: float) -> None:
-    """Of a spring that pushes where it is pressed, 3/2 k (-u)^(5/2), and 1/sqrt(-u), as they may be written."""
+    """3/2 k (-u)^(5/2) of a spring that pushes where it is pressed, and 1/sqrt(-u)."""
     graph = Graph()
     u, k = graph.symbol("coordinate", "u"), graph.symbol("parameter", "k")
     pressed = graph.binary("lt", u, graph.zero)
