@@ -91,7 +91,8 @@ def drop_redundant(
         return list(classified), []
     spare = {r.row for r in found}
     independent = [x.row for k, x in enumerate(classified) if k not in spare]
-    contradicts = _contradicts(states, independent, [classified[r.row].row for r in found])
+    made_of = [[classified[k].row for k in r.others] for r in found]
+    contradicts = _contradicts(states, independent, [classified[r.row].row for r in found], made_of)
     faults: list[Fault] = []
     dropped: dict[int, str] = {}
     for redundant, contradiction in zip(found, contradicts):
@@ -187,17 +188,22 @@ def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
     return sorted(left)
 
 
-def _contradicts(states: States, independent: Sequence[Row], spare: Sequence[Row]) -> list[bool]:
+def _contradicts(
+    states: States, independent: Sequence[Row], spare: Sequence[Row], made_of: Sequence[Sequence[Row]]
+) -> list[bool]:
     """Of each spare row: whether it is violated on all states tried that meet the others, the one
     next to the start included, with parameters beside their defaults as well, and no state is found
-    that meets all: others may have solutions of their own elsewhere."""
+    that meets all, or those alone that it is made of: others may have solutions of their own elsewhere."""
     model = states.model
     start = list(samples(model, 1, vary=False, spread=0.0))
     near = [*start, *samples(model, _STATES, vary=False)]
     here = _hold(states, independent, spare, near)
     beside = _hold(states, independent, spare, list(samples(model, _STATES)))
     violated = [x == {False} and True not in y for x, y in zip(here, beside)]
-    return [v and _apart(states, [*independent, row], near) for v, row in zip(violated, spare)]
+    return [
+        v and (_apart(states, [*own, row], near) or _apart(states, [*independent, row], near))
+        for v, row, own in zip(violated, spare, made_of)
+    ]
 
 
 def _apart(states: States, rows: Sequence[Row], tries: Sequence[dict[Node, float]]) -> bool:

@@ -8,6 +8,7 @@ import pytest
 
 from lagc.diagnostics.faults import Refused
 from lagc.expr.graph import Node
+from lagc.mechanics import redundancy
 from lagc.mechanics.derive import derive
 from tests.mechanics.builder import SPAN, Builder
 
@@ -140,6 +141,25 @@ def test_contradiction_between_positions() -> None:
     b.constraint("a", x - y)
     b.constraint("b", 2.0 * x - 2.0 * y - 1.0)
     assert codes(b) == ["LAG0410"]
+
+
+def test_contradictions_are_looked_for_among_what_a_row_is_made_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not among all rows, for each of them again."""
+    asked: list[int] = []
+    onto = redundancy.onto
+    monkeypatch.setattr(
+        redundancy, "onto", lambda states, rows: asked.append(len(rows)) or onto(states, rows)
+    )
+    met = {}
+    for n in (6, 12):
+        b, q = plane(*(f"q{k}" for k in range(n)))
+        for k, x in enumerate(q):
+            b.constraint(f"a{k}", x - 1.0)
+            b.constraint(f"b{k}", 2.0 * x - 1.0)
+        assert codes(b) == ["LAG0410"] * n
+        met[n] = sum(asked)
+        asked.clear()
+    assert met[12] <= 2 * met[6]
 
 
 def test_contradiction_between_position_and_speed() -> None:
