@@ -15,8 +15,8 @@ FILES = (
     "runge_kutta", "method", "check", "control", "weights", "listening",
     "enclosing", "branches", "locating", "resting", "switching", "events", "narrow", "calls", "step",
     "recording",
-    "startrecords", "leastnorm", "startparts", "startrows", "startpairs", "startsizes", "starttable",
-    "startalone", "startsteps", "startfind", "startchoice", "startsearch", "start",
+    "startrecords", "leastrows", "leastnorm", "startparts", "startrows", "startpairs", "startsizes",
+    "starttable", "startalone", "startsteps", "startfind", "startchoice", "startsearch", "start",
 )  # fmt: skip
 WORDS = ("words", "sizes", "tables", "model", "tableau")  # what kernels may name
 METHODS = (

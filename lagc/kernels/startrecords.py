@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.sizes import NE, NJ, NPOSITION, NROW, NSETS, NSETU, NU
+from lagc.kernels.sizes import NE, NJ, NPOSITION, NROW, NSETS, NSETU, NTREE, NU
 from lagc.kernels.words import Code, IVec, Mat, Real, Vec, record
 
 # How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does.
@@ -30,6 +30,7 @@ class StartWork:
     best_picked: IVec[NU]
     values: IVec[NU]
     columns: IVec[NU]
+    line: IVec[NU]  # unknowns, those near each other that conditions tie
     stated: IVec[NU]
     marks: IVec[NU]
     let: IVec[NU]
@@ -81,9 +82,15 @@ class StartWork:
     solved: IVec[NE]
     basis: IVec[NE]
     chosen: IVec[NE]
-    turns: IVec[NE]  # rows in the order in which they were chosen
-    begins: IVec[NE]  # where rows of rests begin to differ from zero, and where they cease to
+    begins: IVec[NE]  # where rows of the matrix begin to differ from zero, and where they cease to
     stops: IVec[NE]
+    lows: IVec[NE]  # the same of rests
+    highs: IVec[NE]
+    sorted: IVec[NE]  # rows by where they begin, and how far those up to there reach
+    behind: IVec[NE]
+    near: IVec[NE]
+    firsts: IVec[NROW]  # of these, those that begin at a place
+    longest: IVec[NTREE]
     squares: Vec[NE]
     c: Vec[NE]
     sizes: Vec[NE]
@@ -93,7 +100,10 @@ class StartWork:
     trial_c: Vec[NE]
     trial_sizes: Vec[NE]
     right: Vec[NE]
-    column: IVec[NJ]  # the unknown of each derivative
+    column: IVec[NJ]  # the unknown of each derivative, its condition, and the one before by the same unknown
+    owner: IVec[NJ]
+    before: IVec[NJ]
+    last: IVec[NU]
     J: Vec[NJ]
     trial_J: Vec[NJ]
     doubts: Vec[NE]  # what last places of parameters change residuals by

@@ -123,6 +123,63 @@ def moving(i: int, w: StartWork) -> bool:
     return False
 
 
+def link(w: StartWork) -> None:
+    """The derivatives of w.rows by each unknown: from w.last on by w.before, each with its w.owner."""
+    for j in range(NU):
+        w.last[j] = -1
+    rows = w.ended
+    for r in range(rows):
+        i = w.rows[r]
+        first = row_begin(i)
+        end = ends[i]
+        for k in range(first, end):
+            w.owner[k] = i
+            w.before[k] = w.last[w.column[k]]
+            w.last[w.column[k]] = k
+
+
+def queue(i: int, count: int, w: StartWork) -> int:
+    """Put the unknowns of condition i into w.line, if they are not; how many are there."""
+    w.chosen[i] = 1
+    found = count
+    first = row_begin(i)
+    end = ends[i]
+    for k in range(first, end):
+        j = w.column[k]
+        if w.marks[j] == 0:
+            w.marks[j] = 1
+            w.line[found] = j
+            found += 1
+    return found
+
+
+def line_up_unknowns(w: StartWork) -> None:
+    """w.line: the unknowns in the order in which they are met on the way from condition to condition, so that
+    those that conditions tie to each other are near (E. Cuthill, J. McKee, 1969)."""
+    link(w)
+    for j in range(NU):
+        w.marks[j] = 0
+    for i in range(NE):
+        w.chosen[i] = 0
+    count = 0
+    at = 0
+    rows = w.ended
+    for r in range(rows):
+        if w.chosen[w.rows[r]] == 0:
+            count = queue(w.rows[r], count, w)
+        while at < count:
+            k = w.last[w.line[at]]
+            while k >= 0:
+                if w.chosen[w.owner[k]] == 0:
+                    count = queue(w.owner[k], count, w)
+                k = w.before[k]
+            at += 1
+    for j in range(NU):
+        if w.marks[j] == 0:
+            w.line[count] = j
+            count += 1
+
+
 def confine(n: Size, w: StartWork) -> None:
     """Look at the n conditions in w.order, those of positions first, and at the unknowns that they hold."""
     if NPOSITION > 0:
@@ -144,6 +201,7 @@ def confine(n: Size, w: StartWork) -> None:
         if moving(w.order[i], w):
             w.rows[w.ended] = w.order[i]
             w.ended += 1
+    line_up_unknowns(w)
 
 
 def unfold(w: StartWork) -> None:

@@ -26,24 +26,41 @@ TURN = 6.283185307179586
 
 
 def loosen(first: Size, end: Size, w: StartWork) -> None:
-    """w.columns: what is free of the unknowns first..end-1."""
+    """w.columns: what is free of the unknowns first..end-1, those near each other that conditions tie."""
     w.count = 0
-    for i in range(NU):
+    for k in range(NU):
+        i = w.line[k]
         w.places[i] = -1
-    for i in range(first, end):
-        if w.loose[i] == 1:
+        if first <= i and i < end and w.loose[i] == 1:
             w.places[i] = w.count
             w.columns[w.count] = i
             w.count += 1
 
 
+def find_ends(i: int, r: int, w: StartWork) -> None:
+    """w.begins and w.stops of row r: where condition i has places among w.columns."""
+    begin = w.count
+    stop = 0
+    first = row_begin(i)
+    end = ends[i]
+    for e in range(first, end):
+        at = w.places[w.column[e]]
+        if at >= 0:
+            begin = at if at < begin else begin
+            stop = at + 1 if at >= stop else stop
+    w.begins[r] = begin if begin < stop else 0
+    w.stops[r] = stop
+
+
 def fill(first: int, end: int, w: StartWork) -> None:
     """w.matrix: the derivatives of w.rows[first..end-1] by w.columns, each times its weight, 0 where it is
     rounding; w.right: what is missed."""
-    count = w.count
     for k in range(first, end):
+        find_ends(w.rows[k], k - first, w)
         row = w.matrix[k - first]
-        for j in range(count):
+        begin = w.begins[k - first]
+        behind = w.stops[k - first]
+        for j in range(begin, behind):
             row[j] = 0.0
         begin = row_begin(w.rows[k])
         behind = ends[w.rows[k]]
@@ -145,6 +162,15 @@ def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -
         judge(y, w.J, w.sizes, w)
 
 
+def speeds_alone(w: StartWork) -> bool:
+    """Whether w.columns are none of positions."""
+    count = w.count
+    for k in range(count):
+        if w.columns[k] < NQ:
+            return False
+    return True
+
+
 def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -> None:
     """Gauss-Newton of least norm on w.rows[first..end-1] in w.columns, with steps that are halved until
     they help."""
@@ -157,7 +183,7 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
     if missed <= CLOSE:
         polish(p, t, y, first, end, w)
         return
-    if w.columns[0] >= NQ:  # speeds alone: what is rounding of positions stays so
+    if speeds_alone(w):  # what is rounding of positions stays so
         blur(p, t, y, w.weights, w)
     left = 1.0
     longest = 1.0
@@ -240,10 +266,11 @@ def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
     meet(p, t, y, w.c, w.J, w.sizes)
     w.blurs[:] = w.doubted
     fill(0, end, w)
-    count = w.count
     for r in range(end):
         value = w.right[r]
-        for k in range(count):
+        begin = w.begins[r]
+        stop = w.stops[r]
+        for k in range(begin, stop):
             i = w.columns[k]
             value += w.matrix[r][k] * ((y[i] - w.home[i]) / weight_of(w, i))
         w.right[r] = value

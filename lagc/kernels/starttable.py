@@ -26,28 +26,41 @@ def pivot(rows: Mat[NE, NROW], m: int, n: int, i: int, k: int) -> None:
                 row[j] = row[j] - part * own[j]
 
 
+def find_largest(i: int, n: int, w: StartWork) -> None:
+    """w.squares and w.near of row i of w.rests: its largest entry of n, and where that is."""
+    row = w.rests[i]
+    largest = 0.0
+    for k in range(n):
+        if fabs(row[k]) > largest:
+            largest = fabs(row[k])
+            w.near[i] = k
+    w.squares[i] = largest
+
+
 def solve_rows(m: int, n: int, w: StartWork) -> int:
     """Gauss-Jordan with complete pivoting on the m rows of w.rests, n columns and the right-hand side:
     how many were solved, w.solved, for the columns w.basis."""
     for i in range(m):
         w.chosen[i] = 0
+        find_largest(i, n, w)
     count = 0
     while True:
         at = -1
-        best = -1
         largest = NEGLIGIBLE
         for i in range(m):
-            if w.chosen[i] == 0:
-                row = w.rests[i]
-                for k in range(n):
-                    if fabs(row[k]) > largest:
-                        at = i
-                        best = k
-                        largest = fabs(row[k])
+            if w.chosen[i] == 0 and w.squares[i] > largest:
+                at = i
+                largest = w.squares[i]
         if at < 0:
             return count
-        pivot(w.rests, m, n + 1, at, best)
+        best = w.near[at]
         w.chosen[at] = 1
+        for i in range(m):
+            w.behind[i] = 1 if w.chosen[i] == 0 and w.rests[i][best] != 0.0 else 0
+        pivot(w.rests, m, n + 1, at, best)
+        for i in range(m):
+            if w.behind[i] == 1:
+                find_largest(i, n, w)
         w.solved[count] = at
         w.basis[count] = best
         count += 1

@@ -166,8 +166,11 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
     kernels: dict[str, Any] = {}
     exec(code((False,) * len(SWITCHES)), kernels)
     m, n = len(rows), len(rows[0])
+    filled = [[j for j, value in enumerate(row) if value != 0.0] for row in rows]
     room = SimpleNamespace(
         matrix=[list(row) for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
-        squares=[0.0] * m, begins=[0] * m, stops=[0] * m, chosen=[0] * m, turns=[0] * m, step=[0.0] * n,
+        begins=[own[0] if own else 0 for own in filled], stops=[own[-1] + 1 if own else 0 for own in filled],
+        firsts=[0] * (n + 1), longest=[0] * (2 * m), squares=[0.0] * m, step=[0.0] * n,
+        **{name: [0] * m for name in ("lows", "highs", "sorted", "behind", "near", "chosen")},
     )  # fmt: skip
     return room.step if kernels["least_norm"](room, m, n, dependent, 0.0) else []

@@ -110,6 +110,31 @@ def test_rows_that_share_no_unknown_are_not_multiplied() -> None:
     assert work[80] < 2.5 * work[40]
 
 
+def test_rows_of_the_table_that_a_pivot_leaves_alone_are_not_looked_through_again() -> None:
+    """The choice of stated values that move: of a chain, each pivot changes the rows beside its own."""
+    looked = {}
+    for n in (20, 40):
+        places = [(round(x, 3), round(z, 3)) for x, z in bent(n, random.Random(3))]
+        system = system_of(chain(places, [0.1] * n))
+        conditions = conditions_of(system)
+        find_largest, tables = conditions.kernels["find_largest"], conditions.kernels["solve_rows"]
+        counts = [0, 0]
+
+        def counted(*given: Any, find: Any = find_largest, counts: list[int] = counts) -> None:
+            counts[0] += 1
+            find(*given)
+
+        def solved(*given: Any, solve: Any = tables, counts: list[int] = counts) -> Any:
+            counts[1] += 1
+            return solve(*given)
+
+        conditions.kernels.update(find_largest=counted, solve_rows=solved)
+        search = Consistency(conditions, 0.0, system.start(), system.interface.start_levels)
+        assert search.run() == OK
+        looked[n] = counts[0] / counts[1]
+    assert looked[40] < 2.5 * looked[20]
+
+
 @pytest.mark.parametrize("n", (3, 8, 16, 30))
 def test_places_that_were_rounded_cost_little(n: int) -> None:
     """One value moves for each condition, by about the rounding: an attempt or two settle it."""

@@ -233,6 +233,28 @@ def test_starts_of_parts_that_share_nothing_cost_the_sum_of_theirs(radius: int) 
     assert four - two < 4.5 * (two - one)
 
 
+def rods(n: int) -> str:
+    """A chain of points in absolute coordinates, each 0.301 m from the one before, guessed at 0.3 m."""
+    return f"""\
+model Rods
+  coordinate Length x[{n}], z[{n}];
+  point P[0] = {{0, 0, 0}};
+  for i in 1:{n} loop
+    point P[i] = {{0.18 [m]*i + x[i], 0, -0.24 [m]*i + z[i]}};
+    body bob[i] = Particle(mass = 1, at = P[i]);
+    constraint rod[i]: norm(P[i] - P[i-1]) = 0.301 [m];
+  end for;
+end Rods;
+"""
+
+
+def test_the_start_of_a_chain_costs_what_its_rods_do() -> None:
+    """Rows overlap with those beside them alone, in whatever order coordinates were declared."""
+    steps_of_start(rods(3))
+    one, two, four = (steps_of_start(rods(n)) for n in (16, 32, 64))
+    assert four - two < 2.5 * (two - one)
+
+
 def in_pairs(n: int) -> tuple[Graph, list[Node]]:
     """A sum in which every two of 2n terms share a factor of their own."""
     g = Graph()

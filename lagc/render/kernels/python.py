@@ -160,7 +160,8 @@ class Zipped(ast.NodeTransformer):
             return ast.parse(f"{target}{cut} = [{ast.unparse(value)} {entries.loop(limit)}]").body[0]
         if not _simple(value):
             return None
-        return ast.parse(f"{target}{cut} = [{ast.unparse(value)}] * {limit}").body[0]
+        times = limit if isinstance(end, ast.Name | ast.Constant) else f"({limit})"
+        return ast.parse(f"{target}{cut} = [{ast.unparse(value)}] * {times}").body[0]
 
     def looped(
         self, node: ast.For, i: str, end: ast.expr, stores: list[ast.Subscript], assigned: set[str]
