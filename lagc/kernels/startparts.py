@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.sizes import NCOND, NJ, NPARTS, NSUM, NU, NWHOLE
+from lagc.kernels.sizes import NCOND, NJ, NPARTS, NU, NWHOLE
 from lagc.kernels.tables import ends, part_column, part_ends, stretch_begins, stretch_ends
 from lagc.kernels.words import Vec, vector
 
@@ -14,7 +14,7 @@ def part_begin(i: int) -> int:
 
 def put_together(J: Vec[NJ]) -> None:
     """J from its parts, which stand first in it: a derivative by a sum goes to what that is made of, the last
-    sum first."""
+    sum of a condition first."""
     parts = vector(NPARTS)
     for k in range(NPARTS):
         parts[k] = J[k]
@@ -26,10 +26,13 @@ def put_together(J: Vec[NJ]) -> None:
     for i in range(NCOND):
         first = part_begin(i)
         end = part_ends[i]
+        last = -1
         for k in range(first, end):
             total[part_column[k]] = parts[k]
-        for n in range(NSUM):
-            at = NSUM - 1 - n
+            if part_column[k] - NU > last:
+                last = part_column[k] - NU
+        for n in range(last + 1):
+            at = last - n
             slope = total[NU + at]
             total[NU + at] = 0.0
             if slope != 0.0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 from textwrap import fill
@@ -79,7 +80,9 @@ class Runtime:
     def definitions(self) -> list[str]:
         """Everything behind them."""
         values, names = tables_of(self.program.interface), self.use.names
-        own = [n for n in self.sizes if n in names and n not in self.public and n not in SPELLED]
+        spelled = " ".join([SPELLED[name] for name in names if name in SPELLED])
+        used = {*names, *re.findall(r"LAGC_(\w+)", spelled)}
+        own = [n for n in self.sizes if n in used and n not in self.public and n not in SPELLED]
         found = ["".join(f"#define LAGC_{n} {self.sizes[n]}\n" for n in own), _work(self.program)]
         found += [_table(name, values[name], self.real) for name in values if name in names]
         found += [text for name, text in self._records().items() if name not in PUBLIC_RECORDS]
