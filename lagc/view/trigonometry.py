@@ -150,13 +150,13 @@ def unit_quaternion(algebra: Algebra, p: Polynomial, parts: tuple[int, int, int,
     best = p
     for eliminated in parts:
         square: Polynomial = {(): Fraction(1)} | {((a, 2),): Fraction(-1) for a in parts if a != eliminated}
-        candidate: Polynomial = {}
+        by_power: dict[int, Polynomial] = {}  # of the square of the one that goes
         for monomial, c in p.items():
-            e = dict(monomial).get(eliminated, 0)
-            times = int(e) // 2 if e > 0 else 0
-            part = {_exchange(monomial, [(eliminated, -2 * times)]): c}
-            for m, value in algebra.multiply(part, algebra.power(square, times)).items():
-                accumulate(candidate, m, value)
+            times = max(int(dict(monomial).get(eliminated, 0)) // 2, 0)
+            by_power.setdefault(times, {})[_exchange(monomial, [(eliminated, -2 * times)])] = c
+        candidate: Polynomial = {}
+        for times in range(max(by_power, default=0), -1, -1):  # Horner
+            candidate = algebra.add(algebra.multiply(candidate, square), by_power.get(times, {}))
         if len(candidate) < len(best):
             best = candidate
     return best
