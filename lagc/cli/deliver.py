@@ -7,7 +7,7 @@ import argparse
 import os
 import sys
 from collections.abc import Callable
-from contextlib import nullcontext, redirect_stdout
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import TYPE_CHECKING
 
 from lagc.cli.exits import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN
@@ -30,7 +30,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     with SIGNALS.patience():
         written = not (options.output and begun) or _save(found, options)
         drawn = not picture or _draw(found, picture, options)
-    with redirect_stdout(sys.stderr) if options.output and output(options.output) == 1 else nullcontext():
+    with beside(options.output):
         _print(found, options)
     if options.plot == "" and begun and not picture:
         from lagc.view.plot import show as show_picture
@@ -44,6 +44,11 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     if not (written and drawn):
         return UNWRITTEN
     return FAILED if found.status == "failed" else DONE
+
+
+def beside(path: str | None) -> AbstractContextManager[object]:
+    """What is printed within goes to standard error where the file `path` is standard output."""
+    return redirect_stdout(sys.stderr) if path and output(path) == 1 else nullcontext()
 
 
 def _print(found: Run, options: argparse.Namespace) -> None:

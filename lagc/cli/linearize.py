@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from lagc.run.request import Quantity
 
 FORMATS = (".json", ".npz")
-MOST = 8  # equilibria that are shown without --verbose
+MOST, LARGE = 8, 3  # equilibria that are shown without --verbose; of large models
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -52,6 +52,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     from lagc import library
     from lagc.api import CompiledModel
+    from lagc.cli.deliver import beside
     from lagc.cli.sim import check_picture
     from lagc.compiler import Compilation
 
@@ -75,10 +76,11 @@ def run(options: argparse.Namespace) -> int:
     facts = {"status": "ok", "model": interface.model, "scene": interface.scene,
              "effects": list(interface.effects)}  # fmt: skip
     written = _deliver(found, facts, options)
-    if options.json:
-        print_json(_everything(found, facts))
-    else:
-        show(_text(found, options))
+    with beside(options.output):
+        if options.json:
+            print_json(_everything(found, facts))
+        else:
+            show(_text(found, options))
     return DONE if written else UNWRITTEN
 
 
@@ -104,16 +106,19 @@ def _none(message: str, options: argparse.Namespace) -> int:
 
 
 def _text(found: list[Linear], options: argparse.Namespace) -> str:
-    from lagc.view.linear import heading, text
+    from lagc.view.linear import heading, large, text
 
     interface = found[0].system.interface
     effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
     parts = [f"{interface.model}, scene {interface.scene}{effects}"]
-    shown = found if options.verbose else found[:MOST]
+    most = LARGE if large(found[0]) and len(found) > 1 else MOST
+    shown = found if options.verbose else found[:most]
     for k, linear in enumerate(shown):
         number = f"{k + 1} of {len(found)} found: " if options.equilibrium else "about "
-        parts += [f"{number}{heading(linear)}", text(linear, options.verbose)]
-    parts += [f"and {len(found) - MOST} more: --json or -v shows them"] if len(shown) < len(found) else []
+        parts += [f"{number}{heading(linear)}", text(linear, options.verbose, len(shown))]
+    parts += (
+        [f"and {len(found) - len(shown)} more: --json or -v shows them"] if len(shown) < len(found) else []
+    )
     return "\n".join([*parts, *(f"note: {note}" for note in _notes(found)), ""])
 
 
@@ -126,10 +131,11 @@ def _notes(found: list[Linear]) -> list[str]:
 
 
 def _check_output(path: str | None) -> None:
-    from lagc.saving import obstacle
+    """What is no regular file, as the standard output, takes JSON where its name does not say."""
+    from lagc.saving import is_straight, obstacle
 
     if path is not None:
-        if os.path.splitext(path)[1].lower() not in FORMATS:
+        if os.path.splitext(path)[1].lower() not in FORMATS and not is_straight(path):
             raise Usage(
                 f"`{path}` cannot be written: the ending says the format; there are {' '.join(FORMATS)}"
             )
@@ -175,7 +181,7 @@ def _picture(interface: Interface, named: str | None) -> str:
 
 def _content(found: list[Linear], facts: dict[str, Any], path: str) -> bytes:
     """What a file holds: all as JSON, or arrays A B C D eigenvalues modes x, of the second A_2 and so on."""
-    if path.lower().endswith(".json"):
+    if not path.lower().endswith(".npz"):
         from lagc.printable import json_text
 
         return (json_text(_everything(found, facts), indent=2) + "\n").encode()

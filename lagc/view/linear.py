@@ -36,11 +36,19 @@ def heading(linear: Linear) -> str:
     return f"{kind}; {verdict}{idle}"
 
 
-def text(linear: Linear, verbose: bool = False) -> str:
-    """The state, matrices where they are small or it is `verbose`, eigenvalues with their modes."""
+def large(linear: Linear) -> bool:
+    """Whether there are more values than are shown without --verbose."""
+    interface = linear.system.interface
+    return interface.nq + interface.nv > MOST
+
+
+def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
+    """The state, matrices where they are small or it is `verbose`, eigenvalues with their modes; one of so
+    many `times` that stand below each other, among which those of large models share the room."""
     interface = linear.system.interface
     names, units = (*interface.q_names, *interface.v_names), (*interface.q_units, *interface.v_units)
-    n = len(names) if verbose or len(names) <= MOST else MOST
+    most = MOST // times if large(linear) else MOST
+    n = len(names) if verbose or len(names) <= MOST else most
     width = max((len(name) for name in names[:n]), default=0)
     lines = [f"  {names[k]:{width}} = {_value(linear.x[k], units[k])}" for k in range(n)]
     if n < len(names):
@@ -53,10 +61,10 @@ def text(linear: Linear, verbose: bool = False) -> str:
             lines += _matrix(name, table.tolist()) if table.size else []
     if len(linear.states):
         lines.append(f"  {'eigenvalue [1/s]':>28}  {'frequency [Hz]':>14}  {'damping':>9}  mode")
-    return "\n".join([*lines, *_spectrum(linear, names, verbose)])
+    return "\n".join([*lines, *_spectrum(linear, names, most, verbose)])
 
 
-def _spectrum(linear: Linear, names: Sequence[str], verbose: bool) -> list[str]:
+def _spectrum(linear: Linear, names: Sequence[str], most: int, verbose: bool) -> list[str]:
     """Eigenvalues with their modes, of a pair one, the fastest growing first."""
     lines: list[str] = []
     values, modes = linear.eigenvalues.tolist(), linear.modes.T.tolist()
@@ -72,9 +80,9 @@ def _spectrum(linear: Linear, names: Sequence[str], verbose: bool) -> list[str]:
             f"  {_complex(value):>28}  {f'{rate:.8g}' if rate else '':>14}  "
             f"{'' if ratio is None else f'{ratio + 0.0:.6g}':>9}  {parts}".rstrip()
         )
-    if verbose or len(lines) <= MOST:
+    if verbose or len(lines) <= most:
         return lines
-    return [*lines[:MOST], f"  and {len(lines) - MOST} more: --json or -v shows them"]
+    return [*lines[:most], f"  and {len(lines) - most} more: --json or -v shows them"]
 
 
 def _listed(names: Sequence[str], verbose: bool) -> str:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import re
+import subprocess
+import sys
 from math import pi, sqrt
 from pathlib import Path
 
@@ -149,7 +152,7 @@ def test_drag_by_the_square_of_the_speed_has_a_slope_at_rest(capsys: Capture) ->
     assert down["A"] == [[0.0, 1.0], [pytest.approx(-9.81 / 0.5), 0.0]]
 
 
-def test_a_bend_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_bend_is_told(tmp_path: Path, capsys: Capture) -> None:
     text = """model M
       coordinate Length x(start = 0 [m]);
       body b = Particle(mass = 1 [kg], at = {x, 0, 0});
@@ -196,3 +199,22 @@ def test_a_motion_that_gets_nowhere_in_any_finite_time(tmp_path: Path, capsys: C
     assert main(["linearize", str(path), "--json"]) == 0
     (linear,) = json.loads(capsys.readouterr().out)["linear"]
     assert {abs(value["real"]) + abs(value["imag"]) for value in linear["eigenvalues"]} == {0.0}
+
+
+def test_of_many_equilibria_of_large_models_some_are_shown(capsys: Capture) -> None:
+    command = ["linearize", "classic/chain", "-p", "n=20", "--equilibrium"]
+    assert main(command) == 0
+    said = capsys.readouterr().out
+    assert len(said.splitlines()) < 60 and re.search(r"\nand \d+ more: --json or -v shows them\n", said)
+    assert said.count(" found: an equilibrium") == 3 and said.count("and 36 more: --json or -v") == 3
+    assert main([*command, "-v"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) > 500
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="no name for the standard output")
+def test_the_standard_output_takes_the_linear_model_and_nothing_else() -> None:
+    command = [sys.executable, "-m", "lagc", "linearize", "simple_pendulum", "-o", "/dev/stdout"]
+    for more in ([], ["--json"]):
+        done = subprocess.run([*command, *more], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0 and len(json.loads(done.stdout)["linear"][0]["A"]) == 2
+        assert "eigenvalue" in done.stderr
