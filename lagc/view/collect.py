@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cached_property
 from typing import TypeAlias
 
 from lagc.records import dataclass
@@ -40,6 +41,16 @@ class Collector:
     trailing: list[int]
     cancelled: set[int]
 
+    @cached_property
+    def _first(self) -> dict[int, int]:
+        """The places of those that stand first."""
+        return {a: k for k, a in enumerate(self.leading)}
+
+    @cached_property
+    def _last(self) -> dict[int, int]:
+        """The places of those that stand last."""
+        return {a: k for k, a in enumerate(self.trailing)}
+
     def cancel(self, p: Polynomial) -> Polynomial:
         """`p` without the number and the parameters that all terms share; most of the terms of its
         first acceleration are positive."""
@@ -51,25 +62,27 @@ class Collector:
         return self.algebra.multiply(inverse, p)
 
     def _sign(self, p: Polynomial) -> int:
-        head = next((a for a in self.leading if any((a, 1) in m for m in p)), None)
+        heads = {a for m in p for a, e in m if e == 1 and a in self._first}
+        head = min(heads, key=self._first.__getitem__, default=None)
         first = [m for m in p if head is None or (head, 1) in m]
         balance = sum(1 if p[m] > 0 else -1 for m in first)
         return 1 if (balance or p[min(first, key=self._term_key)]) > 0 else -1
 
     def collect(self, p: Polynomial, leading: Sequence[int] | None = None) -> Sum:
         """`p` with the terms of each atom of `leading` (the accelerations) gathered and put first."""
-        leading = self.leading if leading is None else leading
-        heads = [*leading, *self.trailing]
-        parts: dict[int | None, Polynomial] = {}
+        first = self._first if leading is None else {a: k for k, a in enumerate(leading)}
+        parts: dict[int, Polynomial] = {}
+        rest: Polynomial = {}
         for monomial, c in p.items():
-            head = next((a for a, e in monomial if e == 1 and a in heads), None)
-            parts.setdefault(head, {})[_less(monomial, head)] = c
-        terms: list[Product] = []
-        for head in (*leading, None, *self.trailing):
-            if head is None and None in parts:
-                terms += sorted(self._gathered(parts[None]), key=self._is_constant)
-            elif head is not None and head in parts:
-                terms.append(self._multiplied(parts[head], ((head, 1),)))
+            head = next((a for a, e in monomial if e == 1 and (a in first or a in self._last)), None)
+            into = rest if head is None else parts.setdefault(head, {})
+            into[_less(monomial, head)] = c
+        before = sorted([a for a in parts if a in first], key=first.__getitem__)
+        after = sorted([a for a in parts if a not in first], key=self._last.__getitem__)
+        terms = [self._multiplied(parts[a], ((a, 1),)) for a in before]
+        if rest:
+            terms += sorted(self._gathered(rest), key=self._is_constant)
+        terms += [self._multiplied(parts[a], ((a, 1),)) for a in after]
         return Sum(tuple(terms))
 
     def factored(self, p: Polynomial) -> Sum:
@@ -187,7 +200,7 @@ class Collector:
 
     def _is_plain(self, atom: int) -> bool:
         """A parameter, a coordinate or the time."""
-        moving = atom in self.rates or atom in self.leading or atom in self.trailing
+        moving = atom in self.rates or atom in self._first or atom in self._last
         return self.algebra.atoms[atom].op == "symbol" and not moving
 
     def _is_constant(self, product: Product) -> bool:
@@ -196,7 +209,7 @@ class Collector:
     def _factor_key(self, factor: tuple[int, Exponent]) -> tuple[int, int]:
         """In a product: parameters, coordinates, functions, rates, then accelerations, multipliers."""
         atom, _ = factor
-        if atom in self.leading or atom in self.trailing:
+        if atom in self._first or atom in self._last:
             return (4, atom)
         if self.algebra.atoms[atom].op != "symbol":
             return (2, atom)
@@ -204,8 +217,8 @@ class Collector:
 
     def _term_key(self, monomial: Monomial) -> tuple[object, ...]:
         """In a sum: accelerations, then high degree in the rates, then the order of the symbols."""
-        head = min([a for a, _ in monomial if a in self.leading], default=len(self.algebra.atoms) + 1)
-        last = min([a for a, _ in monomial if a in self.trailing], default=-1)
+        head = min([a for a, _ in monomial if a in self._first], default=len(self.algebra.atoms) + 1)
+        last = min([a for a, _ in monomial if a in self._last], default=-1)
         degree = sum([e for a, e in monomial if a in self.rates])
         functions = len([a for a, _ in monomial if self.algebra.atoms[a].op != "symbol"])
         return (last, head, -degree, functions, monomial)

@@ -8,8 +8,8 @@ each up to a factor that is a number or a product of parameters.
 from __future__ import annotations
 
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.view.formulas import Sheet, by_kind, sheet
 from lagc.view.names import where
+from lagc.view.page import Page, page
 from lagc.view.text import TextWriter
 
 TITLES = {
@@ -23,9 +23,8 @@ TITLES = {
 
 
 def write(equations: EquationsOfMotion, format: str = "text", full: bool = True) -> str:
-    """The equations in `format`: text, latex or sympy.  Not in `full`, text and latex hold some of many, and
-    say so."""
-    found = sheet(equations, full or format == "sympy")
+    """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules."""
+    found = page(equations, full)
     if format == "latex":
         from lagc.view.latex import write_latex
 
@@ -37,19 +36,13 @@ def write(equations: EquationsOfMotion, format: str = "text", full: bool = True)
     return write_text(found)
 
 
-def write_text(found: Sheet) -> str:
-    writer = TextWriter(found.collector, found.names, bool(found.left_out))
+def write_text(found: Page) -> str:
+    writer = TextWriter(found.names, found.ruled)
     lines: list[str] = []
-    for kind, formulas in by_kind(found):
-        if len(found.formulas) > 1:
+    for kind, group in found.by_kind():
+        if len(found.lines) > 1:
             lines += ["", f"// {TITLES[kind]}"] if lines else [f"// {TITLES[kind]}"]
-        for formula in formulas:
-            relation, when = "=", ""
-            if formula.condition is not None:
-                relation, when = ":=", f"  when {writer.sum(formula.condition)}"
-            lines.append(f"{writer.sum(formula.left)} {relation} {writer.sum(formula.right)}{when}")
-        if kind in found.left_out:
-            lines.append(f"// ... {found.left_out[kind]}")
+        lines += [writer.line(line) for line in group]
     legend = where(writer.seen)
     if legend:
         lines += ["", "where " + ", ".join(f"{short} = {full}" for short, full in legend)]

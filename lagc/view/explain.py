@@ -27,9 +27,9 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
     written = Expressions(equations, whole)
     jumps = any(when.changes for when in equations.whens)
     interface = program.interface
-    parts = analysis.kinetic_parts
-    kinetic = parts and {name: written.text(part) for name, part in zip(("K2", "K1", "K0"), parts)}
-    potential = written.text(equations.potential)
+    parts = analysis.kinetic_parts or ()
+    (*texts, potential), energy_parts = written.texts([*parts, equations.potential])
+    kinetic = dict(zip(("K2", "K1", "K0"), texts)) or None
     idle = analysis.speeds - interface.nv
     facts: Facts = {
         "model": model.name,
@@ -81,6 +81,7 @@ def explanation(equations: EquationsOfMotion, program: Program, whole: bool = Tr
         "not_examined": list(analysis.not_examined),
         "kinetic": kinetic,
         "potential": potential,
+        **({"energy_parts": energy_parts} if energy_parts else {}),
         "pruned": _pruned(equations, program),
         "switches": [
             {"condition": words, "known": k < interface.timed_switches}
@@ -311,6 +312,7 @@ def _energies_text(facts: Facts) -> list[str]:
         ]
     if facts["potential"] != "0":
         lines.append(f"V = {facts['potential']}")
+    lines += [f"  {line}" for line in facts.get("energy_parts", [])]
     return _section("energy", lines)
 
 

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TooLarge
+from lagc.view.forms import Former
 from lagc.view.formulas import collector_of, nonnegative, tidy
-from lagc.view.names import Name, names
+from lagc.view.names import Name, names, taken
+from lagc.view.page import in_parts
 from lagc.view.polynomials import NotFinite
+from lagc.view.rules import summed
 from lagc.view.text import TextWriter
 from lagc.view.trigonometry import ShortAlgebra
 
 LIMIT, WHOLE = 20_000, 400_000  # products
 LONGEST = 600  # characters
+PARTS = 24  # lines that say the parts of expressions
 
 
 class Expressions:
@@ -35,13 +41,30 @@ class Expressions:
         try:
             collector = collector_of(self.equations, algebra)
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
-            terms = collector.collect(p)
-            for abridged in (False, True):
-                writer = TextWriter(collector, self.names, abridged)
-                written = writer.sum(terms)
+            found = Former(collector, self.names).total(collector.collect(p))
+            for form in (found,) if self.whole else (found, summed(found, taken(self.names))):
+                writer = TextWriter(self.names)
+                written = writer.total(form)
                 if self.whole or len(written) <= LONGEST:
                     self.seen |= writer.seen
                     return written
         except (TooLarge, NotFinite):
             pass
         return ""
+
+    def texts(self, nodes: Sequence[Node]) -> tuple[list[str], list[str]]:
+        """As `text`; what is too long by rules where it follows such, and lines that say its parts."""
+        short = [self.short(node) for node in nodes]
+        long = [k for k, text in enumerate(short) if not text]
+        if self.whole or not long:
+            return [text or self.text(node) for text, node in zip(short, nodes)], []
+        found = in_parts(self.equations, [nodes[k] for k in long])
+        writer = TextWriter(found.names)
+        sums = [writer.total(line.left) for line in found.lines if line.kind == "motion"]
+        parts = [writer.line(line) for line in found.lines if line.kind == "shared"]
+        if len(parts) > PARTS or max(map(len, [*sums, *parts])) > LONGEST:
+            return [text or self.text(node) for text, node in zip(short, nodes)], []
+        self.seen |= writer.seen
+        for k, text in zip(long, sums):
+            short[k] = text
+        return short, parts

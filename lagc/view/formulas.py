@@ -8,18 +8,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
+from functools import cached_property
 
-from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
-from lagc.mechanics.equations import EquationsOfMotion, Row
+from lagc.mechanics.equations import EquationsOfMotion
 from lagc.records import dataclass
-from lagc.view.abridged import ALL, MOST, chosen
 from lagc.view.algebra import LONG, Algebra, TooLarge
 from lagc.view.collect import Collector, Sum, positive_first
-from lagc.view.names import Name, names, pi_of
+from lagc.view.names import pi_of
 from lagc.view.naming import NamingAlgebra
-from lagc.view.polynomials import NotFinite, Polynomial, scaled
+from lagc.view.polynomials import Polynomial, scaled
 from lagc.view.trigonometry import ShortAlgebra, TurningAlgebra, shorten, unit_quaternion, without_noise
 
 
@@ -35,105 +34,63 @@ class Formula:
     condition: Sum | None = None
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """`left_out`: by kind, words for the formulas that are not here."""
-
-    collector: Collector
-    names: dict[Node, Name]
-    formulas: tuple[Formula, ...]
-    left_out: dict[str, str]
-
-
-KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
 ZERO = Sum(())
-WORK, PER_ENTRY = 60_000, 100  # products, and for each entry of the rows of M that are written
+WORK, PER_ENTRY = 60_000, 100  # products, and for each entry of M
 MOST_WORK = 1_000_000  # some seconds
 
 
-def by_kind(found: Sheet) -> list[tuple[str, list[Formula]]]:
-    kinds = [(kind, [f for f in found.formulas if f.kind == kind]) for kind in KINDS]
-    return [(kind, formulas) for kind, formulas in kinds if formulas]
+def formulas(equations: EquationsOfMotion) -> Formulas:
+    """The formulas of `equations`, multiplied out, or where that is too long, with shared parts named s1, s2,
+    ..."""
+    known = nonnegative(equations)
+    work = min(WORK + PER_ENTRY * len(equations.v) ** 2, MOST_WORK)
+    for kind in (ShortAlgebra, TurningAlgebra):
+        algebra = kind(known, work)
+        with suppress(TooLarge):
+            collector = collector_of(equations, algebra)
+            found = everything(equations, collector, motion_polynomials(equations, algebra))
+            algebra.rest()
+            return with_long_sums(equations, collector, found)
+    naming = NamingAlgebra(equations.graph, shared(_roots(equations)), known)
+    collector = collector_of(equations, naming)
+    found = everything(equations, collector, motion_polynomials(equations, naming))
+    return Formulas(collector, found, naming.definitions)
 
 
-def sheet(equations: EquationsOfMotion, full: bool = True) -> Sheet:
-    """The formulas of `equations`, some where they are many and not all are asked for in `full`; multiplied
-    out, or where that is too long, with shared parts named s1, s2, ...  Raises Refused (LAG0590) where one of
-    their numbers is not finite."""
-    known, asked = nonnegative(equations), _asked(equations, full)
-    try:
-        work = min(WORK + PER_ENTRY * len(asked.motion) * len(equations.v), MOST_WORK)
-        for kind in (ShortAlgebra, TurningAlgebra):
-            algebra = kind(known, work)
-            with suppress(TooLarge):
-                found = _sheet(equations, algebra, asked)
-                algebra.rest()
-                return found
-        return _sheet(equations, NamingAlgebra(equations.graph, _shared(equations, asked), known), asked)
-    except NotFinite:
-        message = "a factor in the equations of motion is not a finite number"
-        remedy = "the numbers of the model are too large, or too different, to be multiplied"
-        raise Refused([Fault("LAG0590", message, remedy=remedy)]) from None
+@dataclass(frozen=True)
+class Formulas:
+    """`parts`: symbols that stand for others, in an order in which each is made of those before it."""
+
+    collector: Collector
+    found: list[Formula]
+    parts: list[tuple[Node, Polynomial]]
+
+    @cached_property
+    def definitions(self) -> list[Formula]:
+        """What the parts stand for."""
+        collect, symbol = self.collector.collect, self.collector.algebra.symbol_only
+        return [
+            Formula("shared", node.record.name, collect(symbol(node)), collect(p)) for node, p in self.parts
+        ]
+
+
+def everything(
+    equations: EquationsOfMotion, collector: Collector, motion: Sequence[Polynomial]
+) -> list[Formula]:
+    """All formulas, with those of `motion`, a polynomial a speed that vanishes."""
+    return [
+        *_kinematic(equations, collector),
+        *[
+            Formula("motion", name, collector.collect(collector.cancel(p)), ZERO)
+            for name, p in zip(equations.v_names, motion)
+        ],
+        *_rows(equations, collector),
+        *_events(equations, collector),
+    ]
 
 
 def nonnegative(equations: EquationsOfMotion) -> list[Node]:
     return [p.symbol for p in equations.model.parameters if p.minimum >= 0]
-
-
-@dataclass(frozen=True, slots=True)
-class _Asked:
-    """The formulas that are written: numbers of coordinates and of speeds, with the rows of M, and rows."""
-
-    kinematic: list[int]
-    motion: list[int]
-    inertia: list[dict[int, Node]]
-    rows: list[Row]
-    left_out: dict[str, str]
-
-
-def _asked(equations: EquationsOfMotion, full: bool) -> _Asked:
-    own = set(equations.v)
-    rates = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(e))]
-    levels = {
-        level: [row for row in equations.rows if row.level.value == level]
-        for level in ("position", "velocity")
-    }
-    parts = {
-        "kinematic": chosen([equations.q_names[i] for i in rates], full),
-        "motion": chosen(equations.v_names, full),
-        **{level: chosen([row.label for row in rows], full) for level, rows in levels.items()},
-    }
-    motion = parts["motion"].numbers
-    return _Asked(
-        kinematic=[rates[k] for k in parts["kinematic"].numbers],
-        motion=motion,
-        inertia=equations.mass_rows(motion),
-        rows=[rows[k] for level, rows in levels.items() for k in parts[level].numbers],
-        left_out={kind: part.words for kind, part in parts.items() if part.words},
-    )
-
-
-def _sheet(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> Sheet:
-    collector = collector_of(equations, algebra)
-    shown, left_out = names(equations), dict(asked.left_out)
-    formulas = [
-        *_kinematic(equations, collector, shown, asked.kinematic),
-        *_motion(equations, collector, asked),
-        *_rows(equations, collector, asked.rows),
-        *_events(equations, collector),
-    ]
-    named = (
-        algebra.definitions
-        if isinstance(algebra, NamingAlgebra)
-        else _long_sums(equations, algebra, formulas)
-    )
-    if named:
-        definitions = _definitions(named, collector, shown)
-        if left_out and len(definitions) > MOST:
-            left_out["shared"] = f"and {len(definitions) - MOST} more: {ALL}"
-            del definitions[MOST:]
-        formulas = [*definitions, *formulas]
-    return Sheet(collector, shown, tuple(formulas), left_out)
 
 
 def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
@@ -155,10 +112,9 @@ def collector_of(equations: EquationsOfMotion, algebra: Algebra) -> Collector:
     )
 
 
-def _long_sums(
-    equations: EquationsOfMotion, algebra: Algebra, formulas: Sequence[Formula]
-) -> list[tuple[Node, Polynomial]]:
-    """A symbol for each long sum under a root or below a line that is written twice or more, and the sum."""
+def with_long_sums(equations: EquationsOfMotion, collector: Collector, formulas: list[Formula]) -> Formulas:
+    """With a symbol for each long sum under a root or below a line that is written twice or more."""
+    algebra = collector.algebra
     times: dict[int, int] = {}
     pending: list[int | Sum | None] = [part for f in formulas for part in (f.left, f.right, f.condition)]
     while pending:
@@ -176,59 +132,33 @@ def _long_sums(
         if times[number] > 1 and atom.op == "sum" and len(atom.args[0]) >= LONG:
             algebra.named[number] = equations.graph.symbol("shown part", str(len(found)))
             found.append((algebra.named[number], tidy(equations, algebra, dict(atom.args[0]))))
-    return found
+    return Formulas(collector, formulas, found)
 
 
-def _definitions(
-    named: Sequence[tuple[Node, Polynomial]], collector: Collector, shown: dict[Node, Name]
-) -> list[Formula]:
-    """s1 = ..., for the parts that were named."""
-    algebra = collector.algebra
-    taken = {name.base for name in shown.values()}
-    letter = next(c for c in ("s", "part", "shared_part") if not any(n.startswith(c) for n in taken))
-    formulas = []
-    for number, (node, p) in enumerate(named, 1):
-        shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
-        formulas.append(
-            Formula(
-                "shared", shown[node].base, collector.collect(algebra.symbol_only(node)), collector.collect(p)
-            )
-        )
-    return formulas
-
-
-def _kinematic(
-    equations: EquationsOfMotion, collector: Collector, shown: dict[Node, Name], which: Sequence[int]
-) -> list[Formula]:
+def _kinematic(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     """q' = N v + n of coordinates of which that says more than q' = v."""
-    algebra, formulas = collector.algebra, []
+    algebra, formulas, own = collector.algebra, [], set(equations.v)
+    which = [i for i, e in enumerate(equations.qdot) if not (e in own and _is_rate(e))]
     for i, p in zip(which, algebra.polynomials([equations.qdot[i] for i in which])):
         right = collector.factored(tidy(equations, algebra, p))
-        name = shown[equations.q[i]]
-        rate = equations.graph.symbol("shown rate", equations.q_names[i])
-        shown[rate] = Name(name.base, name.full, 1)
-        formulas.append(
-            Formula("kinematic", equations.q_names[i], collector.collect(algebra.symbol_only(rate)), right)
-        )
+        rate = algebra.symbol_only(rate_of(equations, equations.q[i]))
+        formulas.append(Formula("kinematic", equations.q[i].record.name, collector.collect(rate), right))
     return formulas
+
+
+def rate_of(equations: EquationsOfMotion, q: Node) -> Node:
+    """What stands for the rate of a coordinate, where that is no speed."""
+    return equations.graph.symbol("shown rate", q.record.name)
 
 
 def _is_rate(speed: Node) -> bool:
     return speed.record.kind == "rate" and not speed.record.turns
 
 
-def _motion(equations: EquationsOfMotion, collector: Collector, asked: _Asked) -> list[Formula]:
-    """M a + h - tau - G^T lam = 0 along some of the speeds."""
-    return [
-        Formula("motion", equations.v_names[i], collector.collect(collector.cancel(p)), ZERO)
-        for i, p in zip(asked.motion, _motion_polynomials(equations, collector.algebra, asked))
-    ]
-
-
-def _motion_polynomials(equations: EquationsOfMotion, algebra: Algebra, asked: _Asked) -> list[Polynomial]:
+def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[Polynomial]:
     """M a + h - tau - G^T lam, shortened, nothing cancelled."""
-    found = []
-    for i, inertia in zip(asked.motion, asked.inertia):
+    found, every = [], range(len(equations.v))
+    for i, inertia in zip(every, equations.mass_rows(every)):
         total, force = algebra.polynomials([equations.bias_forces[i], equations.given_forces[i]])
         total = algebra.add(total, scaled(force, Fraction(-1)))
         for j, entry in inertia.items():
@@ -251,8 +181,8 @@ def tidy(equations: EquationsOfMotion, algebra: Algebra, p: Polynomial) -> Polyn
     return p
 
 
-def _rows(equations: EquationsOfMotion, collector: Collector, rows: Sequence[Row]) -> list[Formula]:
-    algebra = collector.algebra
+def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
+    algebra, rows = collector.algebra, equations.rows
     formulas = []
     for row, p in zip(rows, algebra.polynomials([row.residual for row in rows])):
         p = tidy(equations, algebra, p)
@@ -277,17 +207,26 @@ def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]
     return formulas
 
 
-def _shared(equations: EquationsOfMotion, asked: _Asked) -> set[Node]:
-    """Sums and products that are used more than once in the formulas that are asked for."""
-    along = [row.jacobian[i] for row in equations.rows for i in asked.motion if i in row.jacobian]
-    roots = [
-        *[equations.qdot[i] for i in asked.kinematic],
-        *[entry for row in asked.inertia for entry in row.values()],
-        *[force[i] for force in (equations.bias_forces, equations.given_forces) for i in asked.motion],
-        *[row.residual for row in asked.rows],
-        *along,
-        *[node for when in equations.whens for pair in when.changes for node in pair],
+def _roots(equations: EquationsOfMotion) -> list[Node]:
+    """Of what the formulas are made."""
+    return [
+        *equations.qdot,
+        *[entry for row in equations.mass_rows(range(len(equations.v))) for entry in row.values()],
+        *equations.bias_forces,
+        *equations.given_forces,
+        *[entry for row in equations.rows for entry in row.jacobian.values()],
+        *conditions(equations),
     ]
+
+
+def conditions(equations: EquationsOfMotion) -> list[Node]:
+    """Of what the formulas of constraints and events are made."""
+    events = [node for when in equations.whens for pair in when.changes for node in pair]
+    return [*[row.residual for row in equations.rows], *events]
+
+
+def shared(roots: Sequence[Node]) -> set[Node]:
+    """Sums and products below `roots` that are used more than once."""
     uses: dict[Node, int] = {}
     for node in (*reachable(roots), *roots):
         for below in node.args:

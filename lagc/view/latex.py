@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 
-from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX, spelling
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TABLE
-from lagc.view.formulas import Sheet, by_kind, sheet
+from lagc.view.forms import Line, Symbol, filled
+from lagc.view.page import Page, page
 from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
 
@@ -18,40 +18,45 @@ _GREEK = """
 """
 GREEK = frozenset(_GREEK.split())
 WORDS = spelling("latex")
+COUNTED = re.compile(r"(-?(\d+ )?[a-z]|\d+)( [+-] (\d+|(\d+ )?[a-z]))*")  # an index of a rule
 DOTS = ("", r"\dot", r"\ddot")
 
 
 def equations_latex(equations: EquationsOfMotion) -> str:
     """For a notebook: the equations as one displayed block, some where they are many."""
-    return f"$$\n{write_latex(sheet(equations, full=False))}\n$$"
+    return f"$$\n{write_latex(page(equations, full=False))}\n$$"
 
 
-def write_latex(found: Sheet) -> str:
+def write_latex(found: Page) -> str:
     """One aligned block; the text needs the package amsmath."""
-    writer = LatexWriter(found.collector, found.names, bool(found.left_out))
+    writer = LatexWriter(found.names, found.ruled)
     lines = []
-    for kind, formulas in by_kind(found):
-        for formula in formulas:
+    for _, kind in found.by_kind():
+        for line in kind:
             relation, when = "=", ""
-            if formula.condition is not None:
-                relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.sum(formula.condition)}"
-            lines.append(f"  {writer.sum(formula.left)} &{relation} {writer.sum(formula.right)}{when}")
-        if kind in found.left_out:
-            lines.append(rf"  & \ldots \text{{ {_worded(found.left_out[kind])}}}")
+            if line.condition is not None:
+                relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.total(line.condition)}"
+            sides = f"{writer.total(line.left)} &{relation} {writer.total(line.right)}"
+            lines.append(f"  {sides}{when}{writer.counters(line)}")
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
-
-
-def _worded(text: str) -> str:
-    """Text among formulas."""
-    return re.sub(r"([_#$%&{}])", r"\\\1", text)
 
 
 class LatexWriter(TextWriter):
     times = r" \, "
-    index = re.compile(r"(?<=[{,])\d+(?=[,}])")
 
-    def series(self, variable: str, first: int, last: int, text: str) -> str:
-        return rf"\sum_{{{variable}={first}}}^{{{last}}} {text}"
+    def series(self, counter: str, first: str, last: str, text: str) -> str:
+        return rf"\sum_{{{counter}={first}}}^{{{last}}} {text}"
+
+    def indexed(self, text: str, symbol: Symbol | Line) -> str:
+        """A comma parts indices."""
+        return filled(text, [self.number(x).replace(self.times, " ") for x in symbol.indices])
+
+    def counters(self, line: Line) -> str:
+        """The values that the counters take."""
+        if not line.counters:
+            return ""
+        ranges = [rf"{k} = {self.number(a)}, \ldots, {self.number(b)}" for k, a, b in line.counters]
+        return r" \quad \text{for } " + r" \text{ and } ".join(ranges)
 
     def more(self, count: int) -> str:
         return rf" + \ldots \text{{ ({count} more terms)}}"
@@ -76,14 +81,13 @@ class LatexWriter(TextWriter):
             return base
         return f"{base}^{{{exponent}}}"
 
-    def symbol(self, node: Node, exponent: Exponent) -> str:
-        name = self.named(node)
-        record = node.record
+    def symbol(self, symbol: Symbol, exponent: Exponent) -> str:
+        name, record = self.named(symbol.node), symbol.node.record
         base, order = (record.base, record.order) if name is None else (name.base, name.order)
         if record.turns:
-            owner = re.sub(r"\W+", "_", record.owner).strip("_")
-            base = f"omega_{owner}_{record.component}"
-        return self.raised(letter(base, order), exponent)
+            owner = re.sub(r"[^\w +*-]+", "_", self.indexed(record.owner, symbol)).strip("_")
+            return self.raised(letter(f"omega_{owner}_{record.component}", order), exponent)
+        return self.raised(letter(self.indexed(base, symbol), order), exponent)
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "abs":
@@ -139,7 +143,7 @@ def _base(word: str) -> tuple[str, list[str]]:
 
 def _plain(word: str) -> str:
     inner = re.sub(r"[\[\]]+", ",", word).strip(",")
-    if re.fullmatch(r"[A-Za-z]|\d+", inner):
+    if re.fullmatch(r"[A-Za-z]", inner) or COUNTED.fullmatch(inner):
         return inner
     return f"\\{inner}" if inner in GREEK else rf"\mathrm{{{_escaped(inner)}}}"
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
@@ -52,6 +53,11 @@ def _shortener(full: Sequence[str]) -> Callable[[str], str]:
     for name in full:
         ends.setdefault(name.rpartition(".")[2], set()).add(name)
     return lambda name: name.rpartition(".")[2] if len(ends.get(name.rpartition(".")[2], ())) == 1 else name
+
+
+def taken(shown: Mapping[Node, Name]) -> set[str]:
+    """The words at the beginning of names: counters are not called so."""
+    return {re.split(r"[\[.]", name.base)[0] for name in shown.values()}
 
 
 def where(seen: Iterable[Name]) -> list[tuple[str, str]]:

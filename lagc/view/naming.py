@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import inf
 
 from lagc.expr.graph import Graph, Node
 from lagc.view.algebra import HIGHEST, LONG, Parts
@@ -30,9 +31,13 @@ class NamingAlgebra(ShortAlgebra):
         return super().power(self._name(p) if n > HIGHEST else p, n)
 
     def _name(self, p: Polynomial) -> Polynomial:
-        """A symbol for `p`, where it has several terms."""
+        """A symbol for `p`, where it has several terms, but for the factor that all of them share."""
         if len(p) < 2:
             return p
+        c, common, rest = self.content(p)
+        return super().multiply({common: c}, self._symbol_for(rest))
+
+    def _symbol_for(self, p: Polynomial) -> Polynomial:
         key = frozen(p)
         if key not in self._named:
             node = self._graph.symbol("shown part", str(len(self._named)))
@@ -40,11 +45,22 @@ class NamingAlgebra(ShortAlgebra):
             self._named[key] = self.symbol_only(node)
         return self._named[key]
 
+    def _longest(self, node: Node) -> float:
+        """The terms of what has no name."""
+        return LONG
+
     def _parts(self, node: Node) -> Parts:
         return []  # what would be long has a name
 
     def _convert(self, node: Node) -> Polynomial:
         p = super()._convert(node)
-        if len(p) < 2 or (node not in self._shared and len(p) <= LONG):
+        if len(p) < 2 or (node not in self._shared and len(p) <= self._longest(node)):
             return p
         return self._name(p)
+
+
+class SharedAlgebra(NamingAlgebra):
+    """Sums that are not shared stay as they are, whatever their length: they may follow a rule."""
+
+    def _longest(self, node: Node) -> float:
+        return inf if node.op == "add" else LONG

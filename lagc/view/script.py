@@ -4,38 +4,43 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import inf
+from typing import TypeAlias
 
-from lagc.expr.graph import Node
 from lagc.expr.operators import TRUTHS, spelling
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TABLE
-from lagc.view.collect import Collector
-from lagc.view.formulas import Sheet
-from lagc.view.names import Name, pi_of
+from lagc.view.forms import INDEX, Line, Symbol, Total, all_of, filled, indices
+from lagc.view.names import pi_of
+from lagc.view.page import Page
 from lagc.view.polynomials import Exponent
+from lagc.view.rules import ruled
 from lagc.view.text import TextWriter
 
+RULED = {"sum", "range", "parts"}  # what scripts of rules use besides
 WORDS = spelling("sympy")
 
 
-def write_script(equations: EquationsOfMotion, found: Sheet) -> str:
-    """The text of the script: symbols, shared parts, and the list `equations` of sympy.Eq."""
-    variables = _variables(equations, found)
-    writer = ScriptWriter(found.collector, found.names, variables)
+def write_script(equations: EquationsOfMotion, found: Page) -> str:
+    """The text of the script: symbols, shared parts, and the list `equations` of sympy.Eq.  By their rules,
+    arrays are dicts by index, and shared parts functions of time that the list `parts` says."""
+    declared = _declared(equations)
+    parts = _parts(found) if found.ruled else []
+    declared += [(name, "Function", "", "") for name in parts if indices(name)]
+    writer = ScriptWriter(found, _variables(equations, found))
     model = equations.model
     lines = [f"# Equations of motion of {_plain(model.name)}, scene {_plain(model.scene)}, in SI units.", ""]
     lines += ["import sympy", ""]
-    lines += ['t = sympy.Symbol("t", real=True)', *_declarations(equations, variables), ""]
-    for formula in found.formulas:
-        if formula.kind == "shared":
-            lines.append(f"{formula.label} = {writer.sum(formula.right)}")
+    lines += ['t = sympy.Symbol("t", real=True)', *_declarations(declared, writer)]
+    lines += [*_together([name for name in parts if not indices(name)]), ""]
+    shared = [line for line in found.lines if line.kind == "shared"]
+    if found.ruled and shared:
+        lines += ["parts = [", *[writer.equation(line) for line in shared], "]"]
+    else:
+        lines += [f"{line.label} = {writer.total(line.right)}" for line in shared]
     lines.append("equations = [")
-    for formula in found.formulas:
-        if formula.kind not in ("shared", "event"):
-            sides = f"{writer.sum(formula.left)}, {writer.sum(formula.right)}"
-            lines.append(f"    sympy.Eq({sides}),  # {_plain(formula.label)}")
+    lines += [writer.equation(line) for line in found.lines if line.kind not in ("shared", "event")]
     lines += ["]", "", 'if __name__ == "__main__":']
     lines += ["    for equation in equations:", "        sympy.pprint(equation)"]
     return "\n".join(lines)
@@ -46,50 +51,110 @@ def _plain(text: str) -> str:
     return " ".join(text.split())
 
 
-def _variables(equations: EquationsOfMotion, found: Sheet) -> dict[str, str]:
-    """Full name in the model -> Python identifier."""
-    shared = {f.label for f in found.formulas if f.kind == "shared"}
-    taken = {"t", "sympy", "equations", "equation"} | shared
+def _parts(found: Page) -> list[str]:
+    """The names of the shared parts."""
+    return [
+        filled(line.label, [str(x) for x in line.indices])
+        for whole in found.lines
+        if whole.kind == "shared"
+        for line in all_of(whole)
+    ]
+
+
+def _together(names: list[str]) -> list[str]:
+    """One declaration of all: they are identifiers."""
+    if not names:
+        return []
+    return [f"{', '.join(names)}, = [sympy.Function(name, real=True)(t) for name in {names}]"]
+
+
+def _variables(equations: EquationsOfMotion, found: Page) -> dict[str, str]:
+    """Full name in the model, where arrays are written without indices, -> Python identifier."""
+    shared = {line.label for line in found.lines if line.kind == "shared"}
+    taken = {"t", "sympy", "equations", "equation"} | (RULED if found.ruled else shared)
     variables = {"pi": "sympy.pi"} if pi_of(equations) is not None else {}
     for node, name in found.names.items():
-        if node is equations.time or name.full in variables or name.full in shared:
+        full, base = (INDEX.sub("", x) if found.ruled else x for x in (name.full, name.base))
+        if node is equations.time or full in variables or (full in shared and not found.ruled):
             continue
-        word = re.sub(r"\W+", "_", name.base).strip("_") or "n"
+        word = re.sub(r"\W+", "_", base).strip("_") or "n"
         word = f"n{word}" if word[0].isdigit() else word
         while word in taken or keyword.iskeyword(word):
             word += "_"
         taken.add(word)
-        variables[name.full] = word
+        variables[full] = word
     return variables
 
 
-def _declarations(equations: EquationsOfMotion, variables: Mapping[str, str]) -> list[str]:
+Declared: TypeAlias = tuple[str, str, str, str]  # name, how it is made, its unit, what it is
+
+
+def _declared(equations: EquationsOfMotion) -> list[Declared]:
     model = equations.model
-    lines = []
-    for p in model.parameters:
-        known = "nonnegative=True" if p.minimum >= 0 else "real=True"
-        lines.append(_line(variables[p.name], f"sympy.Symbol({p.name!r}, {known})", p.unit, p.description))
+    found = [
+        (p.name, "nonnegative" if p.minimum >= 0 else "real", p.unit, p.description) for p in model.parameters
+    ]
     moving = [(i.name, i.unit, i.description) for i in model.inputs]
     moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
     speeds = [(x.record, unit) for x, unit in zip(equations.v, equations.v_units)]
     moving += [(record.name, unit, "") for record, unit in speeds if record.order == 0]
     moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
-    for name, unit, description in moving:
-        lines.append(_line(variables[name], f"sympy.Function({name!r}, real=True)(t)", unit, description))
+    return found + [(name, "Function", unit, description) for name, unit, description in moving]
+
+
+def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[str]:
+    if not writer.ruled:
+        return [_declaration(writer.variables[name], repr(name), *how) for name, *how in declared]
+    nothing, lines, begun = Total(()), [], set[str]()
+    as_lines = [
+        Line("\n".join([how, unit, INDEX.sub("", description)]), name, indices(name), nothing, nothing)
+        for name, how, unit, description in declared
+    ]
+    for line in ruled(as_lines, writer.taken):
+        word = writer.variables[INDEX.sub("", line.label)]
+        how, unit, description = line.kind.split("\n")
+        numbers = [writer.number(x) for x in line.indices]
+        if not numbers:
+            lines.append(_declaration(word, repr(line.label), how, unit, description))
+            continue
+        name = "f" + repr(
+            filled(line.label.replace("{", "{{").replace("}", "}}"), [f"{{{x}}}" for x in numbers])
+        )
+        key = numbers[0] if len(numbers) == 1 else f"({', '.join(numbers)})"
+        value, _, comment = _declaration("", name, how, unit, description)[3:].partition("  # ")
+        found = f"{word} {'|=' if word in begun else '='} {{{key}: {value}{writer.counters(line)}}}"
+        lines.append(found + (f"  # {comment}" if comment else ""))
+        begun.add(word)
     return lines
 
 
-def _line(variable: str, value: str, unit: str, description: str) -> str:
+def _declaration(variable: str, name: str, how: str, unit: str, description: str) -> str:
+    if how == "Function":
+        value = f"sympy.Function({name}, real=True)(t)"
+    else:
+        value = f"sympy.Symbol({name}, {how}=True)"
     comment = ", ".join(part for part in (unit, _plain(description)) if part)
     return f"{variable} = {value}" + (f"  # {comment}" if comment else "")
 
 
 class ScriptWriter(TextWriter):
-    def __init__(
-        self, collector: Collector, names: Mapping[Node, Name], variables: Mapping[str, str]
-    ) -> None:
-        super().__init__(collector, names)
-        self.variables = variables
+    def __init__(self, found: Page, variables: Mapping[str, str]) -> None:
+        super().__init__(found.names)
+        self.variables, self.ruled, self.taken = variables, found.ruled, found.taken
+
+    def equation(self, line: Line) -> str:
+        """As an entry of a list."""
+        equation = f"sympy.Eq({self.total(line.left)}, {self.total(line.right)})"
+        label = _plain(self.indexed(line.label, line))
+        if line.counters:
+            equation = f"*[{equation}{self.counters(line)}]"
+        return f"    {equation},  # {label}"
+
+    def series(self, counter: str, first: str, last: str, text: str) -> str:
+        return f"sum({text} for {counter} in {_range(first, last)})"
+
+    def counters(self, line: Line) -> str:
+        return "".join([f" for {k} in {_range(self.number(a), self.number(b))}" for k, a, b in line.counters])
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
         if bottom != "1":
@@ -110,11 +175,14 @@ class ScriptWriter(TextWriter):
             return f"{base}**{exponent}"
         return f"{base}**sympy.Rational({exponent.numerator}, {exponent.denominator})"
 
-    def symbol(self, node: Node, exponent: Exponent) -> str:
-        name = self.names.get(node)
+    def symbol(self, symbol: Symbol, exponent: Exponent) -> str:
+        name = self.names.get(symbol.node)
         if name is None or name.full == "time":
             return self.raised("t", exponent)
-        word = self.variables.get(name.full, name.base)
+        full = INDEX.sub("", name.full) if self.ruled else name.full
+        word = self.variables.get(full, name.base)
+        if self.ruled and symbol.indices:
+            word += f"[{', '.join([self.number(x) for x in symbol.indices])}]"
         if name.order:
             word += ".diff(t)" if name.order == 1 else f".diff(t, {name.order})"
         return self.raised(word, exponent)
@@ -127,3 +195,14 @@ class ScriptWriter(TextWriter):
         word = WORDS[op] if op in WORDS else f"Function({op.removeprefix(TABLE)!r})"
         text = f"sympy.{word}({', '.join(args)})"
         return text if op in TRUTHS else self.raised(text, exponent)
+
+
+def _range(first: str, last: str) -> str:
+    """Of the numbers from `first` to `last`."""
+    if last.isdigit():
+        return f"range({first}, {int(last) + 1})"
+    return (
+        f"range({first}, {last.removesuffix(' - 1')})"
+        if last.endswith(" - 1")
+        else f"range({first}, {last} + 1)"
+    )

@@ -7,15 +7,15 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
-from functools import cached_property
 
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
-from lagc.view.abridged import FEW, TERMS, Series, Term, linear, series
 from lagc.view.algebra import HALF, TABLE
-from lagc.view.collect import Collector, Product, Sum
+from lagc.view.forms import Call, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
 from lagc.view.names import Name
-from lagc.view.polynomials import Exponent, Frozen
+from lagc.view.polynomials import Exponent, number_content
+
+TERMS = 30  # of a sum that is cut
 
 _LONGEST = 10**17  # of an integer with all its digits
 _CLEARLY = 5  # characters that a quotient is shorter than the decimal number that it stands for
@@ -23,59 +23,43 @@ _DIGITS = Context(prec=17, Emin=-(10**9), Emax=10**9)
 
 
 class TextWriter:
-    """Writes sums and products; a subclass changes a notation by overriding one small method."""
+    """Writes forms; a subclass changes a notation by overriding one small method."""
 
     times = "*"
-    index = re.compile(r"(?<=[\[,])\d+(?=[,\]])")
 
-    def __init__(self, collector: Collector, names: Mapping[Node, Name], abridged: bool = False) -> None:
-        """`abridged`: long sums are written as series, and cut."""
-        self.collector, self.abridged = collector, abridged
-        self.algebra = collector.algebra
-        self.names = names
+    def __init__(self, names: Mapping[Node, Name], cut: bool = False) -> None:
+        """`cut`: of sums of many terms some are written."""
+        self.names, self.cut = names, cut
         self.seen: set[Name] = set()
+
+    def line(self, line: Line) -> str:
+        relation, when = "=", ""
+        if line.condition is not None:
+            relation, when = ":=", f"  when {self.total(line.condition)}"
+        return f"{self.total(line.left)} {relation} {self.total(line.right)}{when}{self.counters(line)}"
 
     # -- sums and products ----------------------------------------------------
 
-    def sum(self, terms: Sum) -> str:
-        if self.abridged and len(terms.terms) > FEW:
-            return self._abridged(terms)
-        return self._added([self.product(product) for product in terms.terms])
+    def total(self, found: Total) -> str:
+        parts = [self.part(part) for part in (found.terms[:TERMS] if self.cut else found.terms)]
+        left = len(found.terms) - len(parts)
+        return self._added(parts) + (self.more(left) if left else "")
 
-    def _abridged(self, terms: Sum) -> str:
-        plain = [Term(x.coefficient, self.product(Product(Fraction(1), x.factors))) for x in terms.terms]
-        parts = series(plain, self.index)
-        cut = self.more(len(parts) - TERMS) if len(parts) > TERMS else ""
-        return self._added([self._part(part) for part in parts[:TERMS]]) + cut
-
-    def _part(self, part: Term | Series) -> str:
+    def part(self, part: Part) -> str:
         if isinstance(part, Term):
-            return self._times(part.coefficient, part.text)
-        k = self._variable
-        pieces = [part.pieces[0]]
-        for index, piece in zip(part.indices, part.pieces[1:]):
-            pieces += [linear(*index, k, self.times), piece]
-        text = "".join(pieces)
-        if part.weight[1]:
-            weight = linear(*part.weight, k, self.times)
-            text = f"{self.parentheses(weight) if part.weight[0] else weight}{self.times}{text}"
-        sign = "-" if part.factor < 0 else ""
-        return sign + self.series(k, part.first, part.last, self._times(abs(part.factor), text))
+            return self.term(part)
+        first, last = self.number(part.first), self.number(part.last)
+        body = self.part(part.body)
+        sign = "-" if body.startswith("-") else ""
+        return sign + self.series(part.counter, first, last, body.removeprefix("-"))
 
-    def _times(self, c: Fraction, text: str) -> str:
-        """A coefficient and the rest of a product."""
-        top, bottom = self.coefficient(abs(c))
-        factor = self.quotient(top, [], bottom, [])
-        return ("-" if c < 0 else "") + (text if factor == "1" else f"{factor}{self.times}{text}")
+    def series(self, counter: str, first: str, last: str, text: str) -> str:
+        return f"sum({counter} = {first}..{last}, {text})"
 
-    @cached_property
-    def _variable(self) -> str:
-        """The letter that counts in series."""
-        taken = {name.base.partition("[")[0] for name in self.names.values()}
-        return next(x for x in ("k", "j", "m", "n", "index", "count") if x not in taken or x == "count")
-
-    def series(self, variable: str, first: int, last: int, text: str) -> str:
-        return f"sum({variable} = {first}..{last}, {text})"
+    def counters(self, line: Line) -> str:
+        """The values that the counters take."""
+        ranges = [f"{k} = {self.number(a)}..{self.number(b)}" for k, a, b in line.counters]
+        return f"    for {', '.join(ranges)}" if ranges else ""
 
     def more(self, count: int) -> str:
         return f" + ... ({count} more terms)"
@@ -91,12 +75,11 @@ class TextWriter:
                 text += f" + {written}"
         return text or "0"
 
-    def product(self, product: Product) -> str:
-        c = product.coefficient
-        over = [self.factor(f, e) for f, e in product.factors if e > 0]
-        under = [self.factor(f, -e) for f, e in product.factors if e < 0]
-        sign = "-" if c < 0 else ""
-        top, bottom = self.coefficient(abs(c))
+    def term(self, term: Term) -> str:
+        over = [self.factor(f, e) for f, e in term.factors if e > 0]
+        under = [self.factor(f, -e) for f, e in term.factors if e < 0]
+        sign = "-" if term.negative else ""
+        top, bottom = self.coefficient(term.size)
         return sign + self.quotient(top, over, bottom, under)
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
@@ -106,35 +89,51 @@ class TextWriter:
             return above
         return f"{above}/{below[0]}" if len(below) == 1 else f"{above}/({self.times.join(below)})"
 
-    def coefficient(self, c: Fraction) -> tuple[str, str]:
+    def coefficient(self, c: Number) -> tuple[str, str]:
         """c >= 0 as the number above and the number below the line."""
+        if isinstance(c, Linear):
+            return self._counting(c)
         above, below, written = str(c.numerator), str(c.denominator), _decimal(c)
         if (c.denominator <= 99 and c.numerator < _LONGEST) or len(above + below) + _CLEARLY < len(written):
             return above, below
         return self.decimal(written), "1"
 
+    def _counting(self, c: Linear) -> tuple[str, str]:
+        """Whole numbers in parentheses, what they share before them."""
+        numbers = [Fraction(x) for x in (c.constant, *[slope for _, slope in c.slopes])]
+        unit = number_content([x for x in numbers if x])
+        whole = Linear(numbers[0] / unit, tuple([(k, x / unit) for (k, _), x in zip(c.slopes, numbers[1:])]))
+        top, bottom = self.coefficient(unit)
+        text = self.number(whole)
+        text = text if re.fullmatch(r"\w+", text) else self.parentheses(text)
+        return (text if top == "1" else f"{top}{self.times}{text}"), bottom
+
+    def number(self, number: Number) -> str:
+        """In an index, or the bound of a sum: `k + 1`, `13 - k`."""
+        if not isinstance(number, Linear):
+            return str(number)
+        parts = [
+            ("-" if c < 0 else "") + (k if abs(c) == 1 else f"{abs(c)}{self.times}{k}")
+            for k, c in number.slopes
+        ]
+        parts.sort(key=lambda part: part.startswith("-"))
+        constant = [str(number.constant)] if number.constant else []
+        first = number.constant > 0 and parts[0].startswith("-")
+        return self._added([*constant, *parts] if first else [*parts, *constant])
+
     def decimal(self, written: str) -> str:
         return written
 
-    def factor(self, base: int | Sum, exponent: Exponent) -> str:
-        if not isinstance(base, Sum) and base in self.algebra.named:
-            name = self.symbol(self.algebra.named[base], 1)
-            return self.root(name) if exponent == HALF else self.raised(name, exponent)
-        atomic = isinstance(base, Sum) or self.algebra.atoms[base].op == "sum"
-        if exponent.denominator == 2 and atomic:
-            if exponent == HALF:
-                return self.root(self._inside(base))
-            return self.raised(self.parentheses(self._inside(base)), exponent)
-        if atomic:
-            return self.raised(self.parentheses(self._inside(base)), exponent)
-        assert not isinstance(base, Sum)
-        return self.atom(base, exponent)
-
-    def _inside(self, base: int | Sum) -> str:
-        return self.sum(base) if isinstance(base, Sum) else self.frozen(self.algebra.atoms[base].args[0])
-
-    def frozen(self, p: Frozen) -> str:
-        return self.sum(self.collector.inside(dict(p)))
+    def factor(self, form: Form, exponent: Exponent) -> str:
+        if isinstance(form, Symbol):
+            if exponent == HALF and form.node.record.kind == "shown part":
+                return self.root(self.symbol(form, 1))
+            return self.symbol(form, exponent)
+        if isinstance(form, Call):
+            return self.function(form.op, [self.total(x) for x in form.args], exponent)
+        if exponent == HALF:
+            return self.root(self.total(form))
+        return self.raised(self.parentheses(self.total(form)), exponent)
 
     # -- notation -------------------------------------------------------------
 
@@ -149,16 +148,14 @@ class TextWriter:
             return base
         return f"{base}^{exponent}" if exponent.denominator == 1 else f"{base}^({exponent})"
 
-    def atom(self, number: int, exponent: Exponent) -> str:
-        atom = self.algebra.atoms[number]
-        if atom.node is not None:
-            return self.symbol(atom.node, exponent)
-        return self.function(atom.op, [self.frozen(a) for a in atom.args], exponent)
+    def symbol(self, symbol: Symbol, exponent: Exponent) -> str:
+        name = self.named(symbol.node)
+        if name is None:
+            return self.raised(symbol.node.record.name, exponent)
+        return self.raised(self.indexed(name.base, symbol) + "'" * name.order, exponent)
 
-    def symbol(self, node: Node, exponent: Exponent) -> str:
-        name = self.named(node)
-        text = node.record.name if name is None else name.base + "'" * name.order
-        return self.raised(text, exponent)
+    def indexed(self, text: str, symbol: Symbol | Line) -> str:
+        return filled(text, [self.number(x) for x in symbol.indices])
 
     def named(self, node: Node) -> Name | None:
         name = self.names.get(node)
@@ -180,7 +177,7 @@ class TextWriter:
         return self.raised(text, exponent)
 
 
-def _decimal(c: Fraction) -> str:
+def _decimal(c: int | Fraction) -> str:
     """c > 0 with the digits of a double, also where none is as large or as small."""
     with suppress(OverflowError):
         if float(c) > 0.0:

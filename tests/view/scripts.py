@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
@@ -69,3 +70,59 @@ def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict
     for row, lam in zip(equations.rows, equations.lam):
         found[f"lambda_{row.label}"] = state[lam]
     return found
+
+
+class Part(float):
+    """A shared part whose value is not known yet."""
+
+    name: str
+
+
+def ruled_residuals(text: str, values: Mapping[str, float | Value], time: float) -> dict[str, float]:
+    """left - right of each equation of a script by rules, by what it is about: parts are computed from those
+    that are known, again and again."""
+    known: dict[str, float | Value] = dict(values)
+
+    def function(name: str, **_: Any) -> Any:
+        if name in known:
+            return lambda t: known[name]
+        part = Part("nan")
+        part.name = name
+        return lambda t: part
+
+    stand_in = SimpleNamespace(
+        Symbol=lambda name, **_: time if name == "t" else values[name], Function=function,
+        Rational=lambda a, b: a / b, Float=float, pi=math.pi, Eq=lambda a, b: (a, b),
+        **{name: getattr(math, name) for name in FUNCTIONS},
+    )  # fmt: skip
+    while True:
+        space: dict[str, Any] = {"sympy": stand_in, "__name__": "script"}
+        exec(text.replace("import sympy\n", ""), space)
+        found = {a.name: b for a, b in space.get("parts", ()) if isinstance(a, Part) and b == b}
+        if not found:
+            break
+        known |= found
+    return _labelled(text, space["equations"])
+
+
+def _labelled(text: str, pairs: list[tuple[float, float]]) -> dict[str, float]:
+    """By the comments behind the lines, in which counters stand."""
+    body = text.partition("equations = [\n")[2].partition("\n]\n")[0]
+    labels: list[str] = []
+    for line in body.splitlines():
+        equation, _, label = line.rpartition(",  # ")
+        counters = re.findall(r" for (\w+) in (range\([^()]*\))", _after_equation(equation))
+        inner = "".join(f" for {name} in {span}" for name, span in counters)
+        written = repr(re.sub(r"(?<=[\[,])[^\[\],]+(?=[,\]])", lambda m: f"{{{m[0]}}}", label))
+        labels += eval(f"[f{written}{inner}]") if counters else [label]
+    return {label: left - right for label, (left, right) in zip(labels, pairs, strict=True)}
+
+
+def _after_equation(text: str) -> str:
+    """What stands behind `sympy.Eq(...)` in a list."""
+    depth, start = 0, text.index("sympy.Eq(") + len("sympy.Eq")
+    for k in range(start, len(text)):
+        depth += {"(": 1, ")": -1}.get(text[k], 0)
+        if depth == 0:
+            return text[k + 1 :]
+    return ""

@@ -154,7 +154,8 @@ end Idle;
 def test_long_expressions_are_written_by_their_rule_or_whole(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["explain", "classic/chain", "-p", "n=30"]) == 0
     said = capsys.readouterr().out
-    assert "V = sum(k = 1..30, (k - 31)*m*l*g*cos(th[k]))" in said
+    assert "V = -sum(k = 1..30, (31 - k)*m*l*g*cos(th[k]))" in said
+    assert "s1[i] = cos(th[i])*th[i]' + s1[i - 1]    for i = 3..30" in said
     assert "energy = K2 + V, since nothing brings power" in said
     assert main(["explain", "classic/chain", "-p", "n=30", "-v"]) == 0
     said = capsys.readouterr().out

@@ -1,0 +1,279 @@
+"""Formulas as they are written: trees whose numbers may follow a counter.
+
+What the algebra holds as polynomials of atoms stands here symbol by symbol, with the indices of the symbols
+apart: formulas that differ in numbers alone have the same `pattern`, and a rule puts linear expressions of a
+counter in the place of the numbers.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Hashable, Mapping
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from lagc.expr.graph import Node
+from lagc.records import dataclass, replace
+from lagc.view.collect import Collector, Product, Sum
+from lagc.view.names import Name
+from lagc.view.polynomials import Exponent
+
+INDEX = re.compile(r"(?<=[\[,])\d+(?=[,\]])")
+
+
+@dataclass(frozen=True, slots=True)
+class Linear:
+    """constant + the sum of slopes times counters; no slope is zero."""
+
+    constant: int | Fraction
+    slopes: tuple[tuple[str, int | Fraction], ...]
+
+
+Number: TypeAlias = int | Fraction | Linear
+Numbers: TypeAlias = list[Any]  # int for indices, Fraction for coefficients
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """`node`, or what differs from it in its `indices`; `kind` is its name without these."""
+
+    node: Node
+    kind: Hashable
+    indices: tuple[Number, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    op: str
+    args: tuple[Total, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """A product: `size` is the absolute value of its coefficient."""
+
+    negative: bool
+    size: Number
+    factors: tuple[tuple[Form, Exponent], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Series:
+    """The sum of `body` over the counter, from `first` to `last`; nothing where that is less."""
+
+    counter: str
+    first: Number
+    last: Number
+    body: Part
+
+
+@dataclass(frozen=True, slots=True)
+class Total:
+    terms: tuple[Part, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """`left` = `right`, for all values of the counters, of which each is (name, first, last), the bounds in
+    those before it; of what kind, and of what.  At an event, when the `condition` becomes true, `left` takes
+    the value `right`."""
+
+    kind: str
+    label: str
+    indices: tuple[Number, ...]  # of the label
+    left: Total
+    right: Total
+    condition: Total | None = None
+    counters: tuple[tuple[str, Number, Number], ...] = ()
+
+
+Part: TypeAlias = Term | Series
+Form: TypeAlias = Symbol | Call | Total
+
+
+class Former:
+    """Makes forms of what a collector made, with the `names` of symbols."""
+
+    def __init__(self, collector: Collector, names: Mapping[Node, Name]) -> None:
+        self._collector, self._algebra, self._names = collector, collector.algebra, names
+        self._atoms: dict[int, Form] = {}
+
+    def total(self, found: Sum) -> Total:
+        return Total(tuple([self._term(product) for product in found.terms]))
+
+    def line(self, kind: str, label: str, left: Sum, right: Sum, condition: Sum | None) -> Line:
+        given = None if condition is None else self.total(condition)
+        return Line(kind, label, indices(label), self.total(left), self.total(right), given)
+
+    def _term(self, product: Product) -> Term:
+        factors = [(self._factor(base), e) for base, e in product.factors]
+        return Term(product.coefficient < 0, abs(product.coefficient), tuple(factors))
+
+    def _factor(self, base: int | Sum) -> Form:
+        if isinstance(base, Sum):
+            return self.total(base)
+        if base not in self._atoms:
+            self._atoms[base] = self._atom(base)
+        return self._atoms[base]
+
+    def _atom(self, number: int) -> Form:
+        atom = self._algebra.atoms[number]
+        node = self._algebra.named.get(number, atom.node)
+        if node is not None:
+            return self._symbol(node)
+        args = tuple([self.total(self._collector.inside(dict(arg))) for arg in atom.args])
+        return args[0] if atom.op == "sum" else Call(atom.op, args)
+
+    def _symbol(self, node: Node) -> Symbol:
+        name = self._names.get(node)
+        if name is None:
+            return Symbol(node, node, ())
+        return Symbol(
+            node, (INDEX.sub("", name.full), INDEX.sub("", name.base), name.order), indices(name.base)
+        )
+
+
+def indices(name: str) -> tuple[int, ...]:
+    return tuple([int(found) for found in INDEX.findall(name)])
+
+
+def filled(name: str, numbers: list[str]) -> str:
+    """`name` with `numbers` in the place of its indices."""
+    left = iter(numbers)
+    return INDEX.sub(lambda _: next(left), name)
+
+
+def pattern(form: Any, numbers: Numbers) -> Hashable:
+    """What is left of a form without its numbers, which are added to `numbers`; slopes stay."""
+    if isinstance(form, Symbol):
+        return (form.kind, *[_plain(x, numbers) for x in form.indices])
+    if isinstance(form, Call):
+        return (form.op, *[pattern(x, numbers) for x in form.args])
+    if isinstance(form, Total):
+        return ("sum", *[pattern(x, numbers) for x in form.terms])
+    if isinstance(form, Term):
+        size = _plain(form.size, numbers)
+        return (form.negative, size, *[(pattern(x, numbers), e) for x, e in form.factors])
+    if isinstance(form, Series):
+        return (
+            form.counter,
+            _plain(form.first, numbers),
+            _plain(form.last, numbers),
+            pattern(form.body, numbers),
+        )
+    found: list[Hashable] = [
+        form.kind,
+        INDEX.sub("", form.label),
+        *[_plain(x, numbers) for x in form.indices],
+    ]
+    for counter, first, last in form.counters:
+        found += [counter, _plain(first, numbers), _plain(last, numbers)]
+    found += [pattern(x, numbers) for x in (form.left, form.right, form.condition) if x is not None]
+    return tuple(found)
+
+
+def _plain(number: Number, numbers: Numbers) -> Hashable:
+    if isinstance(number, Linear):
+        numbers.append(number.constant)
+        return number.slopes
+    numbers.append(number)
+    return None
+
+
+def changed(form: Any, change: Callable[[Number], Number]) -> Any:
+    """`form` with its numbers changed, in the order of `pattern`."""
+    if isinstance(form, Symbol):
+        return Symbol(form.node, form.kind, tuple([change(x) for x in form.indices]))
+    if isinstance(form, Call):
+        return Call(form.op, tuple([changed(x, change) for x in form.args]))
+    if isinstance(form, Total):
+        return Total(tuple([changed(x, change) for x in form.terms]))
+    if isinstance(form, Term):
+        size = change(form.size)
+        return Term(form.negative, size, tuple([(changed(x, change), e) for x, e in form.factors]))
+    if isinstance(form, Series):
+        return Series(form.counter, change(form.first), change(form.last), changed(form.body, change))
+    own = tuple([change(x) for x in form.indices])
+    counters = tuple([(name, change(first), change(last)) for name, first, last in form.counters])
+    left, right = changed(form.left, change), changed(form.right, change)
+    condition = None if form.condition is None else changed(form.condition, change)
+    return Line(form.kind, form.label, own, left, right, condition, counters)
+
+
+def value(number: Number, at: Mapping[str, int]) -> Number:
+    """With values for counters."""
+    if not isinstance(number, Linear):
+        return number
+    constant = number.constant + sum([c * at[x] for x, c in number.slopes if x in at])
+    slopes = tuple([(x, c) for x, c in number.slopes if x not in at])
+    return Linear(constant, slopes) if slopes else constant
+
+
+def written_out(form: Any, at: Mapping[str, int]) -> Any:
+    """`form` for values of all counters, its series term by term."""
+    if isinstance(form, Symbol | Term | Call):
+        if isinstance(form, Symbol):
+            return changed(form, lambda x: value(x, at))
+        if isinstance(form, Call):
+            return Call(form.op, tuple([written_out(x, at) for x in form.args]))
+        return Term(
+            form.negative, value(form.size, at), tuple([(written_out(x, at), e) for x, e in form.factors])
+        )
+    if isinstance(form, Total):
+        return Total(tuple([term for part in form.terms for term in terms_of(part, at)]))
+    if isinstance(form, Line):
+        own = tuple([value(x, at) for x in form.indices])
+        left, right = written_out(form.left, at), written_out(form.right, at)
+        condition = None if form.condition is None else written_out(form.condition, at)
+        return Line(form.kind, form.label, own, left, right, condition)
+    raise TypeError(form)
+
+
+def terms_of(part: Part, at: Mapping[str, int]) -> list[Term]:
+    """The terms that it stands for, for values of all counters."""
+    if isinstance(part, Term):
+        return [written_out(part, at)]
+    return [
+        x for k in _between(part.first, part.last, at) for x in terms_of(part.body, {**at, part.counter: k})
+    ]
+
+
+def _between(first: Number, last: Number, at: Mapping[str, int]) -> range:
+    bounds = value(first, at), value(last, at)
+    assert isinstance(bounds[0], int) and isinstance(bounds[1], int)
+    return range(bounds[0], bounds[1] + 1)
+
+
+def all_of(line: Line) -> list[Line]:
+    """The lines that `line` stands for."""
+    places: list[dict[str, int]] = [{}]
+    for name, first, last in line.counters:
+        places = [{**at, name: k} for at in places for k in _between(first, last, at)]
+    return [written_out(line, at) for at in places]
+
+
+def counted(form: Any) -> set[str]:
+    """The counters in it."""
+    found: set[str] = set()
+
+    def seen(number: Number) -> Number:
+        if isinstance(number, Linear):
+            found.update(x for x, _ in number.slopes)
+        return number
+
+    changed(form, seen)
+    return found
+
+
+def renumbered(form: Any, numbers: list[Number]) -> Any:
+    """`form` with other numbers, in which a counter may stand, for its own; slopes stay."""
+    left = iter(numbers)
+
+    def change(old: Number) -> Number:
+        new = next(left)
+        if not isinstance(old, Linear):
+            return new
+        constant, more = (new.constant, new.slopes) if isinstance(new, Linear) else (new, ())
+        return replace(old, constant=constant, slopes=(*old.slopes, *more))
+
+    return changed(form, change)

@@ -1,0 +1,170 @@
+"""The equations of a model as lines that are written: all of them, or those of large models by their rules.
+
+Of large models the equations are multiplied out where they are sums that follow a rule, as those of a chain
+do, and else written by recursions along the model (see `recursion`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.expr.graph import Node
+from lagc.mechanics.equations import EquationsOfMotion
+from lagc.records import dataclass, replace
+from lagc.view.algebra import TooLarge
+from lagc.view.forms import Former, Line, indices
+from lagc.view.formulas import (
+    ZERO,
+    Formula,
+    Formulas,
+    collector_of,
+    conditions,
+    everything,
+    formulas,
+    nonnegative,
+    rate_of,
+    shared,
+    tidy,
+    with_long_sums,
+)
+from lagc.view.names import Name, names, taken
+from lagc.view.naming import SharedAlgebra
+from lagc.view.polynomials import NotFinite
+from lagc.view.recursion import arrays, residuals
+from lagc.view.rules import ruled, summed
+from lagc.view.trigonometry import ShortAlgebra
+
+MOST = 12  # equations of a kind that are all written
+TERMS = 60_000  # of all equations, where they are written as sums that are long
+LOCAL = 30  # terms of what is not long, as where only neighbours act on each other
+FIRST, ALL, EACH = 20_000, 2_000_000, 1_000  # products: for the first of them, for all, or for each
+SHORT = 8  # terms and series of such an equation
+KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
+
+
+@dataclass(frozen=True)
+class Page:
+    """`ruled`: lines and terms that follow a rule are written once."""
+
+    lines: tuple[Line, ...]
+    names: dict[Node, Name]
+    ruled: bool
+    taken: set[str]  # what counters are not called
+
+    def by_kind(self) -> list[tuple[str, list[Line]]]:
+        kinds = [(kind, [x for x in self.lines if x.kind == kind]) for kind in KINDS]
+        return [(kind, lines) for kind, lines in kinds if lines]
+
+
+def page(equations: EquationsOfMotion, full: bool = True) -> Page:
+    """Of all equations, in `full` or by their rules where they are many.  Raises Refused (LAG0590) where one
+    of their numbers is not finite."""
+    try:
+        if full or max(len(equations.v), len(equations.rows)) <= MOST:
+            return _plain(equations)
+        return _by_rule(equations)
+    except NotFinite:
+        message = "a factor in the equations of motion is not a finite number"
+        remedy = "the numbers of the model are too large, or too different, to be multiplied"
+        raise Refused([Fault("LAG0590", message, remedy=remedy)]) from None
+
+
+def _plain(equations: EquationsOfMotion) -> Page:
+    found, shown = formulas(equations), _shown(equations)
+    letter = _letter(equations)
+    for number, (node, _) in enumerate(found.parts, 1):
+        shown[node] = Name(f"{letter}{number}", f"{letter}{number}")
+    return Page(tuple(_lines(found, shown)), shown, False, set())
+
+
+def _by_rule(equations: EquationsOfMotion) -> Page:
+    motion = residuals(equations)
+    try:
+        found = _in_sums(equations, motion)
+    except TooLarge:
+        found = _in_parts(equations, motion)
+    return _ruled(equations, found)
+
+
+def in_parts(equations: EquationsOfMotion, nodes: Sequence[Node]) -> Page:
+    """Of expressions, a line each, kind "motion", with names for what they share, by rules.  Raises
+    NotFinite."""
+    carried = {x for part in equations.inertias for x in part.carried if x.args}
+    algebra = SharedAlgebra(equations.graph, shared(nodes) | carried, nonnegative(equations))
+    collector = collector_of(equations, algebra)
+    found = [
+        Formula("motion", "", collector.collect(tidy(equations, algebra, p)), ZERO)
+        for p in algebra.polynomials(nodes)
+    ]
+    return _ruled(equations, Formulas(collector, found, algebra.definitions))
+
+
+def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
+    """With what follows a rule written once."""
+    shown, parts = _shown(equations), [node for node, _ in found.parts]
+    if parts:
+        shown |= {node: Name(f"part[{k}]", f"part[{k}]") for k, node in enumerate(parts)}
+        lines = _lines(found, shown)
+        shown |= arrays(parts, lines[: len(parts)], lines[len(parts) :], _letter(equations))
+    free = taken(shown)
+    short = [replace(x, left=summed(x.left, free), right=summed(x.right, free)) for x in _lines(found, shown)]
+    return Page(tuple(ruled(short, free)), shown, True, free)
+
+
+def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
+    """Multiplied out.  Raises TooLarge where the first equation tells that this is no good."""
+    _try_sum(equations, motion)
+    algebra = ShortAlgebra(nonnegative(equations), max(ALL, EACH * len(motion)))
+    collector = collector_of(equations, algebra)
+    every = [tidy(equations, algebra, p) for p in algebra.polynomials(motion)]
+    found = everything(equations, collector, every)
+    algebra.rest()
+    return with_long_sums(equations, collector, found)
+
+
+def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
+    algebra = ShortAlgebra(nonnegative(equations), FIRST)
+    collector = collector_of(equations, algebra)
+    first = tidy(equations, algebra, algebra.polynomials(motion[:1])[0])
+    if len(first) > LOCAL and len(first) * len(motion) > TERMS:
+        raise TooLarge
+    written = Former(collector, names(equations)).total(collector.collect(collector.cancel(first)))
+    if len(summed(written, set()).terms) > SHORT:
+        raise TooLarge
+
+
+def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
+    """With names for what is shared."""
+    roots = [*equations.qdot, *motion, *conditions(equations)]
+    algebra = SharedAlgebra(equations.graph, shared(roots), nonnegative(equations))
+    collector = collector_of(equations, algebra)
+    found = everything(equations, collector, algebra.polynomials(motion))
+    return Formulas(collector, found, algebra.definitions)
+
+
+def _shown(equations: EquationsOfMotion) -> dict[Node, Name]:
+    """The names, with those of the rates of coordinates that are no speeds."""
+    shown = names(equations)
+    for q in equations.q:
+        name = shown[q]
+        shown[rate_of(equations, q)] = Name(name.base, name.full, 1)
+    return shown
+
+
+def _letter(equations: EquationsOfMotion) -> str:
+    """That of the parts."""
+    bases = [name.base for name in names(equations).values()]
+    return next(c for c in ("s", "part", "shared_part") if not any(x.startswith(c) for x in bases))
+
+
+def _lines(found: Formulas, shown: dict[Node, Name]) -> list[Line]:
+    """What parts stand for, and all formulas, as they are written."""
+    former = Former(found.collector, shown)
+    lines = [former.line(x.kind, x.label, x.left, x.right, x.condition) for x in found.found]
+    parts = [former.line(x.kind, x.label, x.left, x.right, None) for x in found.definitions]
+    named = [
+        replace(x, label=shown[node].base, indices=indices(shown[node].base))
+        for x, (node, _) in zip(parts, found.parts)
+    ]
+    return [*named, *lines]
