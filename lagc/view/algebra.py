@@ -67,7 +67,8 @@ class Algebra:
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}
         self._sums: dict[Node, Parts] = {}  # long ones, which are not multiplied out until they are asked for
-        self._left: float = limit
+        self.limit: float = limit
+        self.spent = 0  # products
 
     # -- from nodes -----------------------------------------------------------
 
@@ -343,9 +344,9 @@ class Algebra:
 
     def rest(self) -> None:
         """All is multiplied out: what is left, as to see squares while it is written, is not counted."""
-        self._left = inf
+        self.limit = inf
 
     def _spend(self, work: int) -> None:
-        self._left -= work
-        if self._left < 0:
+        self.spent += work
+        if self.spent > self.limit:
             raise TooLarge

@@ -17,7 +17,7 @@ from lagc.view.rules import summed
 from lagc.view.text import TextWriter
 from lagc.view.trigonometry import ShortAlgebra
 
-LIMIT, WHOLE = 20_000, 400_000  # products
+LIMIT, WHOLE = 20_000, 800_000  # products: of one expression; of wholes, each half of what is left
 LONGEST = 600  # characters
 PARTS = 24  # lines that say the parts of expressions
 
@@ -30,6 +30,7 @@ class Expressions:
         self.equations, self.whole = equations, whole
         self.names = names(equations)
         self.seen: set[Name] = set()
+        self.left = WHOLE
 
     def text(self, node: Node) -> str:
         """`node` multiplied out and collected."""
@@ -37,7 +38,8 @@ class Expressions:
 
     def short(self, node: Node) -> str:
         """The same, and "" for what is too long."""
-        algebra = ShortAlgebra(nonnegative(self.equations), limit=WHOLE if self.whole else LIMIT)
+        limit = max(LIMIT, self.left // 2) if self.whole else LIMIT
+        algebra = ShortAlgebra(nonnegative(self.equations), limit=limit)
         try:
             collector = collector_of(self.equations, algebra)
             p = tidy(self.equations, algebra, algebra.polynomials([node])[0])
@@ -50,6 +52,8 @@ class Expressions:
                     return written
         except (TooLarge, NotFinite):
             pass
+        finally:
+            self.left -= algebra.spent
         return ""
 
     def texts(self, nodes: Sequence[Node]) -> tuple[list[str], list[str]]:

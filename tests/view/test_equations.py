@@ -234,6 +234,6 @@ def test_what_is_just_multiplied_out_is_written(name: str, monkeypatch: pytest.M
     algebra = ShortAlgebra(formulas.nonnegative(equations))
     collector = formulas.collector_of(equations, algebra)
     formulas.everything(equations, collector, formulas.motion_polynomials(equations, algebra))
-    spent = 60_000 - int(algebra._left)
+    spent = algebra.spent
     monkeypatch.setattr(formulas, "ShortAlgebra", lambda known, _: ShortAlgebra(known, limit=spent))
     assert write(equations) == expected
