@@ -7,7 +7,7 @@ from math import fabs
 
 from lagc.kernels.branches import sign_of
 from lagc.kernels.limits import SPACING
-from lagc.kernels.locating import NEARLY_THERE, SEVERAL
+from lagc.kernels.locating import NEARLY_THERE
 from lagc.kernels.model import fn_side_rates_on
 from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at
@@ -17,7 +17,7 @@ from lagc.kernels.tables import counted
 from lagc.kernels.words import Params, Real, Status
 
 TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
-STILL = 1e-9  # of the rates on both sides: less than that is rest between them
+STILL = 1e-12  # of the rates on both sides: less than that is rest between them
 
 
 def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
@@ -140,13 +140,10 @@ def rests(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> boo
 
 
 def hold_still(s: State, w: Work) -> None:
-    """What rests has the slack by which it would go on within last places of the time, and several times what
-    rounding has moved it by."""
+    """What rests has the slack by which it would go on within last places of the time."""
     for j in range(NFREE):
         k = NTIMED + j
-        if s.modes[k] == 0.0 and (s.changed[k] > 0 or w.crossed[k] > 0):
-            own = NEARLY_THERE * SPACING * fabs(s.t * w.before[k]) if s.changed[k] > 0 else 0.0
-            if SEVERAL * fabs(w.sides[k]) > own:
-                own = SEVERAL * fabs(w.sides[k])
+        if s.modes[k] == 0.0 and s.changed[k] > 0:
+            own = NEARLY_THERE * SPACING * fabs(s.t * w.before[k])
             if own > s.slack[k]:
                 s.slack[k] = own

@@ -123,7 +123,9 @@ def change(p: Params, s: State, direction: Real, w: Work) -> Status:
         k = NTIMED + j
         rate = w.turning[k]
         if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, rate, w.before[k], direction, w):
-            if not rests(p, s, k, rate, w.before[k], w):
+            # From rest it goes only where it does not come back.
+            left = s.modes[k] == 0.0 and not still_at_rest(k, s, w)
+            if left or not rests(p, s, k, rate, w.before[k], w):
                 w.culprit = k
                 return CHATTERING
     for i in range(NMODE):

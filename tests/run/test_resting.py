@@ -62,35 +62,3 @@ def test_a_loop_stops_and_what_has_nothing_to_do_with_it_goes_on(later: float | 
         assert max(abs(run["der(x)"][-1]), abs(run["der(y)"][-1])) < 1e-15
         if later is not None:
             assert run["z"][-1] == pytest.approx(stops**2 / 2.0, rel=1e-12)
-
-
-CART = """model Cart
-  parameter Force F = 1 [N];
-  parameter Length l(min = 0) = 0.5 [m];
-  coordinate Length x;
-  coordinate Angle a(start = {start} [deg]), b(start = -{start} [deg]);
-  body cart = Particle(mass = 2 [kg], at = {{x, 0, 0}});
-  body left = Particle(mass = 0.3 [kg], at = {{x + l*sin(a), 0, -l*cos(a)}});
-  body right = Particle(mass = 0.3 [kg], at = {{x + l*sin(b), 0, -l*cos(b)}});
-  force friction = {{-F*sign(der(x)), 0, 0}} at cart;
-  Gravity field;
-end Cart;"""
-
-
-@pytest.mark.parametrize("force", [0.1, 1.0, 10.0])
-@pytest.mark.parametrize("start", [50, 60])
-def test_a_cart_that_opposite_pendulums_leave_at_rest_rests(start: int, force: float) -> None:
-    """Rounding alone acts on it, also of the runs that tell what rounding does."""
-    system = lagc.loads(CART.format(start=start)).compile(backend="numpy", parameters={"F": force, "l": 0.7})
-    run = system.simulate(5.0)
-    assert run.status == "ok" and run.estimated is not None, run.message
-    assert list(run["a"]) == pytest.approx([-b for b in run["b"]], abs=1e-9)
-    assert max(abs(run["x"])) < 1e-9
-
-
-@pytest.mark.parametrize("more", [1e-6, 1e-3, 1.0])
-def test_a_cart_that_friction_holds_is_told(more: float) -> None:
-    """Pendulums that are not quite opposite pull at it, and friction holds against that."""
-    text = CART.format(start=60).replace("start = -60 [deg]", f"start = {-60.0 - more!r} [deg]")
-    run = lagc.loads(text).compile(backend="numpy").simulate(5.0)
-    assert run.status == "failed" and "drives it back" in run.message
