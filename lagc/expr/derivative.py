@@ -7,11 +7,13 @@ with the value 0 for the derivative of a step.  A branch that is not taken need 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
+from typing import Any
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import END, OPERATORS, POLE
 from lagc.expr.walk import reachable
+from lagc.records import dataclass
 
 
 def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
@@ -79,51 +81,116 @@ def gradient(
     `within` as in `tangent`.
     """
     places = wrt if isinstance(wrt, Mapping) else {w: k for k, w in enumerate(wrt)}
-    adjoint: dict[Node, Node] = {}
     live = set[Node]() if within is None else set(places)
     order: list[Node] = []
     for node in reachable(seeds) if within is None else within:
         if node in places or not live.isdisjoint(node.args):
             live.add(node)
             order.append(node)
+    sweep = _Sweep(graph, places, order)
     for node, seed in seeds.items():
-        if node in live and not seed.is_zero:
-            adjoint[node] = seed
+        if node in live:
+            sweep.add(node, seed, NEVER)
     for node in reversed(order):
-        weight = adjoint.get(node)
-        if weight is None or weight.is_zero:
-            continue
-        args = node.args
-        for k, argument in enumerate(args):
-            if argument in live:
-                share = weight if node.op == "add" else _share(graph, weight, node, k)
-                held = adjoint.get(argument)
-                adjoint[argument] = share if held is None else graph.add(held, share)
+        sweep.pass_on(node, live)
+    adjoint = sweep.adjoint
     found = sorted([w for w in adjoint if w in places], key=places.__getitem__)
     return {w: adjoint[w] for w in found if not adjoint[w].is_zero}
 
 
-def _share(graph: Graph, weight: Node, node: Node, k: int) -> Node:
-    """What argument k has of the weight of `node`: 0 where a choice leaves none, whatever the slope is."""
-    slope = partial(graph, node, k)
-    within = node.value[k] > 0 if node.op == "mul" else node.op == "scale" or _is_everywhere(node.op)
-    return graph.mul(weight, slope) if within else _chosen(graph, weight, slope)
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """That branches of choices are taken, (condition, which) from the inner to the outer; `partly` are the
+    nodes above functions that need have no value or slope where they are not."""
+
+    taken: tuple[tuple[Node, bool], ...]
+    partly: frozenset[Node]
 
 
-def _is_everywhere(op: str) -> bool:
-    return OPERATORS[op].smoothness not in (END, POLE)
+NEVER = _Choice((), frozenset())
 
 
-def _chosen(graph: Graph, weight: Node, slope: Node) -> Node:
-    if weight.op == "scale":
-        return graph.scale(weight.value, _chosen(graph, weight.args[0], slope))
-    factors = zip(weight.args, weight.value) if weight.op == "mul" else ((weight, 1),)
-    for k, (factor, exponent) in enumerate(factors):
-        if factor.op == "select" and exponent == 1 and graph.zero in factor.args[1:]:
-            rest = graph.reduced(weight, k) if weight.op == "mul" else graph.one
-            whole = graph.mul(rest, slope)
-            return graph.select(factor.args[0], *[graph.mul(side, whole) for side in factor.args[1:]])
-    return graph.mul(weight, slope)
+class _Sweep:
+    """Weights on their way down.  Beside those of all times, each node may have some of a choice: what passes
+    functions that are not everywhere is chosen behind them, as 0 times what is not finite is not 0."""
+
+    def __init__(self, graph: Graph, places: Mapping[Node, int], order: Sequence[Node]):
+        self.graph, self.places = graph, places
+        self.adjoint: dict[Node, Node] = {}
+        self.chosen: dict[Node, dict[_Choice, Node]] = {}
+        self.narrow: set[Node] = set()  # nodes at or above functions that are not everywhere
+        if any([node.op == "select" for node in order]):
+            for node in reachable(order):
+                if _is_narrow(node) or not self.narrow.isdisjoint(node.args):
+                    self.narrow.add(node)
+
+    def add(self, node: Node, weight: Node, choice: _Choice) -> None:
+        if weight.is_zero:
+            return
+        if node in choice.partly and node not in self.places:
+            weights: dict[Any, Node] = self.chosen.setdefault(node, {})
+            key: Any = choice
+        else:
+            weights, key = self.adjoint, node
+            for condition, which in choice.taken:
+                sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
+                weight = self.graph.select(condition, *sides)
+        held = weights.get(key)
+        weights[key] = weight if held is None else self.graph.add(held, weight)
+
+    def pass_on(self, node: Node, live: Container[Node]) -> None:
+        """To the arguments of a node what its weights give them."""
+        weights = [*self.chosen.pop(node, {}).items()]
+        if node in self.adjoint:
+            weights.append((NEVER, self.adjoint[node]))
+        for choice, weight in weights:
+            if weight.is_zero:
+                continue
+            for k, argument in enumerate(node.args):
+                if argument in live:
+                    self._share(choice, weight, node, k)
+
+    def _share(self, choice: _Choice, weight: Node, node: Node, k: int) -> None:
+        argument = node.args[k]
+        if node.op == "add":
+            self.add(argument, weight, choice)
+            return
+        if node.op == "select" and k and (partly := self._partly(argument, node.args[0])):
+            taken = ((node.args[0], k == 1), *choice.taken)
+            self.add(argument, weight, _Choice(taken, choice.partly | partly))
+            return
+        self.add(argument, self.graph.mul(weight, partial(self.graph, node, k)), choice)
+
+    def _partly(self, branch: Node, condition: Node) -> frozenset[Node]:
+        """The nodes of a branch at or above functions that are not everywhere and that its condition does
+        not ask for as well."""
+        asked = set(self._narrow_below(condition))
+        found: set[Node] = set()
+        for node in self._narrow_below(branch):
+            if (_is_narrow(node) and node not in asked) or not found.isdisjoint(node.args):
+                found.add(node)
+        return frozenset(found)
+
+    def _narrow_below(self, top: Node) -> list[Node]:
+        """`top` and what is below it of `narrow`, arguments before users."""
+        found: dict[Node, None] = {}
+        stack = [top] if top in self.narrow else []
+        while stack:
+            node = stack[-1]
+            missing = [a for a in node.args if a in self.narrow and a not in found]
+            if missing:
+                stack += missing
+                continue
+            stack.pop()
+            found[node] = None
+        return list(found)
+
+
+def _is_narrow(node: Node) -> bool:
+    """Whether it need have no value, or no slope, for all values of its arguments."""
+    if node.op == "mul":
+        return any(exponent < 0 for exponent in node.value)
+    return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
 
 
 def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:

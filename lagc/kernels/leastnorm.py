@@ -140,7 +140,7 @@ def unit_rows(w: StartWork, m: int, lost: Real) -> int:
             rest[j] = row[j]
         w.lows[i] = begin
         w.highs[i] = stop
-        w.squares[i] = 1.0 / length if lost > 0.0 else inner(rest, rest, begin, stop)
+        w.squares[i] = 1.0 if lost > 0.0 else inner(rest, rest, begin, stop)
         w.right[i] = w.right[i] / largest / length
         given += 1
     return given

@@ -69,4 +69,4 @@ class NK(metaclass=SizeType): ...  # rates kept in a step, of the longest method
 class ND(metaclass=SizeType): ...  # vectors of dense output
 class NSETS(metaclass=SizeType): ...  # sets of values that are tried because linear prediction asks for them
 class NSETU(metaclass=SizeType): ...  # NSETS NU
-class NTREE(metaclass=SizeType): ...  # NE 2: of a tree of pairs of conditions
+class NTREE(metaclass=SizeType): ...  # NE 2 + 2: of a tree of pairs of conditions

@@ -19,16 +19,17 @@ _STATES = 3
 
 
 def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
-    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one
-    combination of those of `others`, for any speeds and whatever comparisons say, of parameters too, which
-    a run may give other values."""
+    """It is proved, where positions are on the constraints: rate and Jacobian of `row` are one combination of
+    those of `others`, with numbers that are the same for all postures, speeds and parameters and
+    whatever comparisons say, of parameters too, which a run may give other values."""
     rows = [*others, row]
     flat = [x for r in rows for x in (r.rate, *r.jacobian.values())]
     spelt = spelt_out(states.graph, flat)
     met = map(onto(states, others), samples(states.model, _STATES, vary=False))
     tries = [state for state in met if state is not None]
     ground = replace(on_rows(states, [r for r in others if r.holonomic], tries), values={})
-    asked = False
+    beside: list[dict[int, int]] = [{} for _ in rows]  # all points beside each other: one combination for all
+    width, count = len(states.v) + 1, 0
     for placed, truths in Judge(ground).points(spelt):
         for x in placed:
             x.point.place({v: x.point.draw() for v in states.v})
@@ -36,11 +37,10 @@ def follows(states: States, row: Row, others: Sequence[Row]) -> bool:
                 values = iter(x.point.values(spelt, truths))
             except Undefined:
                 continue
-            table = [{RIGHT: next(values), **{j: next(values) for j in r.jacobian}} for r in rows]
-            taken = Echelon()
-            for entries in table[:-1]:
-                taken.grows(entries)
-            if taken.reduce(table[-1]):
-                return False
-            asked = True
-    return asked
+            for r, entries in zip(rows, beside):
+                entries.update((count * width + 1 + j, next(values)) for j in (RIGHT, *r.jacobian))
+            count += 1
+    taken = Echelon()
+    for entries in beside[:-1]:
+        taken.grows(entries)
+    return count > 1 and not taken.reduce(beside[-1])

@@ -25,9 +25,8 @@ from lagc.mechanics.states import States
 from lagc.records import dataclass
 
 _STATES = 3
-_CHOOSING = smooth_as(CORNER, STEP, CHOICE)
-_SIDED = _CHOOSING | {"sqrt"}
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
+_SIDED = smooth_as(CORNER, STEP, CHOICE) | {"sqrt"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +64,6 @@ def _sided(nodes: Iterable[Node]) -> bool:
     return any(node.op in _SIDED for node in reachable(nodes))
 
 
-def _chooses(nodes: Iterable[Node]) -> bool:
-    return any(node.op in _CHOOSING for node in reachable(nodes))
-
-
 def _motionless(row: Row) -> Fault:
     return Fault(
         "LAG0409",
@@ -102,7 +97,7 @@ def drop_redundant(
             faults.append(_contradiction(x, others))
         elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
             continue
-        elif _steady(states, classified, redundant):
+        else:
             from lagc.mechanics.following import follows  # what proves is loaded where there is a question
 
             if not follows(states, x.row, independent):
@@ -112,27 +107,6 @@ def drop_redundant(
         raise Refused(faults)
     kept = [x for k, x in enumerate(classified) if k not in dropped]
     return kept, [(classified[k].row.label, reason) for k, reason in dropped.items()]
-
-
-def _steady(states: States, classified: Sequence[Classified], redundant: Redundant) -> bool:
-    """Whether the row is the same combination of the others at every posture, and for all parameters.
-
-    One that is not, cos(a) s and sin(a) s of rolling in a plane, is all that is left of both where
-    the other vanishes, as s is beside p s where the parameter p is 0.  What the states that are drawn tell of
-    one branch of a choice is not known of others.
-    """
-    rows = [classified[k].row for k in (*redundant.others, redundant.row)]
-    if _chooses([node for row in rows for node in row.jacobian.values()]):
-        return False
-    known: dict[int, float] = {}
-    for table in tables(states, rows, _STATES):
-        *before, last = range(len(table.rows))
-        for line in before:
-            table.add(line, *table.reduce(line))
-        for k, x in table.made_of(table.reduce(last)[1]).items():
-            if abs(x - known.setdefault(k, x)) > _KEPT * abs(x):
-                return False
-    return True
 
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:

@@ -122,6 +122,32 @@ def test_a_branch_that_is_not_taken_need_have_no_slope(x: float) -> None:
     assert evaluate([force, slope], {u: x, k: 3.0}) == pytest.approx(wanted, rel=1e-14)
 
 
+@pytest.mark.parametrize("x", [-1.5, -0.5, 0.5, 1.5])
+def test_nothing_of_a_branch_that_is_not_taken_is_asked(x: float) -> None:
+    """Nested choices, products, and what a branch shares with others, with numbers for both sides."""
+    graph = Graph()
+    u, y = graph.symbol("coordinate", "u"), graph.symbol("coordinate", "y")
+    zero, power = graph.zero, graph.const(2.5)
+    up, down = graph.binary("lt", graph.one, u), graph.binary("lt", u, -graph.one)
+    above, below = graph.pow(u - 1.0, power), graph.pow(-u - 1.0, power)
+    stops = graph.select(up, above, graph.select(down, below, zero))
+    product = graph.select(up, y * y * above / (2.0 + y), zero)
+    logarithm = graph.select(down, y * (-u - 1.0) * graph.unary("log", -u - 1.0), zero)
+    shared = graph.select(up, above, zero) + graph.select(up, 2.0 * above, y)
+    slopes = gradient(graph, {stops: y, product: graph.one, logarithm: graph.one, shared: y}, [u, y])
+    h, at_y = abs(x) - 1.0, 0.7
+    rate = 2.5 * max(h, 0.0) ** 1.5
+    by_u, by_y = (at_y * math.copysign(rate, x), 0.0) if h > 0.0 else (0.0, at_y)
+    if x > 1.0:
+        by_u += at_y**2 / 2.7 * rate + 3.0 * at_y * rate
+        by_y += (2.0 * at_y / 2.7 - at_y**2 / 2.7**2) * h**2.5
+    elif x < -1.0:
+        by_u -= at_y * (math.log(h) + 1.0)
+        by_y += h * math.log(h) + at_y
+    found = evaluate([slopes[u], slopes[y]], {u: x, y: at_y})
+    assert found == pytest.approx([by_u, by_y], rel=1e-14, abs=1e-15)
+
+
 def test_weights_of_several_outputs_add_up() -> None:
     graph = Graph()
     x, y = graph.symbol("coordinate", "x"), graph.symbol("coordinate", "y")

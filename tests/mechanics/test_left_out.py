@@ -27,6 +27,9 @@ CASES = {
     "a root of a square": (HELD + " - der(y)", "sqrt(p^2)*der(x) - p*der(y)", {"p": -2.0}, "xy"),
     "a factor that vanishes": ("p*der(x)", HELD, {"p": 0.0}, "x"),
     "a difference that vanishes": ("(p - q)*der(x)", HELD, {"p": 3.0}, "x"),
+    "a factor that fades": ("(1 - exp(-50*p))*der(x)", HELD, {"p": 0.0}, "x"),
+    "a factor that saturates": ("tanh(100*p)*der(x)", HELD, {"p": 0.0}, "x"),
+    "a factor next to 1": ("(1 + 1e-9*p)*der(x)", HELD, {"p": -1e9}, "x"),
     "the same": (HELD, "(if p > 1 then der(x) else der(y))", {"p": 1.5}, "x"),
 }
 

@@ -20,7 +20,7 @@ DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
     "NALL": lambda n: n["NP"] + n["NPREPARED"], "NSETU": lambda n: n["NSETS"] * n["NU"],
-    "NTREE": lambda n: n["NE"] * 2,
+    "NTREE": lambda n: n["NE"] * 2 + 2,
 }  # fmt: skip
 Part = Mapping[str, Any]  # see `library`
 
