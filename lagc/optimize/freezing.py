@@ -131,11 +131,17 @@ class _Freezing:
         return [bare, self._opposite(bare)]
 
     def _opposite(self, side: Node) -> Node:
-        return self.graph.add(*(-a for a in side.args)) if side.op == "add" else -side
+        return self.graph.add(*map(self._opposite, side.args)) if side.op == "add" else -side
 
     def _base(self, base: Node) -> Node:
-        """That of a power, on its branch and beyond."""
+        """That of a power, on its branch and beyond: with the sign of the whole, where that is known, else
+        with those of its factors."""
+        whole = self._beyond(base)
+        if whole is not self.known[base]:
+            return whole
         c, product = (base.value, base.args[0]) if base.op == "scale" else (1.0, base)
+        if product in self._asked:
+            return self.graph.scale(c, self._beyond(product))
         factors = zip(product.args, product.value) if product.op == "mul" else ((product, 1),)
         held = ((self._beyond(x) if e % 2 else self.known[x], e) for x, e in factors)
         return self.graph.scale(c, self.graph.product(held))
@@ -143,8 +149,11 @@ class _Freezing:
     def _beyond(self, factor: Node) -> Node:
         """A factor with the sign that it has on its branch, where that is known."""
         graph, frozen = self.graph, self.known[factor]
-        if extended(self._ranges, factor)[0] >= 0.0:
+        low, high = extended(self._ranges, factor)
+        if low >= 0.0:
             return frozen if extended(self._ranges, frozen)[0] >= 0.0 else graph.unary("abs", frozen)
+        if high <= 0.0:
+            return frozen if extended(self._ranges, frozen)[1] <= 0.0 else -graph.unary("abs", frozen)
         asking = self._asked.get(factor)
         if asking is None or not self._kind(frozen) & (_TIME | _MOVES):
             return frozen

@@ -125,6 +125,9 @@ LAWS = {
     "outside": "(max(0 [m], u[i] - u[i+1] - gap)/d)^{power}",
     "if": "(if u[i] - u[i+1] > gap then ({way})^{power} else 0)",
     "abs": "max(0, sign({way}))*abs({way})^{power}",
+    "other side": "(if u[i+1] - u[i] + gap < 0 then ({way})^{power} else 0)",
+    "share": "(if {way} > 0 then ({way})^{power} else 0)",
+    "least": "(-min(0 [m], u[i+1] - u[i] + gap)/d)^{power}",
 }
 
 
