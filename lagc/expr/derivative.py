@@ -8,12 +8,14 @@ with the value 0 for the derivative of a step.  A branch that is not taken need 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from typing import Any
+from typing import TypeVar
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import END, OPERATORS, POLE
 from lagc.expr.walk import reachable
 from lagc.records import dataclass
+
+T = TypeVar("T")
 
 
 def partials(graph: Graph, node: Node) -> tuple[Node, ...]:
@@ -90,7 +92,7 @@ def gradient(
     sweep = _Sweep(graph, places, order)
     for node, seed in seeds.items():
         if node in live:
-            sweep.add(node, seed, NEVER)
+            sweep.add(node, seed, ALWAYS)
     for node in reversed(order):
         sweep.pass_on(node, live)
     adjoint = sweep.adjoint
@@ -107,7 +109,7 @@ class _Choice:
     partly: frozenset[Node]
 
 
-NEVER = _Choice((), frozenset())
+ALWAYS = _Choice((), frozenset())
 
 
 class _Sweep:
@@ -128,21 +130,18 @@ class _Sweep:
         if weight.is_zero:
             return
         if node in choice.partly and node not in self.places:
-            weights: dict[Any, Node] = self.chosen.setdefault(node, {})
-            key: Any = choice
-        else:
-            weights, key = self.adjoint, node
-            for condition, which in choice.taken:
-                sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
-                weight = self.graph.select(condition, *sides)
-        held = weights.get(key)
-        weights[key] = weight if held is None else self.graph.add(held, weight)
+            _gather(self.chosen.setdefault(node, {}), choice, weight)
+            return
+        for condition, which in choice.taken:
+            sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
+            weight = self.graph.select(condition, *sides)
+        _gather(self.adjoint, node, weight)
 
     def pass_on(self, node: Node, live: Container[Node]) -> None:
         """To the arguments of a node what its weights give them."""
         weights = [*self.chosen.pop(node, {}).items()]
         if node in self.adjoint:
-            weights.append((NEVER, self.adjoint[node]))
+            weights.append((ALWAYS, self.adjoint[node]))
         for choice, weight in weights:
             if weight.is_zero:
                 continue
@@ -184,6 +183,11 @@ class _Sweep:
             stack.pop()
             found[node] = None
         return list(found)
+
+
+def _gather(weights: dict[T, Node], key: T, weight: Node) -> None:
+    held = weights.get(key)
+    weights[key] = weight if held is None else weight.graph.add(held, weight)
 
 
 def _is_narrow(node: Node) -> bool:
