@@ -132,10 +132,11 @@ class _Sweep:
         if node in choice.partly and node not in self.places:
             _gather(self.chosen.setdefault(node, {}), choice, weight)
             return
+        c, weight = (weight.value, weight.args[0]) if weight.op == "scale" else (1.0, weight)
         for condition, which in choice.taken:
             sides = (weight, self.graph.zero) if which else (self.graph.zero, weight)
             weight = self.graph.select(condition, *sides)
-        _gather(self.adjoint, node, weight)
+        _gather(self.adjoint, node, self.graph.scale(c, weight))  # so that what is opposite cancels
 
     def pass_on(self, node: Node, live: Container[Node]) -> None:
         """To the arguments of a node what its weights give them."""
@@ -190,10 +191,15 @@ def _gather(weights: dict[T, Node], key: T, weight: Node) -> None:
     weights[key] = weight if held is None else weight.graph.add(held, weight)
 
 
+def _is_given(node: Node) -> bool:
+    """Whether it is a parameter, the same in all branches."""
+    return node.op == "symbol" and node.value.kind == "parameter"
+
+
 def _is_narrow(node: Node) -> bool:
     """Whether it need have no value, or no slope, for all values of its arguments."""
     if node.op == "mul":
-        return any(exponent < 0 for exponent in node.value)
+        return any(e < 0 and not _is_given(base) for base, e in zip(node.args, node.value))
     return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
 
 
