@@ -1,7 +1,7 @@
 """Rules: formulas, and terms of sums, that follow one another by their numbers become one, with a counter.
 
-A rule is found where all numbers change evenly from one to the next, and says just what was there: written
-out, it is the same.  What does not fit stays apart.
+A rule is found where all numbers change evenly from one to the next, decimals but for rounding, and says what
+was there: written out, it is the same.  What does not fit stays apart.
 """
 
 from __future__ import annotations
