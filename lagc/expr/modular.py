@@ -92,7 +92,7 @@ class Point:
             before = [len(found) for found in self._found]  # what no symbol from here on changes
             for _ in range(8 << len(ready) if len(ready) <= _MOST_ROOTS else 0):
                 self.symbols[symbol] = self.draw()
-                if all(is_square(u) for u in self.values(ready, truths)):
+                if self._all_squares(ready, truths):
                     break
                 for found, kept in zip(self._found, before):
                     while len(found) > kept:
@@ -100,6 +100,13 @@ class Point:
             else:
                 return False
         return True
+
+    def _all_squares(self, nodes: Sequence[Node], truths: Mapping[Node, int]) -> bool:
+        """One after the other: what holds a root has no value before that is there."""
+        try:
+            return all(is_square(self.values([node], truths)[0]) for node in nodes)
+        except Undefined:
+            return False
 
     def values(self, nodes: Sequence[Node], truths: Mapping[Node, int] | None = None) -> list[int]:
         """The values of `nodes`; `truths` of all comparisons in them, the same at every call.
@@ -343,6 +350,14 @@ def power(x: int, n: int) -> int:
     if n < 0 and x % P == 0:
         raise Undefined
     return pow(x, n, P)
+
+
+def has_root(node: Node) -> bool:
+    """Whether its value is made of the square root of its first argument."""
+    if node.op != "pow":
+        return node.op == "sqrt"
+    exponent = node.args[1]
+    return exponent.op == "const" and math.isfinite(exponent.value) and exponent.value % 1.0 == 0.5
 
 
 def is_square(x: int) -> bool:

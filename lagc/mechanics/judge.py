@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import WRITTEN, Point, Undefined
+from lagc.expr.modular import WRITTEN, Point, Undefined, has_root
 from lagc.expr.walk import reachable
 from lagc.meaning.model import Model
 from lagc.mechanics.branches import Branches, Signs, spelt_out
@@ -136,7 +136,7 @@ class Judge:
 
     def _place(self, truths: Truths) -> Iterator[Placed]:
         found = 0
-        under = [node.args[0] for node in reachable(self._ground.support) if node.op == "sqrt"]
+        under = [node.args[0] for node in reachable(self._ground.support) if has_root(node)]
         for roots, tries in ((True, _TRIES), (False, _POINTS)):
             for seed in range(tries):
                 point = Point(seed, roots, self._ground.digits)

@@ -62,7 +62,10 @@ class Expressions:
         long = [k for k, text in enumerate(short) if not text]
         if self.whole or not long:
             return [text or self.text(node) for text, node in zip(short, nodes)], []
-        found = in_parts(self.equations, [nodes[k] for k in long])
+        try:
+            found = in_parts(self.equations, [nodes[k] for k in long])
+        except NotFinite:
+            return [text or self.text(node) for text, node in zip(short, nodes)], []
         writer = TextWriter(found.names)
         sums = [writer.total(line.left) for line in found.lines if line.kind == "motion"]
         parts = [writer.line(line) for line in found.lines if line.kind == "shared"]

@@ -10,7 +10,8 @@ from fractions import Fraction
 import pytest
 
 from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import P, Point, Undefined, fraction, turns_of
+from lagc.expr.modular import P, Point, Undefined, fraction, has_root, turns_of
+from lagc.expr.walk import reachable
 
 IDENTITIES: dict[str, Callable[[Graph, Node, Node, Node], Node]] = {
     "double angle": lambda g, x, y, z: g.sin(2.0 * x) - 2.0 * g.sin(x) * g.cos(x),
@@ -117,6 +118,22 @@ def test_roots_are_sought() -> None:
     point = Point(5)
     assert point.seek_roots(under, {})
     assert point.values([g.sqrt(u) ** 2 - u for u in under]) == [0] * len(under)
+
+
+def test_roots_are_sought_within_roots_and_under_powers_of_a_half() -> None:
+    """As in a row of contacts: a distance is a root, and so is its distance to the 5/2."""
+    g = Graph()
+    x, y = ([g.symbol("coordinate", f"{name}{i}") for i in range(30)] for name in "xy")
+    apart = [g.sqrt((a - b) ** 2 + (c - d) ** 2) for a, b, c, d in zip(x, x[1:], y, y[1:])]
+    pressed = [1.0 - distance for distance in apart]
+    powers = [g.binary("pow", u, g.const(2.5)) for u in pressed]
+    under = [node.args[0] for node in reachable(powers) if has_root(node)]
+    assert len(under) == 2 * len(apart)
+    point = Point(5)
+    assert point.seek_roots(under, {})
+    assert not any(point.values([p**2 - u**5 for p, u in zip(powers, pressed)]))
+    assert point.exact and point.rooted
+    assert not any(has_root(node) for node in (g.binary("pow", x[0], y[0]), x[0] ** 2, g.one))
 
 
 @pytest.mark.parametrize("value", [0.1, 1.0 / 3.0, 2.0 / 7.0 * 1e-12, 1e300, 4.0 / 3.0 * 0.07, 9.81])
