@@ -98,6 +98,23 @@ def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> Non
         files.open(path, fresh).write(data)
 
 
+@contextmanager
+def folder(path: str) -> Iterator[None]:
+    """The folder `path`, and those above it, made where absent; those that were made go again where the block
+    fails and they are empty.  Raises OSError."""
+    missing = [path]
+    while missing[-1] and not os.path.isdir(missing[-1]):
+        missing.append(os.path.dirname(missing[-1]))
+    try:
+        os.makedirs(path, exist_ok=True)
+        yield
+    except BaseException:
+        for made in missing[:-1]:
+            with suppress(OSError, ValueError):
+                os.rmdir(made)
+        raise
+
+
 def shortened(name: str) -> str:
     """What stands for the name of a file in that of another one: as much of it as any folder takes."""
     return os.fsencode(name)[:LONGEST].decode(sys.getfilesystemencoding(), "ignore")

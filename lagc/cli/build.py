@@ -13,7 +13,7 @@ from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.cli.spare import spare
-from lagc.saving import Files
+from lagc.saving import Files, folder
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -66,14 +66,13 @@ def run(options: argparse.Namespace) -> int:
     return DONE
 
 
-def write(files: dict[str, str], folder: str) -> list[str]:
+def write(files: dict[str, str], where: str) -> list[str]:
     """Write each text whole, none where one cannot be written; the paths.  Raises Usage or Unwritten."""
-    paths = {name: os.path.join(folder, name) for name in files}
+    paths = {name: os.path.join(where, name) for name in files}
     try:
-        os.makedirs(folder, exist_ok=True)
-        with SIGNALS.patience(), Files() as written:
+        with SIGNALS.patience(), folder(where), Files() as written:
             for name, text in files.items():
                 written.open(paths[name]).write(text.encode())
     except OSError as error:
-        raise cannot_write(folder, error) from None
+        raise cannot_write(where, error) from None
     return list(paths.values())

@@ -30,7 +30,7 @@ from lagc.view.formulas import (
 )
 from lagc.view.names import Name, names, taken
 from lagc.view.naming import SharedAlgebra
-from lagc.view.polynomials import NotFinite
+from lagc.view.polynomials import NotFinite, Polynomial
 from lagc.view.recursion import arrays, residuals
 from lagc.view.rules import ruled, summed
 from lagc.view.trigonometry import ShortAlgebra
@@ -38,7 +38,7 @@ from lagc.view.trigonometry import ShortAlgebra
 MOST = 12  # equations of a kind that are all written
 TERMS = 60_000  # of all equations, where they are written as sums that are long
 LOCAL = 30  # terms of what is not long, as where only neighbours act on each other
-FIRST, ALL, EACH = 20_000, 2_000_000, 1_000  # products: for the first of them, for all, or for each
+ONE, ALL, EACH = 20_000, 2_000_000, 1_000  # products: at most for one of them, for all, or for each
 SHORT = 8  # terms and series of such an equation
 KINDS = ("shared", "kinematic", "motion", "position", "velocity", "event")
 
@@ -113,18 +113,23 @@ def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
 
 
 def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
-    """Multiplied out.  Raises TooLarge where the first equation tells that this is no good."""
+    """Multiplied out.  Raises TooLarge where the first equation tells that this is no good, or one is too long."""
     _try_sum(equations, motion)
-    algebra = ShortAlgebra(nonnegative(equations), max(ALL, EACH * len(motion)))
+    algebra = ShortAlgebra(nonnegative(equations))
     collector = collector_of(equations, algebra)
-    every = [tidy(equations, algebra, p) for p in algebra.polynomials(motion)]
+    every: list[Polynomial] = []
+    limit = max(ALL, EACH * len(motion))
+    for node in motion:
+        algebra.limit = min(algebra.spent + ONE, limit)
+        every.append(tidy(equations, algebra, algebra.polynomials([node])[0]))
+    algebra.limit = limit
     found = everything(equations, collector, every)
     algebra.rest()
     return with_long_sums(equations, collector, found)
 
 
 def _try_sum(equations: EquationsOfMotion, motion: Sequence[Node]) -> None:
-    algebra = ShortAlgebra(nonnegative(equations), FIRST)
+    algebra = ShortAlgebra(nonnegative(equations), ONE)
     collector = collector_of(equations, algebra)
     first = tidy(equations, algebra, algebra.polynomials(motion[:1])[0])
     if len(first) > LOCAL and len(first) * len(motion) > TERMS:
