@@ -103,7 +103,7 @@ class Rounding:
         there = self._displaced(tol, FAR)
         if there.status != INTERRUPTED and not self._apart(there, run) <= LINEAR:
             return []
-        moving = [(group, FAR * size) for group, size in self.groups if size > 0.0]
+        moving = [(group, FAR * size) for group, size in self.groups if FAR * size > 0.0]
         left_out = between(there, run)
         grown = [max([1.0, *(abs(x[i] - y[i]) / size for group, size in moving for i in group)])
                  if k not in left_out else 1.0

@@ -107,7 +107,9 @@ def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[st
         return [_declaration(writer.variables[name], repr(name), *how) for name, *how in declared]
     nothing, lines, begun = Total(()), [], set[str]()
     as_lines = [
-        Line("\n".join([how, unit, INDEX.sub("", description)]), name, indices(name), nothing, nothing)
+        Line(
+            "\n".join([how, unit, _plain(INDEX.sub("", description))]), name, indices(name), nothing, nothing
+        )
         for name, how, unit, description in declared
     ]
     for line in ruled(as_lines, writer.taken):

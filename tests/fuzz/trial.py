@@ -116,9 +116,10 @@ class _Trial:
             self._stumble("fmt again", "what is laid out is laid out otherwise a second time")
         if sound and self.chance.random() < 0.4:
             Path("laid_out.lag").write_text(said.out, encoding="utf-8")
-            kept = [self._meaning(file) for file in (self.file, "laid_out.lag")]
-            if kept[0] != kept[1]:
-                self._stumble("fmt", "what is laid out means something else")
+            before, after = [self._meaning(file).split("\n") for file in (self.file, "laid_out.lag")]
+            if before != after:
+                apart = next((x for x in zip(before, after) if x[0] != x[1]), "one is longer")
+                self._stumble("fmt", f"what is laid out means something else: {apart}")
 
     def _meaning(self, file: str) -> str:
         """The generated Python less what names lines of the source."""
