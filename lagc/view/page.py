@@ -113,7 +113,7 @@ def _ruled(equations: EquationsOfMotion, found: Formulas) -> Page:
 
 
 def _in_sums(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
-    """Multiplied out.  Raises TooLarge where the first equation tells that this is no good, or one is too long."""
+    """Multiplied out.  Raises TooLarge where the first tells that this is no good, or one is too long."""
     _try_sum(equations, motion)
     algebra = ShortAlgebra(nonnegative(equations))
     collector = collector_of(equations, algebra)
