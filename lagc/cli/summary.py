@@ -89,7 +89,8 @@ def _accuracy(run: Solution) -> str:
 def _energy(run: Solution) -> str:
     e = run.energy
     work = f", work {e.work:.6g} J" if run.system.nz else ""
-    return f"start {e.start:.6g} J, end {e.end:.6g} J{work}, imbalance {e.imbalance:.1e} J"
+    balance = run.system.interface.balance
+    return f"{balance}: start {e.start:.6g} J, end {e.end:.6g} J{work}, imbalance {e.imbalance:.1e} J"
 
 
 def _method(run: Solution) -> str:

@@ -16,6 +16,7 @@ from lagc.expr.symbol import Symbol
 from lagc.expr.vectors import dot, sub
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
+from lagc.mechanics.energy import WHOLE
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.forms import rate_coefficients
 from lagc.mechanics.freeterms import free_terms, with_rates
@@ -231,7 +232,13 @@ def _conserved(
     steady = motion.vanish([equations.power])
     if steady is not None:
         proved = steady and (sure or equations.power.is_zero)
-        found.append(Conserved("energy", equations.energy, "nothing brings power or takes it", proved))
+        name, reason = "energy", "nothing brings power or takes it"
+        if equations.balance != WHOLE:
+            name, reason = (
+                equations.balance,
+                "only what drives brings power: Jacobi's integral, not the energy",
+            )
+        found.append(Conserved(name, equations.energy, reason, proved))
     forces = _along_rates(equations, states)
     for c in states.model.coordinates:
         if isinstance(c, Coordinate) and c.name in cyclic:

@@ -62,6 +62,7 @@ def derive(model: Model) -> EquationsOfMotion:
         kinetic=totals.kinetic,
         potential=totals.potential,
         energy=totals.energy,
+        balance=totals.balance,
         power=totals.power,
         starts_q=states.starts_q,
         starts_v=states.starts_v,

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Node
 from lagc.expr.vectors import dot
+from lagc.expr.walk import depends
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
@@ -25,12 +26,15 @@ from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import States
 from lagc.records import dataclass
 
+WHOLE, BY_DEGREES, BY_MOMENTA = "K + V", "K2 - K0 + V", "p.v - L"
+
 
 @dataclass(frozen=True, slots=True)
 class Energies:
     kinetic: Node
     potential: Node
     energy: Node  # Jacobi's
+    balance: str  # how it is written: K + V where it is proved to be that
     power: Node  # d(energy)/dt along the motion; the constant zero where nothing brings any
 
 
@@ -50,22 +54,29 @@ def energies(
     power = graph.sum(x.relative_power for x in acting if not x.contribution.conservative)
     explicit = graph.sum(dot(part.explicit, p) for part, p in zip(parts, momenta)) + free.explicit
     explicit = explicit - tangent(graph, [given], {states.model.time: graph.one})[0]
-    if not _is_steady(states, explicit):
+    if not _vanishes(states, explicit):  # as it does of a steady turn
         power = power - explicit
     power = power + graph.sum(x.row.multiplier * x.drive for x in rows)
     return Energies(
         kinetic=kinetic + free.kinetic,
         potential=given + free.potential,
         energy=kinetic - drives + given + free.jacobi,
+        balance=_balance(states, drives, free),
         power=power,
     )
 
 
-def _is_steady(states: States, explicit: Node) -> bool:
-    """It is proved that nothing brings power by time alone: of a steady turn, for instance."""
-    if explicit.is_zero:
+def _balance(states: States, drives: Node, free: FreeTerms) -> str:
+    if _vanishes(states, drives - free.beyond):
+        return WHOLE
+    return BY_DEGREES if not depends(free.mass_matrix.values(), states.v) else BY_MOMENTA
+
+
+def _vanishes(states: States, node: Node) -> bool:
+    """It is proved to."""
+    if node.is_zero:
         return True
     from lagc.mechanics.grounds import anywhere  # what proves is loaded where there is a question
     from lagc.mechanics.judge import Judge
 
-    return bool(Judge(anywhere(states)).vanish([explicit]))
+    return bool(Judge(anywhere(states)).vanish([node]))

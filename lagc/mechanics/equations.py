@@ -162,6 +162,7 @@ class EquationsOfMotion:
     kinetic: Node
     potential: Node  # of the conservative actions
     energy: Node  # the quantity whose balance is kept: K2 - K0 + V (K + V when scleronomic)
+    balance: str  # how it is written
     power: Node  # d(energy)/dt: of non-conservative actions, drives and rheonomic rows (may use lam)
     starts_q: tuple[StartValue, ...]
     starts_v: tuple[StartValue, ...]

@@ -30,6 +30,7 @@ class FreeTerms:
     kinetic: Node  # of `kinetic` terms themselves; of a Lagrangian its energy less that at rest
     potential: Node  # of Lagrangians: minus their value at rest
     jacobi: Node  # sum of rate_i p_i - L
+    beyond: Node  # by which that of `kinetic` terms is more than themselves
     explicit: Node  # dL/dt with coordinates and rates held
 
 
@@ -63,6 +64,7 @@ def free_terms(states: States, terms: Sequence[Lagrangian]) -> FreeTerms:
         kinetic=moved[0] + moved[1] - potential,
         potential=potential,
         jacobi=moved[1] + moved[2],
+        beyond=moved[2] - moved[0],
         explicit=moved[3],
     )
 

@@ -118,6 +118,7 @@ def interface(
         flowing=flowing,
         doubtful=_doubtful(model),
         conservative=equations.power.is_zero and all([row.holonomic for row in equations.rows]),
+        balance=equations.balance,
         driven=bool(depends([row.rate for row in equations.rows], [equations.time])),
         derivatives=dict(derivatives),
     )

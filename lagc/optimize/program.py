@@ -231,6 +231,7 @@ class Interface:
         False  # kinetic energy that nothing keeps from being negative: free terms, products of inertia
     )
     driven: bool = False  # and so do constraints
+    balance: str = "K + V"  # the energy of it, as it is written
     conservative: bool = False  # no action and no constraint does work, and all constraints are holonomic
     lifted: int = 0  # velocities that are unknowns of the linear solve beside the speeds
     limits: tuple[Field, ...] = ()  # values made of parameters that have bounds

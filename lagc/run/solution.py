@@ -233,7 +233,7 @@ class Solution:
             "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final(),
             "events": [{"t": e.t, "name": e.name} for e in self.events],
             "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
-            "energy": {"start": energy.start, "end": energy.end, "work": energy.work,
+            "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
                        "imbalance": energy.imbalance},
             "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
                      "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,

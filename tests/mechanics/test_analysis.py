@@ -56,6 +56,16 @@ def test_a_row_stated_twice_takes_one_freedom() -> None:
     assert "energy" in conserved(a)
 
 
+@pytest.mark.parametrize("turning, name", [(0.0, "energy"), (2.0, "K2 - K0 + V")])
+def test_of_what_is_driven_jacobis_integral_is_kept_and_not_the_energy(turning: float, name: str) -> None:
+    """A bead on a hoop: it turns, or stands."""
+    b = Builder()
+    q = b.coordinate("q")
+    away, turn = b.graph.sin(q), turning * b.time
+    b.particle("p", b.parameter("m"), (away * b.graph.cos(turn), away * b.graph.sin(turn), -b.graph.cos(q)))
+    assert conserved(analyse(derive(b.model())))[0] == name
+
+
 def test_string_pendulum() -> None:
     a = analyse(derive(string_pendulum()))
     assert a.cyclic == ("x",)

@@ -16,12 +16,14 @@ from lagc.expr.graph import Node
 from lagc.expr.symbol import Symbol
 from lagc.mechanics.analysis import analyse
 from lagc.mechanics.derive import derive
+from lagc.mechanics.energy import WHOLE
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.freeterms import free_terms, with_rates
 from lagc.mechanics.inertia import moving_parts
 from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.manifold import walk
 from lagc.mechanics.quantities import Quantities
+from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
 from tests.mechanics.numbers import mass_matrix, motion
 from tests.mechanics.random_systems import model, random_system
@@ -69,6 +71,8 @@ def assert_true(e: EquationsOfMotion) -> None:
     found_states = walk(states, e.rows).all
     assert found_states
     tries = [s for s in found_states if all(map(math.isfinite, mass_matrix(e, s).flat))][:3]
+    apart = [magnitudes([e.energy - e.kinetic - e.potential], s)[0] for s in samples(e.model, 3)]
+    assert (e.balance == WHOLE) == all([not abs(rest) > 1e-11 * size for rest, size in apart])
     claimed = {c.name: c.expression for c in found.conserved}
     for state in tries if claimed else ():
         later = moved(e, state)
