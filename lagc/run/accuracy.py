@@ -132,16 +132,16 @@ class _Search:
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
-        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(),
+        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(longest),
                        report=True, halves=tol not in self.whole)  # fmt: skip
 
-    def _watch(self) -> Callable[[Trajectory], bool]:
+    def _watch(self, longest: float) -> Callable[[Trajectory], bool]:
         looks = [(self.times[0], 0, 0.0)]
 
         def watch(run: Trajectory) -> bool:
             from lagc.run.watch import hopeless  # where a run is long
 
-            return hopeless(self.system, run, self.times[-1], looks)
+            return hopeless(self.system, run, self.times[-1], longest, looks)
 
         return watch
 

@@ -193,7 +193,7 @@ def damping(value: complex) -> float | None:
 def linearize(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
     """About the state x = (q, v), which meets the constraints; where forces bend there, on the side on which
     what they depend on is larger, with a note.  Raises ArithmeticError where the motion is not determined
-    there, forces jump, or derivatives are not finite."""
+    there, forces jump, or derivatives of rates are not finite; those of outputs are nan then, with a note."""
     with np.errstate(all="ignore"):  # what is not finite is refused
         try:
             found = _on_all_sides(system, t, x) if system.interface.switches else _linearized(system, t, x)
@@ -217,7 +217,7 @@ def _on_all_sides(system: NumpySystem, t: float, x: Sequence[float]) -> Linear:
             raise ArithmeticError(f"forces jump there, where {words}: no linear model tells what they do")
     found = _linearized(system, t, x, own)
     notes = [_bent(words, found, _linearized(system, t, x, modes)) for words, modes in others]
-    return replace(found, notes=tuple([note for note in notes if note]))
+    return replace(found, notes=(*found.notes, *[note for note in notes if note]))
 
 
 def _bent(words: str, one: Linear, two: Linear) -> str:
@@ -258,15 +258,29 @@ def _linearized(
     of_inputs = np.abs(point.partial("output", "parameter")) + late @ by_u
     c = rounded(outputs @ chosen.motions, of_state @ moved)
     d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
-    if not all(np.isfinite(table).all() for table in (a, b, c, d)):
-        raise ArithmeticError("the derivatives have no finite value there")
+    interface = system.interface
+    names = (*interface.q_names, *interface.v_names)
+    lost = _without_value(a, b)
+    if lost:
+        rates = ", ".join([f"der({names[chosen.indices[k]]})" for k in lost])
+        raise ArithmeticError(f"the derivatives of {rates} have no finite value there")
+    lost = _without_value(c, d)
+    c[lost], d[lost] = np.nan, np.nan
+    notes = [f"the output `{interface.outputs[k].name}` has no derivatives there" for k in lost]
     moving = changing[chosen.indices].tolist()
     scales = _scales(point, chosen.indices, a)
     pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
     time = 1.0 / float(pace) if pace else 1.0
     least = not any(moving) and _keeps_energy(system, chosen.indices, a) and is_least(point, chosen, a)
     return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
-                  _differs(point, time, 0.0 * far), not _differs(point, time, far), least=least)  # fmt: skip
+                  _differs(point, time, 0.0 * far), not _differs(point, time, far), tuple(notes),
+                  least=least)  # fmt: skip
+
+
+def _without_value(*tables: Array) -> list[int]:
+    """The lines in which something is not finite."""
+    finite = np.isfinite(np.hstack(tables)).all(axis=1)
+    return np.flatnonzero(~finite).tolist()
 
 
 def _keeps_energy(system: NumpySystem, indices: Sequence[int], a: Array) -> bool:

@@ -18,6 +18,7 @@ from lagc.run.problem import System, Trajectory, rates_at
 
 CREEPING = 1e-4  # of their sizes: what states move by in a step that is too short for any smooth motion
 NOTHING = 1e-20  # of the kinetic energy
+ALLOWED = 0.5  # of the longest step: those are as short as somebody asked for
 LONG = 1e9  # operations, about a second: such a run ends where a reason is found
 TOO_LONG = 1e11  # minutes: it ends in any case
 SHORTER = 0.8  # a way of twice the steps than the one before
@@ -27,9 +28,9 @@ CALL = 50.0  # operations that a right-hand side takes beside its own
 Look: TypeAlias = tuple[float, int, float]  # the time reached, steps, operations
 
 
-def hopeless(system: System, run: Trajectory, end: float, looks: list[Look]) -> bool:
-    """Whether `run`, after twice as many steps as at the last of `looks`, would take long and will not reach
-    the time `end`, or creeps.  What it is now becomes the last of them."""
+def hopeless(system: System, run: Trajectory, end: float, longest: float, looks: list[Look]) -> bool:
+    """Whether `run`, in steps of up to `longest`, after twice as many as at the last of `looks`, would take
+    long and will not reach the time `end`, or creeps.  What it is now becomes the last of them."""
     looks.append((run.t, run.steps, _work(system, run)))
     way, steps, work = (b - a for a, b in zip(looks[-2], looks[-1]))
     left = work * (end - run.t) / way if way != 0.0 else work
@@ -37,9 +38,10 @@ def hopeless(system: System, run: Trajectory, end: float, looks: list[Look]) -> 
         return False
     if _ends(looks, end):
         return True
-    return _creeps(system, run, abs(way) / steps) and (
-        left > TOO_LONG or pinned(system, run, run.t, run.x) != ""
-    )
+    step = abs(way) / steps
+    if step > ALLOWED * longest or not _creeps(system, run, step):
+        return False
+    return left > TOO_LONG or pinned(system, run, run.t, run.x) != ""
 
 
 def _ends(looks: Sequence[Look], end: float) -> bool:

@@ -445,6 +445,7 @@ def test_what_is_recorded_takes_the_memory_that_is_foretold() -> None:
     [
         (["--points", "20000000"], "LAG0804"),
         (["--stop", "1e12", "--backend", "numpy"], "LAG0803"),
+        (["--stop", "1e3", "--max-step", "1e-9", "--backend", "numpy"], "LAG0803"),
     ],
 )
 def test_a_run_that_takes_more_than_one_may_want_says_so(

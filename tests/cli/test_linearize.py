@@ -135,6 +135,21 @@ def test_a_slope_without_a_value_is_told(tmp_path: Path, capsys: Capture) -> Non
     assert "no finite value" in capsys.readouterr().err
 
 
+def test_an_output_without_a_slope_takes_its_own_line_alone(tmp_path: Path, capsys: Capture) -> None:
+    """A norm at zero; what else there is has its numbers."""
+    path = tmp_path / "norm.lag"
+    path.write_text(
+        "model Norm coordinate Length x(start = 2 [m]); body b = Particle(mass = 1 [kg], at = {x, 0, 0});"
+        "potential s = (1/2*8 [N/m])*x^2; output Velocity v = norm(velocity(b)), u = der(x); end Norm;"
+    )
+    for words in ([], ["--equilibrium"]):
+        assert main(["linearize", str(path), "--json", *words]) == 0
+        found = json.loads(capsys.readouterr().out)
+        (linear,) = found["linear"]
+        assert linear["C"] == [[None, None], [0.0, 1.0]] and linear["A"] == [[0.0, 1.0], [-8.0, 0.0]]
+        assert found["notes"] == ["the output `v` has no derivatives there"]
+
+
 @pytest.mark.parametrize(
     "words",
     [["--at", "x"], ["--at", "1", "--equilibrium"], ["-o", "a.txt"], ["-o", "/no/such/a.json"],

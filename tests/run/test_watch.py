@@ -168,7 +168,7 @@ def test_only_times_that_converge_end_a_run_in_full_swing(name: str) -> None:
         t = PACES[name](steps)
         x = [math.cos(t), -math.sin(t)]
         done = Trajectory([0.0], [[1.0, 0.0]], t, x, steps=steps, rhs=12 * steps)
-        ended = ended or hopeless(system, done, 1e12, looks)
+        ended = ended or hopeless(system, done, 1e12, math.inf, looks)
         assert looks[-1][2] * (1e12 - t) / t > LONG
     assert ended == (name in ("to a singularity", "geometrically"))
 
