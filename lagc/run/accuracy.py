@@ -132,8 +132,8 @@ class _Search:
         before = max((r.steps + r.rejected for r in self.runs.values()), default=0)
         limit = 100 * before + 10_000 if before else 0
         longest = longest_step(self.system, self.method, tol, self.times[-1] - self.times[0], self.max_step)
-        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, watch=self._watch(longest),
-                       report=True, halves=tol not in self.whole)  # fmt: skip
+        return Options(method=self.method, rtol=tol, max_steps=limit, max_step=longest, report=True,
+                       watch=self._watch(longest), halves=tol not in self.whole)  # fmt: skip
 
     def _watch(self, longest: float) -> Callable[[Trajectory], bool]:
         looks = [(self.times[0], 0, 0.0)]

@@ -259,11 +259,10 @@ def _linearized(
     c = rounded(outputs @ chosen.motions, of_state @ moved)
     d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
     interface = system.interface
-    names = (*interface.q_names, *interface.v_names)
-    lost = _without_value(a, b)
-    if lost:
-        rates = ", ".join([f"der({names[chosen.indices[k]]})" for k in lost])
-        raise ArithmeticError(f"the derivatives of {rates} have no finite value there")
+    states = (*interface.q_names, *interface.v_names)
+    if lost := _without_value(a, b):
+        moved_by = ", ".join([f"der({states[chosen.indices[k]]})" for k in lost])
+        raise ArithmeticError(f"the derivatives of {moved_by} have no finite value there")
     lost = _without_value(c, d)
     c[lost], d[lost] = np.nan, np.nan
     notes = [f"the output `{interface.outputs[k].name}` has no derivatives there" for k in lost]

@@ -188,7 +188,7 @@ def _missed(system: System, found: Verified, asked: float) -> Verdict:
             return Verdict("failed", message, run, estimated)
         if not until:
             until = f"; {estimated:.0e} or so can be, and more by the code of `lagc build --real quad`"
-        message = f"the accuracy {asked:g} cannot be reached in double precision here: {why}{until}"
+        message = f"the accuracy {asked:g} cannot be assured in double precision here: {why}{until}"
         return Verdict("failed", message, run, estimated)
     from lagc.run.cause import cause, growth
 
