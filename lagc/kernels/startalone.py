@@ -12,7 +12,7 @@ from lagc.kernels.tables import ends
 from lagc.kernels.words import Params, Real, Vec
 
 RUNGS = 12  # looked at on either side of 0, up and down from the size of an unknown
-HALVINGS = 60  # of an interval, or until no number is left in it
+HALVINGS = 60  # of an interval, or until no number is left in it; most are steps of Newton
 
 
 def put(at: Place, there: Place) -> None:
@@ -67,6 +67,18 @@ def hides(a: Place, b: Place) -> bool:
     return falls(b, a) and one > other
 
 
+def closer(a: Place, b: Place, at: Place, before: Real) -> Real:
+    """Where the tangent at one of two places is zero, if that is between them and less than half as far away
+    as the step `before` went; else in the middle."""
+    there = at.value - at.residual / at.slope if at.slope != 0.0 else at.value + before
+    if there == at.value:
+        return there
+    inside = (a.value < there and there < b.value) or (b.value < there and there < a.value)
+    if inside and fabs(there - at.value) < 0.5 * fabs(before):
+        return there
+    return 0.5 * (a.value + b.value)
+
+
 def halve(p: Params, t: Real, y: Vec[NU], i: int, j: int, one: Place, other: Place, w: StartWork) -> bool:
     """Move y to where the residual changes its sign between two places; False where it jumps there."""
     a = Place()
@@ -74,11 +86,14 @@ def halve(p: Params, t: Real, y: Vec[NU], i: int, j: int, one: Place, other: Pla
     b = Place()
     put(b, other)
     middle = Place()
+    put(middle, b)
+    before = b.value - a.value
     for n in range(HALVINGS):
-        between = 0.5 * (a.value + b.value)
-        if between == a.value or between == b.value:
+        value = closer(a, b, middle, before)
+        if value == a.value or value == b.value:
             break
-        look(p, t, y, i, j, between, middle, w)
+        before = value - middle.value
+        look(p, t, y, i, j, value, middle, w)
         if opposite(a, middle):
             put(b, middle)
         else:
