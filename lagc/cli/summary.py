@@ -44,7 +44,7 @@ def summary(run: Solution, scene_chosen: bool, quiet: bool = False, verbose: boo
 
 
 def _final(run: Solution, verbose: bool) -> list[str]:
-    final = run.final()
+    final = run.final
     units = run.units
     names = list(final) if verbose else _shown(run, list(final))
     width = max((len(n) for n in names), default=0)

@@ -187,6 +187,7 @@ class Solution:
         """d(name)/d(by) over the recorded times, by a parameter or a start that the run was asked for."""
         return self[f"d({name})/d({by})"]
 
+    @property
     def final(self) -> dict[str, float]:
         """Every column at the last recorded time."""
         last = replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
@@ -230,7 +231,7 @@ class Solution:
         return {
             "status": self.status, "message": self.message, "model": interface.model,
             "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
-            "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final(),
+            "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final,
             "events": [{"t": e.t, "name": e.name} for e in self.events],
             "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
             "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,

@@ -35,7 +35,7 @@ def picture(solution: Solution) -> str:
 def table(solution: Solution) -> str:
     interface, units = solution.system.interface, solution.units
     caption = html.escape(one_line(f"{interface.model}, scene {interface.scene}: {solution.message}"))
-    rows = [(name, f"{value:.9g}", units.get(name, "")) for name, value in solution.final().items()]
+    rows = [(name, f"{value:.9g}", units.get(name, "")) for name, value in solution.final.items()]
     cells = ["".join(f"<td>{html.escape(cell)}</td>" for cell in row) for row in rows]
     body = "".join(f"<tr>{row}</tr>" for row in cells)
     head = "<tr><th>name</th><th>value</th><th>unit</th></tr>"

@@ -46,7 +46,7 @@ def test_constant_speed_turns_as_the_force_across_the_path_says() -> None:
 
     start = [0.0, 0.0, math.atan2(0.8, 0.6)]
     expected = solve_ivp(rate, (0.0, 5.0), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    final = lagc.loads(SPEED).compile().simulate(5.0, accuracy=1e-10, points=2).final()
+    final = lagc.loads(SPEED).compile().simulate(5.0, accuracy=1e-10, points=2).final
     assert abs(final["x"] - expected[0]) <= 1e-9
     assert abs(final["y"] - expected[1]) <= 1e-9
 

@@ -27,7 +27,7 @@ def test_cartesian_pendulum_over_many_periods() -> None:
     assert run.velocity_drift <= 1e-15
     # 1e-7 over 1e5 periods (of m g l = 4.9 J); it grows linearly
     assert abs(run.energy.imbalance) <= 1e-7 * 9.81 * 0.5 * periods / 2000.0
-    final = run.final()
+    final = run.final
     assert math.isclose(final["x"], 0.5, rel_tol=1e-6)
 
 
@@ -42,7 +42,7 @@ def test_sleigh_runs_straight_for_half_an_hour() -> None:
     k = a * top / c**2
     t0 = -math.atanh(v0 / top) / k
     heading = (c / a) * (math.pi / 2.0 - math.atan(math.sinh(-k * t0)))  # of the last straight
-    final = run.final()
+    final = run.final
     assert abs(final["v"] - top) <= 1e-8 * top
     assert abs(final["theta"] - heading) <= 1e-8
     from scipy.integrate import quad

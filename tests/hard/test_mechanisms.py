@@ -34,7 +34,7 @@ def _run(
 def test_andrews_mechanism_to_a_millionth() -> None:
     (sample,) = [s for s in read("andrews_squeezer").samples if s.t == 0.03]
     run = _run(lagc.load("classic/andrews_squeezer").compile(), 0.03, 1e-8)
-    final = run.final()
+    final = run.final
     for name in ("beta", "Theta", "gamma", "Phi", "delta", "Omega", "epsilon"):
         assert abs(final[name] - sample.values[name]) <= 1e-6
     assert run.position_drift <= 1e-15

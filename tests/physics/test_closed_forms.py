@@ -142,20 +142,20 @@ def test_shaken_pendulum_stands_upright_and_the_still_one_falls() -> None:
 
 def test_controlled_cart_brings_its_pendulum_upright() -> None:
     run = motion("classic/cart_pendulum", 20.0, "balanced", accuracy=1e-6)
-    final = run.final()
+    final = run.final
     assert abs(final["theta"]) < 1e-3 and abs(final["x"]) < 1e-2
-    assert motion("classic/cart_pendulum", 2.0, "falling", accuracy=1e-6).final()["theta"] > 1.0
+    assert motion("classic/cart_pendulum", 2.0, "falling", accuracy=1e-6).final["theta"] > 1.0
 
 
 def test_governor_settles_where_the_forces_balance() -> None:
     run = motion("classic/watt_governor", 20.0, "driven", accuracy=1e-6)
     expected = math.acos(3.0 * G / (0.2 * 14.0**2))
-    assert_close(run.final()["theta"], expected, 1e-3)  # the last of the transient
+    assert_close(run.final["theta"], expected, 1e-3)  # the last of the transient
 
 
 def test_racket_turns_over_and_back_in_its_period() -> None:
     run = motion("classic/racket_flip", 45.88488122496584444659, accuracy=1e-10)
-    final = run.final()
+    final = run.final
     assert run["w2"].min() < -0.999 and run["w2"].max() > 0.999
     assert_close(final["w1"], 0.57735289733980435501, 1e-7)
     assert_close(final["w3"], 0.99999040995401550901, 1e-7)
@@ -230,5 +230,5 @@ def test_published_constants_of_the_references() -> None:
     assert math.isclose(run["z"].min(), -0.8511918971852326, abs_tol=1e-5)  # between grid points
     assert math.isclose(run["z"].max(), -0.5, abs_tol=1e-9)
     top = motion("classic/heavy_top", 2.278301997688738312163)
-    assert_close(top.final()["theta"], math.radians(60.0), 1e-9)
-    assert_close(top.final()["der(theta)"], 0.0, 1e-8)
+    assert_close(top.final["theta"], math.radians(60.0), 1e-9)
+    assert_close(top.final["der(theta)"], 0.0, 1e-8)

@@ -66,7 +66,7 @@ def test_pair_moves_alike(first: str, second: str, stop: float, seen1: Map, seen
     for name, seen in ((first, seen1), (second, seen2)):
         run = lagc.load(name).compile().simulate(stop, accuracy=ACCURACY / 10, points=2)
         assert run.status == "ok", run.message
-        found.append(seen(run.final(), stop))
+        found.append(seen(run.final, stop))
     one, two = found
     assert one.keys() == two.keys()
     for name in one:
@@ -86,7 +86,7 @@ def test_disc_rolls_alike_with_its_height_built_in() -> None:
     built_in = built_in.replace("  constraint touch: z = r*cos(lean);\n", "")
     built_in = built_in.replace("  output", "  output Force up = reaction(roll)[3];\n  output")
     one, two = (
-        lagc.loads(text).compile(backend="numpy").simulate(2.0, accuracy=ACCURACY / 10, points=2).final()
+        lagc.loads(text).compile(backend="numpy").simulate(2.0, accuracy=ACCURACY / 10, points=2).final
         for text in (disc, built_in)
     )
     assert two.pop("up") == 0.0 and len(two) == len(one) - 2  # z and its rate

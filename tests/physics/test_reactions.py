@@ -10,7 +10,7 @@ import lagc
 def _final(name: str, stop: float, **parameters: float) -> dict[str, float]:
     run = lagc.load(name).compile().simulate(stop, accuracy=1e-10, points=2, parameters=parameters)
     assert run.status == "ok", run.message
-    return run.final()
+    return run.final
 
 
 def test_string_pulls_with_weight_and_centrifugal_force() -> None:
@@ -66,7 +66,7 @@ def test_piston_pin_carries_its_inertia() -> None:
     # Newton's law of the piston alone: m3 s'' is the force on its pin along x
     system = lagc.load("classic/slider_crank").compile("idle")
     run = system.simulate(0.2, accuracy=1e-10, points=2)
-    state = [run.final()[n] for n in run.state_names]
+    state = [run.final[n] for n in run.state_names]
     rate = system.rhs(0.2, state)
     acceleration = float(rate[run.state_names.index("der(s)")])
-    assert math.isclose(run.final()["Px"], -0.5 * acceleration, rel_tol=1e-9)
+    assert math.isclose(run.final["Px"], -0.5 * acceleration, rel_tol=1e-9)

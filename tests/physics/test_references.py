@@ -20,7 +20,7 @@ def test_motion_is_the_published_one(name: str, t: float) -> None:
         tol = reference.tolerance
         run = compiled(name).simulate(t, method="dop853", rtol=tol, atol=tol, points=2)
     assert run.status == "ok", run.message
-    found = run.final()
+    found = run.final
     for quantity, value in sample.values.items():
         error = abs(found[quantity] - value) / reference.scale(quantity)
         assert error <= reference.accuracy, (quantity, found[quantity], value)

@@ -51,7 +51,7 @@ def test_everything_travels(name: str, backend: str) -> None:
     assert there.states == here.states and there.parameters == here.parameters
     for column in here.columns:
         assert there[column].tolist() == here[column].tolist(), column
-    assert final == here.final()
+    assert final == here.final
     assert (
         again.interface == model.interface and again.bind(values).system.parameters == here.system.parameters
     )

@@ -163,7 +163,7 @@ def test_an_oscillator_whose_mass_has_few_digits_moves() -> None:
     """Below the smallest normal number, 2.2e-308, a last place is no share of a number."""
     system = lagc.loads(OSCILLATOR).compile(backend="numpy")
     run = system.simulate(3.0, accuracy=1e-9, parameters={"m": 1e-310, "k": 1e-310}, starts={"x": 1.0})
-    assert run.status == "ok" and abs(run.final()["x"] - cos(3.0)) <= 1e-9
+    assert run.status == "ok" and abs(run.final["x"] - cos(3.0)) <= 1e-9
 
 
 @pytest.mark.parametrize("angle", [1e-3, 1e-12, 1e-15, 1e-20])
