@@ -20,7 +20,7 @@ from lagc.run.request import Request
 from lagc.run.simulate import by_hand
 from lagc.run.startslopes import start_slopes
 from lagc.run.truncation import SAFETY, is_tied
-from lagc.run.variation import Followed, Variation
+from lagc.run.variation import FAINT, Followed, Variation
 from lagc.run.varied import Direction
 
 if TYPE_CHECKING:
@@ -39,14 +39,16 @@ Progress = Callable[[float], None]
 class Sensitivities:
     """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
     none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
-    of states to the same theta; None where it is not known.  `message` says why they end early, or are not as
-    good as asked; the cost is that of all integrations."""
+    of states to the same theta; None where it is not known.  `doubts`, (nq + nv, directions): what `values`
+    may be off by, as is estimated or by rounding.  `message` says why they end early, or are not as good as
+    asked; the cost is that of all integrations."""
 
     system: NumpySystem
     directions: tuple[Direction, ...]
     times: list[float]
     states: list[list[float]]
     values: Array
+    doubts: Array
     estimated: float | None
     message: str
     interrupted: bool
@@ -56,6 +58,7 @@ class Sensitivities:
     integrations: int
     run_s: float
     _columns: dict[str, Array] = field(default_factory=dict, repr=False)
+    _doubts: dict[str, Array] = field(default_factory=dict, repr=False)
 
     def __str__(self) -> str:
         by = ", ".join([d.name for d in self.directions])
@@ -77,10 +80,15 @@ class Sensitivities:
     def column(self, column: str) -> list[float]:
         """Of a state, the rate of a coordinate or an output, over the recorded times."""
         name, direction = self._names[column]
-        if not self._columns:
-            self._fill()
+        self._fill()
         found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
         return found
+
+    def doubt(self, column: str) -> float:
+        """What a column may be off by: nothing within it tells of the motion."""
+        name, direction = self._names[column]
+        self._fill()
+        return float(self._doubts[name][self.directions.index(direction)])
 
     @cached_property
     def _names(self) -> dict[str, tuple[str, Direction]]:
@@ -93,8 +101,9 @@ class Sensitivities:
         """At the last recorded time alone."""
         end = slice(-1, None)
         return replace(
-            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={}
-        )
+            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={},
+            _doubts={},
+        )  # fmt: skip
 
     def told(self) -> dict[str, Any]:
         """For JSON."""
@@ -107,6 +116,9 @@ class Sensitivities:
         }  # fmt: skip
 
     def _fill(self) -> None:
+        """The columns of rates and outputs follow from those of the states, and so do their doubts."""
+        if self._columns:
+            return
         interface = self.system.interface
         states = (*interface.q_names, *interface.v_names)
         rates = [derived(name) for name in interface.q_names]
@@ -114,7 +126,7 @@ class Sensitivities:
         columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
         places = [d.parameter for d in self.directions if d.parameter is not None]
         more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
-        n = len(states)
+        off, n = np.zeros(more.shape[1:]), len(states)
         for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
             if np.isnan(own).all():
                 continue
@@ -124,9 +136,16 @@ class Sensitivities:
                 except ArithmeticError:
                     continue
                 for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):
-                    more[k, rows] = point.total(part, "state") @ own
+                    by_state = point.total(part, "state")
+                    more[k, rows] = by_state @ own
+                    terms = np.abs(by_state) @ np.abs(own)
                     if places:
-                        more[k, rows, columns] += point.total(part, "parameter")[:, places].T
+                        by_parameter = point.total(part, "parameter")[:, places]
+                        more[k, rows, columns] += by_parameter.T
+                        terms[:, columns] += np.abs(by_parameter)
+                    here = np.abs(by_state) @ self.doubts + CLEAR * FAINT * terms
+                    off[rows] = np.fmax(off[rows], here)
+        self._doubts = dict(zip((*rates, *outputs), off)) | dict(zip(states, self.doubts))
         found = {name: self.values[:, k] for k, name in enumerate(states)}
         found.update({name: more[:, k] for k, name in enumerate((*rates, *outputs)) if name not in found})
         self._columns = found
@@ -150,8 +169,9 @@ def sensitivities(
     Where they are not as asked it has failed, and says why."""
     began = perf_counter()
     shape = (len(run.times), system.nq + system.nv, len(directions))
+    values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
     found = Sensitivities(
-        system, directions, run.times, run.states, np.full(shape, np.nan), None, "", False, 0, 0, 0, 0, 0.0
+        system, directions, run.times, run.states, values, doubts, None, "", False, 0, 0, 0, 0, 0.0
     )
     with np.errstate(all="ignore"):  # what is not finite is found
         try:
@@ -207,6 +227,7 @@ def _verified(
     if request.by_hand:
         done = follow(by_hand(request))
         found.values[:, :, kept], found.message = done.values, done.message
+        found.doubts[:, kept] = _doubts(done, 0.0, found.system.interface.kinds)
         return [kept[k] for k in done.lost]
     assert request.accuracy is not None
     tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
@@ -231,6 +252,7 @@ def _verified(
         if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
             break
     found.values[:, :, kept], found.message = done.values, done.message
+    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, found.system.interface.kinds)
     if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
         known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
         found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
@@ -252,3 +274,13 @@ def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
         relative = np.divide(apart, size, out=np.zeros_like(apart), where=known)
         worst = max(worst, float(relative.max(initial=0.0)))
     return worst
+
+
+def _doubts(done: Followed, estimated: float, kinds: Sequence[int]) -> Array:
+    """Of each state, by directions: the error that is estimated of its kind, or what rounding may be."""
+    place = np.searchsorted(sorted(set(kinds)), kinds)
+    sizes = np.array(
+        [np.nanmax(np.abs(done.values[:, place == k]), axis=(0, 1)) for k in range(len(done.terms))]
+    )
+    found: Array = np.maximum(CLEAR * done.rounding, estimated * np.maximum(sizes, done.terms))
+    return found[place]

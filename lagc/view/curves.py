@@ -20,15 +20,18 @@ ROUNDING = 1e-12  # of what an output is made of: a change below it is no more t
 
 @dataclass(frozen=True, slots=True)
 class Scales:
-    """What is rounding: changes of the states `still` whatever they are, of outputs beside their `sizes`."""
+    """What is rounding: all of what is `still`, changes of outputs beside their `sizes`, and of sensitivities
+    within their `doubts`."""
 
     still: frozenset[str]
     sizes: dict[str, float]
+    doubts: dict[str, float]
 
     def is_flat(self, name: str, values: Sequence[float], unit: str) -> bool:
-        """Whether what is shown of `name` is a constant."""
+        """Whether what is shown of `name`, in SI, is a constant."""
         share = CONSTANT if unit == "J" else ROUNDING
-        return name in self.still or is_constant(values, share * self.sizes.get(name, 0.0))
+        least = max(share * self.sizes.get(name, 0.0), 2.0 * self.doubts.get(name, 0.0))
+        return name in self.still or is_constant(values, least)
 
 
 def is_constant(values: Sequence[float], least: float = 0.0) -> bool:
@@ -52,10 +55,17 @@ def scales(solution: Solution) -> Scales:
     from lagc.run.problem import Trajectory
 
     if len(solution) < 2:
-        return Scales(frozenset(), {})
+        return Scales(frozenset(), {}, {})
     times, states = solution.times, solution.states
     run = Trajectory(times, states, times[-1], states[-1], steps=solution.cost.steps)
-    return Scales(frozenset(_still(solution, run)), _sizes(solution, run))
+    doubts = _doubts(solution)
+    zero = [name for name, doubt in doubts.items() if all(abs(x) <= doubt for x in solution.column(name))]
+    return Scales(frozenset([*_still(solution, run), *zero]), _sizes(solution, run), doubts)
+
+
+def _doubts(solution: Solution) -> dict[str, float]:
+    varied = solution.sensitivities
+    return {} if varied is None else {n: varied.doubt(n) for n in solution.names if n in varied}
 
 
 def _still(solution: Solution, run: Trajectory) -> Iterator[str]:

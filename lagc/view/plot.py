@@ -190,13 +190,14 @@ def _draw_group(
     ends, flat, size = [0.0] if known.still.issuperset(names) else [], True, 0.0
     for number, name in enumerate(names):
         run = solution if solution.sensitivities and name in solution.sensitivities else drawn
-        values = [factor * x for x in run.column(name)]
+        values = run.column(name)
         finite = [x for x in values if math.isfinite(x)]
         if finite and name not in known.still:
-            ends += [min(finite), max(finite)]
-            size = max(size, known.sizes.get(name, 0.0))
+            ends += [factor * min(finite), factor * max(finite)]
+            size = max(size, factor * known.sizes.get(name, 0.0))
             flat = flat and known.is_flat(name, finite, unit)
-        axis.plot(run.times, values, label=name, **_line(number, len(names)))
+        shown = [factor * x for x in values]
+        axis.plot(run.times, shown, label=name, **_line(number, len(names)))
     _label(axis, unit, names)
     if flat and ends:
         low, high = min(ends), max(ends)

@@ -7,7 +7,7 @@ import multiprocessing
 import pickle
 import subprocess
 import sys
-from operator import methodcaller
+from operator import attrgetter, methodcaller
 from pathlib import Path
 
 import pytest
@@ -47,7 +47,7 @@ def test_everything_travels(name: str, backend: str) -> None:
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         there = pool.apply(methodcaller("simulate", stop=0.2, accuracy=1e-7, points=6), (bound,))
         again = pool.apply(methodcaller("compile", backend=backend), (file,))
-        final = pool.apply(methodcaller("final"), (here,))
+        final = pool.apply(attrgetter("final"), (here,))
     assert there.states == here.states and there.parameters == here.parameters
     for column in here.columns:
         assert there[column].tolist() == here[column].tolist(), column

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from itertools import pairwise
 from pathlib import Path
@@ -171,6 +172,37 @@ def test_what_is_small_and_no_rounding_fills_its_axis() -> None:
     axis = next(axis for axis in plot(run).axes if axis.get_ylabel() == "x [m]")
     low, high = axis.get_ylim()
     assert high - low < 2.5 * max(abs(run["x"])) < 1e-4
+
+
+@pytest.mark.parametrize("by_hand", [False, True])
+def test_what_a_sensitivity_is_off_by_does_not_fill_an_axis(by_hand: bool) -> None:
+    """The mass cancels; the energy changes with the length by m*g*cos(theta0), all the time."""
+    options = {"rtol": 1e-8} if by_hand else {}
+    model = lagc.load(str(MODELS / "course/simple_pendulum.lag")).compile(backend="numpy")
+    run = model.simulate(10.0, sensitivity=["l", "m", "start(theta)"], **options)
+    axes = {axis.get_ylabel().partition(" ")[0]: axis for axis in plot(run).axes}
+    assert 0.0 < max(abs(run["d(theta)/d(m)"])) < 1e-12
+    assert axes["d(theta)/d(m)"].get_ylim() == (-1.0, 1.0)
+    low, high = axes["d(theta)/d(l)"].get_ylim()
+    assert high - low < 2.5 * 180.0 / math.pi * max(abs(run["d(theta)/d(l)"]))
+    if not by_hand:
+        low, high = axes["d(E)/d(l)"].get_ylim()
+        assert low < -5.5 and high > -4.5
+        assert not axes["d(E)/d(l)"].yaxis.get_major_formatter().get_useOffset()
+
+
+def test_what_a_sensitivity_is_off_by_covers_what_it_is() -> None:
+    """Rates and outputs have the doubts of what they are made of."""
+    model = lagc.load(str(MODELS / "course/simple_pendulum.lag")).compile(backend="numpy")
+    run = model.simulate(10.0, accuracy=1e-5, sensitivity=["l", "m"])
+    exact = model.simulate(10.0, accuracy=1e-11, sensitivity=["l", "m"])
+    assert run.sensitivities is not None
+    for name in run.names:
+        if name in run.sensitivities:
+            size = max(abs(exact[name]))
+            assert run.sensitivities.doubt(name) <= 1e-4 * size or size < 1e-12
+    energy = run["d(E)/d(l)"]
+    assert max(energy) - min(energy) <= 2.0 * run.sensitivities.doubt("d(E)/d(l)")
 
 
 def test_many_panels_stand_in_columns() -> None:
