@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, dot
 from lagc.frontend import tree
 from lagc.meaning import model as nouns
-from lagc.meaning.calls import match
+from lagc.meaning.calls import look_at_arguments, match
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import each, evaluate, evaluate_as
@@ -20,6 +24,7 @@ from lagc.meaning.written import given_scalar
 
 INERTIA = dimension(kg=1, m=2)
 GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
+NO_BODY = "a body is a `Particle(...)` or a `Solid(...)`"
 STANDARD = 9.81  # m/s2, where a model says nothing else
 
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
@@ -39,19 +44,20 @@ def declare_body(context: Context, entry: Entry) -> Value:
             "modify the parameters that it is made of",
         )
     call = _call_of(entry)
-    if not isinstance(call.function, tree.Name) or call.function.name not in _PARAMETERS:
-        raise Wrong("LAG0221", "a body is a `Particle(...)` or a `Solid(...)`", call.function.span)
-    given = _arguments(context, entry, call, call.function.name)
-    mass, place = _mass(given["mass"]), given.get("com") or given.get("at")
+    name = call.function.name if isinstance(call.function, tree.Name) else ""
+    if name not in _PARAMETERS:
+        look_at_arguments(context, call, entry.environment)
+        raise Wrong("LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS))
+    given = _arguments(context, entry, call, name)
+    place = given.get("com") or given.get("at")
     if place is None:
         remedy = "write `com = {0, 0, 0}` where that is the origin"
         raise Wrong("LAG0210", "`Solid` needs the argument `com`, its centre of mass", call.span, remedy)
     if "com" in given and "at" in given:
         raise Wrong("LAG0209", "`com` and `at` are the same, give one", given["at"].span)
-    position = _place(context, place)
-    frame, inertia = None, None
-    if "frame" in given:
-        frame, inertia = _frame(given["frame"]), _inertia(context, given["inertia"])
+    found: dict[str, Any] = dict(each(context, lambda part: (part, _READ[part](context, given[part])), given))
+    mass, position = found["mass"], found.get("com") or found["at"]
+    frame, inertia = found.get("frame"), found.get("inertia")
     velocity = velocity_of(context, place, None)
     body = nouns.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
     entry.nouns.append(body)
@@ -68,7 +74,7 @@ def _call_of(entry: Entry) -> tree.Call:
         return tree.Call(tree.Name(name.path[0], name.span), source.arguments, source.span)
     assert isinstance(source, tree.Construct)
     if not isinstance(source.value, tree.Call):
-        raise Wrong("LAG0221", "a body is a `Particle(...)` or a `Solid(...)`", source.value.span)
+        raise Wrong("LAG0221", NO_BODY, source.value.span)
     return source.value
 
 
@@ -86,7 +92,7 @@ def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> di
     return dict(each(context, one, [p for p in parameters if written[p] is not None]))
 
 
-def _mass(given: Argument) -> Node:
+def _mass(_: Context, given: Argument) -> Node:
     scalar = scalar_of(given.value, given.span, "`mass`")
     expect(scalar.dimension, KG, given.span, "`mass`")
     if scalar.node.is_const and scalar.node.value < 0:
@@ -103,7 +109,7 @@ def _place(context: Context, given: Argument) -> Vector:
     return vector
 
 
-def _frame(given: Argument) -> nouns.Frame:
+def _frame(_: Context, given: Argument) -> nouns.Frame:
     if not isinstance(given.value, nouns.Frame):
         raise Wrong("LAG0221", f"`frame` is a frame, this is {kind(given.value)}", given.span)
     return given.value
@@ -113,6 +119,11 @@ def _inertia(context: Context, given: Argument) -> Matrix:
     for scalar in flat(given.value, given.span, "an inertia"):
         expect(scalar.dimension, INERTIA, given.span, "an inertia")
     return _matrix(context, given.value, given.span)
+
+
+_READ: dict[str, Callable[[Context, Argument], object]] = {
+    "mass": _mass, "at": _place, "com": _place, "frame": _frame, "inertia": _inertia,
+}  # fmt: skip
 
 
 def _matrix(context: Context, value: Value, span: Span) -> Matrix:

@@ -37,17 +37,38 @@ def call(context: Context, e: tree.Call, environment: Environment) -> Value:
     """The value of a call.  Raises Wrong."""
     if len(e.arguments) > LONGEST:
         raise Wrong("LAG0209", f"a call of more than {LONGEST} arguments", e.span)
+    try:
+        called, arguments = _called(context, e, environment)
+    except (Wrong, Poisoned):
+        look_at_arguments(context, e, environment)
+        raise
+    if not isinstance(called, Builtin):
+        return _inline(context, e, environment, *called, arguments)
+    filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
+    given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
+    return _applied(context, called, e, given)
+
+
+def _called(
+    context: Context, e: tree.Call, environment: Environment
+) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
+    """What is called, and its arguments in the order of its parameters.  Raises Wrong, Poisoned."""
     own = _declared(context, e.function, environment)
     if own is not None:
-        return _inline(context, e, environment, *own)
+        names = _parameters(own[0])
+        return own, match(context, e, names, len(names), f"`{own[0].name}`")
     name = e.function.name if isinstance(e.function, tree.Name) else ""
     builtin = BUILTINS.get(name)
     if builtin is None:
         raise _unknown(name, e, environment)
-    arguments = match(context, e, builtin.parameters, builtin.required, f"`{name}`")
-    filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
-    given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
-    return _applied(context, builtin, e, given)
+    return builtin, match(context, e, builtin.parameters, builtin.required, f"`{name}`")
+
+
+def look_at_arguments(context: Context, e: tree.Call, environment: Environment) -> None:
+    """Report the faults within the arguments of a call that is itself at fault."""
+    for argument in e.arguments[:LONGEST]:
+        if argument.value is not None:
+            context.attempt(evaluate, context, argument.value, environment)
 
 
 def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
@@ -154,19 +175,25 @@ def _declared(
     return found, space_only(space, found.span)
 
 
+def _parameters(function: tree.FunctionDeclaration) -> tuple[str, ...]:
+    """Their names.  Raises Wrong."""
+    names = tuple(name for _, name, _ in function.parameters)
+    for k, (_, name, span) in enumerate(function.parameters):
+        if name in names[:k]:
+            first = function.parameters[names.index(name)][2]
+            raise Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
+    return names
+
+
 def _inline(
     context: Context,
     e: tree.Call,
     environment: Environment,
     function: tree.FunctionDeclaration,
     home: Environment,
+    arguments: list[tree.Expression | None],
 ) -> Value:
-    names = tuple(name for _, name, _ in function.parameters)
-    for k, (_, name, span) in enumerate(function.parameters):
-        if name in names[:k]:
-            first = function.parameters[names.index(name)][2]
-            raise Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
-    arguments = match(context, e, names, len(names), f"`{function.name}`")
+    names = _parameters(function)
     types = [type_of(t, home.space) for t, _, _ in function.parameters]
     written = [a for a in arguments if a is not None]  # all of them: none is optional
 

@@ -10,7 +10,7 @@ from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of, unit_remedy
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import all_values, each, evaluate, evaluate_as
+from lagc.meaning.evaluate import all_values, both, each, evaluate, evaluate_as
 from lagc.meaning.functions import Argument
 from lagc.meaning.model import Body, Frame
 from lagc.meaning.motion import material_velocity, velocity_of
@@ -141,22 +141,27 @@ def declare_load(context: Context, entry: Entry) -> Value:
     body = others.pop(0) if source.body is not None else None
     reaction = others.pop(0) if source.reaction is not None else None
     mentioned = tuple(context.mentioned_velocities)
-    vector, found = vector_of(value, source.value.span, f"a {source.kind}")
-    named = "Force [N]" if is_force else "Torque [N.m]"
-    expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
-    for node in vector:
-        _timely(context, node, source.value.span, f"a {source.kind}")
+    place = Argument(target, source.target.span)
+
+    def load() -> Vector:
+        vector, found = vector_of(value, source.value.span, f"a {source.kind}")
+        named = "Force [N]" if is_force else "Torque [N.m]"
+        expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
+        for node in vector:
+            _timely(context, node, source.value.span, f"a {source.kind}")
+        return vector
+
     if is_force:
-        place = Argument(target, source.target.span)
-        velocity, at = _where_applied(context, source, place, body, reaction)
+        vector, (velocity, at) = both(
+            context, load, lambda: _where_applied(context, source, place, body, reaction)
+        )
         entry.nouns.append(
             nouns.Force(
                 entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
             )
         )
     else:
-        frame = _frame_of(target, source.target)
-        opposite = _frame_of(reaction, source.reaction) if reaction and source.reaction else None
+        vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
         entry.nouns.append(
             nouns.Torque(
                 entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
@@ -187,6 +192,12 @@ def _where_applied(
         return velocity, None
     other = material_velocity(context, Argument(reaction, source.reaction.span), place)
     return sub(velocity, other), None
+
+
+def _frames(source: tree.Load, target: Value, reaction: Value | None) -> tuple[Frame, Frame | None]:
+    """Those on which a torque and its opposite act."""
+    opposite = _frame_of(reaction, source.reaction) if reaction and source.reaction else None
+    return _frame_of(target, source.target), opposite
 
 
 def _frame_of(value: Value, written: tree.Expression) -> Frame:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterable
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from lagc.frontend import tree
 from lagc.meaning.bare import is_bare
@@ -96,6 +96,13 @@ def each(context: Context, find_one: Callable[[Item], T], items: Iterable[Item])
     if failed:
         raise Poisoned
     return found
+
+
+def both(context: Context, one: Callable[[], T], other: Callable[[], Item]) -> tuple[T, Item]:
+    """What two jobs find; where any is at fault, the faults of both are reported first."""
+    jobs: tuple[Callable[[], Any], ...] = one, other
+    first, second = each(context, lambda job: job(), jobs)
+    return first, second
 
 
 def all_values(

@@ -44,11 +44,13 @@ _ATTRIBUTES = {
     "output": ("displayUnit",),
 }  # fmt: skip
 
+_SYMBOLS = ("parameter", "input", "coordinate", "speed")  # what others are made of, whatever its value is
 _SAID = {"structural": "structural parameter"}
 
 
 def declare_quantity(context: Context, entry: Entry) -> Value:
-    """The value of a quantity, and its nouns.  Raises Wrong."""
+    """The value of a quantity, and its nouns; of one at fault what it stands for, so that others are looked
+    at all the same.  Raises Wrong."""
     source, declaration = entry.source, entry.declaration
     assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
     if (
@@ -59,8 +61,12 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         from lagc.meaning.orientations import declare_orientation
 
         return declare_orientation(context, entry, source)
-    meant = type_of(declaration.type, entry.environment.space)
-    if entry.kind == "structural" and meant.name != "Integer" and declaration.type is not None:
+    try:
+        meant: QuantityType | None = type_of(declaration.type, entry.environment.space)
+    except Wrong as wrong:
+        context.report(wrong)
+        meant = None
+    if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
         raise Wrong(
             "LAG0221",
             "a structural parameter is an `Integer`: it counts",
@@ -69,15 +75,32 @@ def declare_quantity(context: Context, entry: Entry) -> Value:
         )
     sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
     attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
-    quantity = Quantity(entry, source, meant, sizes, attributes, _display(context, meant, attributes))
     try:
-        return _DECLARE[entry.kind](context, quantity)
+        if meant is not None:
+            display = _display(context, meant, attributes)
+            return _DECLARE[entry.kind](context, Quantity(entry, source, meant, sizes, attributes, display))
     except Wrong as wrong:
         context.report(wrong)
     except Poisoned:
         pass
-    look_at_all(context, quantity)
-    raise Poisoned
+    look_at_all(context, entry, attributes)
+    return _stand_in(context, entry, sizes, None if meant is None else meant.dimension)
+
+
+def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimension | None) -> Value:
+    """Symbols of a quantity that is at fault.  Raises Poisoned where it is one that has none."""
+    if entry.kind not in _SYMBOLS:
+        raise Poisoned
+    graph, found = context.graph, []
+    entry.nouns.clear()
+    for subscript in subscripts(sizes, entry.source.span):
+        symbol = graph.symbol(entry.kind, entry.member(subscript))
+        found.append(Scalar(symbol, dimension))
+        top = symbol
+        for _ in range({"coordinate": 2, "speed": 1}.get(entry.kind, 0)):
+            context.clock.runs(top, graph.leaf(top.record.derivative))
+            top = graph.leaf(top.record.derivative)
+    return shaped(found, sizes)
 
 
 def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:

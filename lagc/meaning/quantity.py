@@ -29,9 +29,7 @@ class Quantity:
     display: str
 
     def name(self, subscript: tuple[int, ...]) -> str:
-        if not subscript:
-            return self.entry.path
-        return f"{self.entry.path}[{','.join(str(n) for n in subscript)}]"
+        return self.entry.member(subscript)
 
     @property
     def description(self) -> str:
@@ -104,9 +102,9 @@ def check_bounds(
         )
 
 
-def look_at_all(context: Context, quantity: Quantity) -> None:
+def look_at_all(context: Context, entry: Entry, attributes: dict[str, Modifier]) -> None:
     """Report the faults of all that is written about a quantity."""
-    value = written_value(quantity.entry)
-    for modifier in [*quantity.attributes.values(), *([] if value is None else [value])]:
+    value = written_value(entry)
+    for modifier in [*attributes.values(), *([] if value is None else [value])]:
         if modifier.argument.value is not None:
             context.attempt(evaluate, context, modifier.argument.value, modifier.environment)

@@ -163,7 +163,7 @@ def _check_given(context: Context, instance: Instance) -> None:
                 context.report(Wrong(code, f"`{name}` {reason}", given.span))
                 continue
             entries = [e for e in instance.in_order() if e.kind in kinds]
-            if any(e.state == "poisoned" and e.path == _base(given.owner) for e in entries):
+            if context.faults and any(not e.nouns and e.path == _base(given.owner) for e in entries):
                 continue
             known = [n for e in entries for n in (_names(e.nouns) or [e.path])]
             remedy = did_you_mean(name, known) or _other_kind(instance, _base(given.owner))

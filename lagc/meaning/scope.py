@@ -89,6 +89,10 @@ class Entry:
     def span(self) -> Span:
         return self.source.name_span
 
+    def member(self, subscript: tuple[int, ...]) -> str:
+        """The full name of an element, or without a subscript of the whole."""
+        return self.path + (f"[{','.join(str(n) for n in subscript)}]" if subscript else "")
+
 
 Item: TypeAlias = "Entry | list[Item]"
 

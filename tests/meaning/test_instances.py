@@ -209,7 +209,52 @@ def test_all_faults_come_at_once() -> None:
     with pytest.raises(Refused) as refused:
         read("model A parameter Real k = y; parameter Mass m = 1 [s]; coordinate Length x; "
              "potential V = z*1 [N] + w; constraint c: x = m; end A;")  # fmt: skip
-    assert sorted(f.code for f in refused.value.faults) == ["LAG0201", "LAG0201", "LAG0201", "LAG0302"]
+    assert sorted(f.code for f in refused.value.faults) == [*["LAG0201"] * 3, "LAG0301", "LAG0302"]
+
+
+TOGETHER = [
+    (
+        "what is called is not known",
+        "body b = Partcle(mass = m, at = {x, y, cos(thetta)});",
+        "LAG0201 LAG0221",
+    ),
+    ("a function is not known", "output Length u = sine(thetta);", "LAG0201 LAG0201"),
+    ("an argument is not known", "output Real u = sin(thetta, k = phii);", "LAG0201 LAG0201 LAG0209"),
+    (
+        "a function of the model has more arguments",
+        "function f(Length u) = u; output Length v = f(x, thetta);",
+        "LAG0201 LAG0209",
+    ),
+    ("both of a body's are wrong", "body b = Particle(mass = x, at = {m, m, m});", "LAG0302 LAG0302"),
+    ("a force and its place are wrong", "force f = {m, 0, 0} at 3 [m];", "LAG0302 LAG0306"),
+    ("a torque and its frame are wrong", "torque f = {m, 0, 0} on x;", "LAG0221 LAG0302"),
+    (
+        "the type of what is used is not known",
+        "parameter Lenght l; output Mass u = l + x;",
+        "LAG0203 LAG0302",
+    ),
+    ("what is used is wrong", "coordinate Length z(start = 1 [kg]); output Mass u = z;", "LAG0302 LAG0302"),
+    (
+        "an array that is used is wrong",
+        "parameter Mass k[2] = 1 [m]; output Length u = k[1];",
+        "LAG0302 LAG0302",
+    ),
+    ("a speed that is used is wrong", "speed Velocity u = m*der(x); output Mass v = u;", "LAG0302 LAG0302"),
+]
+
+
+@pytest.mark.parametrize(("text", "codes"), [c[1:] for c in TOGETHER], ids=[c[0] for c in TOGETHER])
+def test_a_fault_hides_no_other(text: str, codes: str) -> None:
+    with pytest.raises(Refused) as refused:
+        read(f"model A parameter Mass m = 1; coordinate Length x, y; {text} end A;")
+    assert sorted(f.code for f in refused.value.faults) == codes.split()
+
+
+def test_values_for_what_is_at_fault_are_no_further_fault() -> None:
+    with pytest.raises(Refused) as refused:
+        read("model A parameter Lenght l; coordinate Length x(start = 1 [s]); scene s "
+             "parameter l = 3; start x = 1; start der(x) = 2; end s; end A;")  # fmt: skip
+    assert sorted(f.code for f in refused.value.faults) == ["LAG0203", "LAG0302"]
 
 
 def test_a_fault_is_told_once() -> None:
