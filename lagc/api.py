@@ -93,7 +93,8 @@ class ModelFile:
         return CompiledModel(Compilation(self.source, choice), backend)
 
     def check(self) -> list[Fault]:
-        """Every fault of the text, in all its scenes."""
+        """The faults of the text, in all its scenes: of its syntax or, without such, of its names and
+        dimensions; without these of its equations, then of its starts."""
         from lagc.checking import check
 
         return check(self.source, Choice())

@@ -1,4 +1,7 @@
-"""`check`: what a run would meet, of every model, scene and effect of a source, all at once."""
+"""`check`: what a run would meet, of every model, scene and effect of a source.
+
+The faults of a stage come all at once; what a later one would make of a text that is at fault is not known.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from typing import TYPE_CHECKING
 from lagc.compiler import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.limits import Exhausted, go_on, stage
-from lagc.records import replace
+from lagc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from lagc.frontend.tree import Tree
@@ -16,10 +19,31 @@ if TYPE_CHECKING:
     from lagc.mechanics.equations import EquationsOfMotion
 
 
+STAGES = ("syntax", "names and dimensions", "equations", "starts")
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """`unseen`: the stages that were not reached everywhere, as one before has found faults."""
+
+    faults: list[Fault]
+    unseen: tuple[str, ...]
+
+
 def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[Fault]:
-    """Every fault of `source`: of its syntax or, where that is sound, of each of its models and
+    """The faults of `source`, as far as one can see them."""
+    return look(source, choice, roots).faults
+
+
+def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked:
+    """Every fault of the syntax of `source` or, where that is sound, of each of its models and
     scenes (of those named in `choice`), of their starts, and of the effects that no scene uses.  The
     parameters of `choice` are given to those that have them."""
+    reached = [len(STAGES)]  # stages, by each model and scene
+    return Checked(_look(source, choice, roots, reached), STAGES[min(reached) :])
+
+
+def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
     from lagc.frontend.scenes import ByScene
     from lagc.meaning.degrees import whole_radians
     from lagc.meaning.variants import variants
@@ -27,10 +51,11 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
     try:
         tree = parse(source)
     except Refused as refused:
+        reached.append(1)
         return list(refused.faults)
     known: set[str] = set()
     if choice.scene is not None:
-        found = _faults(tree, choice, roots, known)
+        found = _faults(tree, choice, roots, known, reached)
         return [*whole_radians(tree), *found.values(), *_unknown(choice, known)]
     faults: dict[tuple[object, ...], Fault] = {}
     models: set[str | None] = set()
@@ -46,10 +71,10 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
         # The first look at a model tells what is wrong between its scenes.
         file = scenes.only(v.scene) if v.scene and v.model in models else tree
         models.add(v.model)
-        found = _faults(file, each, roots, known)
+        found = _faults(file, each, roots, known, reached)
         if found and v.alone:  # an effect that no scene uses: what is wrong both with the others and without
             alone = replace(each, without_effects=(*each.without_effects, *v.alone))
-            without = _faults(file, alone, roots, known)
+            without = _faults(file, alone, roots, known, reached)
             found = {key: fault for key, fault in found.items() if key in without}
         for key, fault in found.items():
             faults.setdefault(key, fault)
@@ -57,18 +82,22 @@ def check(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> list[F
 
 
 def _faults(
-    tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str]
+    tree: Tree, choice: Choice, roots: tuple[str, ...], known: set[str], reached: list[int]
 ) -> dict[tuple[object, ...], Fault]:
     """The faults of one choice, by code and place, and the warnings where there are none; the names of its
-    parameters and inputs go to `known`."""
+    parameters and inputs go to `known`, how many stages were reached to `reached`."""
     faults: Sequence[Fault]
+    stages = 2
     try:
         model = resolve(tree, choice, roots)
+        stages = 3
         known.update([p.name for p in model.parameters], [u.name for u in model.inputs], model.built_in)
         equations = derive(model)
+        stages = 4
         faults = [*equations.warnings, *_unstarted(model, equations, choice)]
     except Refused as refused:
         faults = refused.faults
+    reached.append(stages)
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         span = fault.span

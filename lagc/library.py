@@ -62,6 +62,15 @@ def _not_found(name: str, wanted: str, matches: list[str], models: list[str]) ->
         return Fault("LAG0701", message, remedy=f"did you mean the file `{name}{SUFFIX}`?")
     from lagc.diagnostics.suggest import closest
 
+    folder, file = os.path.split(name)
+    if folder or file.endswith(SUFFIX):  # who writes so means a file
+        with suppress(OSError, ValueError):
+            close = closest(file, sorted(f for f in os.listdir(folder or ".") if f.endswith(SUFFIX)))
+            if close:
+                found = os.path.join(folder, close)
+                return Fault("LAG0701", message, remedy=f"did you mean the file `{found}`?")
+    if file.endswith(SUFFIX):
+        return Fault("LAG0701", message)
     short = [m.rpartition("/")[2] for m in models]
     close = closest(wanted, short + models)
     return Fault("LAG0701", message, remedy=f"did you mean the library model `{close}`?" if close else None)

@@ -1,13 +1,17 @@
-"""The faults of model files, all of them."""
+"""The faults of model files: of each stage all that one can see."""
 
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from lagc.cli.exits import DONE, Usage, code_of
 from lagc.cli.options import add_general_options, add_limit_options, add_parameter_option, quantities
 from lagc.cli.output import print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
+
+if TYPE_CHECKING:
+    from lagc.checking import Checked
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -30,34 +34,42 @@ def run(options: argparse.Namespace) -> int:
         return explain(options.explain)
     if not options.files:
         raise Usage("which file? `lagc check FILE...`")
+    from lagc.checking import STAGES
+
     faults: list[Fault] = []
+    left: set[str] = set()
     for name in options.files:
-        faults += faults_of(name, options)
+        found = look_at(name, options)
+        faults += found.faults
+        left.update(found.unseen)
+    unseen = [stage for stage in STAGES if stage in left]
     wrong = [f for f in faults if f.severity == "error"]
     if options.json or options.format == "json":
         from lagc.diagnostics.report import as_json
 
-        print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults)})
+        print_json({"status": "refused" if wrong else "ok", "faults": as_json(faults), "unseen": unseen})
     elif faults:
-        print_faults(faults, color=False if options.no_color else None, result=True)
+        last = f"{', '.join(unseen[:-1])} and {unseen[-1]}" if len(unseen) > 1 else "".join(unseen)
+        more = f"{last} are looked at once there are none" if unseen else ""
+        print_faults(faults, color=False if options.no_color else None, result=True, more=more)
     elif not options.quiet:
         say("no faults in " + (f"{len(options.files)} files" if len(options.files) > 1 else options.files[0]))
     return code_of(wrong) if wrong else DONE
 
 
-def faults_of(name: str, options: argparse.Namespace) -> list[Fault]:
+def look_at(name: str, options: argparse.Namespace) -> Checked:
     from lagc import checking, compiler, library
 
     try:
         source = library.read(name)
     except Refused as refused:
-        return list(refused.faults)
+        return checking.Checked(list(refused.faults), ())
     given = quantities(options.parameters, "-p")
     choice = compiler.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
-        return checking.check(source, choice)
+        return checking.look(source, choice)
     except Refused as refused:  # of what was given
-        return list(refused.faults)
+        return checking.Checked(list(refused.faults), ())
 
 
 def explain(code: str) -> int:

@@ -16,7 +16,7 @@ from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
 
 COMMANDS = {
-    "check": "the faults of model files, all of them",
+    "check": "the faults of model files, those of each stage at once",
     "fmt": "the one way to lay a model out",
     "explain": "what was inferred from a model",
     "equations": "the equations of motion, as a person would write them",

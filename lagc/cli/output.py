@@ -85,11 +85,13 @@ def use_color(stream: TextIO | None, wanted: bool | None = None) -> bool:
     return not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb" and stream.isatty()
 
 
-def print_faults(faults: Iterable[Fault], color: bool | None = None, result: bool = False) -> None:
+def print_faults(
+    faults: Iterable[Fault], color: bool | None = None, result: bool = False, more: str = ""
+) -> None:
     """On standard error or, where they are the `result`, on standard output."""
     from lagc.diagnostics.report import report
 
-    text = report(list(faults), color=use_color(sys.stdout if result else sys.stderr, color)) + "\n"
+    text = report(list(faults), use_color(sys.stdout if result else sys.stderr, color), more) + "\n"
     (_put if result else draw)(text)
 
 

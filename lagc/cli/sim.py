@@ -7,7 +7,6 @@ is estimated by comparing runs.  `--method` with `--rtol`, `--atol` or `--step` 
 from __future__ import annotations
 
 import argparse
-import os
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -30,8 +29,6 @@ from lagc.records import replace
 if TYPE_CHECKING:
     from lagc.meaning.model import Model
     from lagc.run.request import Request
-
-PICTURES = (".png", ".svg", ".pdf", ".jpg", ".webp", ".eps")
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -151,11 +148,12 @@ def check_picture(options: argparse.Namespace) -> None:
             raise Usage("a picture needs matplotlib: pip install matplotlib")
     if options.plot:
         from lagc.saving import obstacle
+        from lagc.view.plot import check_ending
 
-        ending = os.path.splitext(options.plot)[1].lower()
-        if ending not in PICTURES:
-            known = " ".join(PICTURES)
-            raise Usage(f"`{options.plot}` cannot be drawn: the ending says the format; there are {known}")
+        try:
+            check_ending(options.plot)
+        except ValueError as error:
+            raise Usage(str(error)) from None
         reason = obstacle(options.plot)
         if reason:
             raise Usage(f"`{options.plot}` cannot be drawn: {reason}")

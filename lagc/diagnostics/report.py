@@ -29,14 +29,14 @@ _COLORS = {
 _PLAIN_END = "\033[0m"
 
 
-def report(faults: Sequence[Fault], color: bool = False) -> str:
-    """All of `faults` as text, in the order of their places, with a count at the end."""
+def report(faults: Sequence[Fault], color: bool = False, more: str = "") -> str:
+    """All of `faults` as text, in the order of their places; at the end a count, and what is said `more`."""
     ordered = sorted(faults, key=_order)
     blocks = [_block(fault, color) for fault in ordered[:MOST]]
     if len(ordered) > MOST:
         blocks.append(f"... and {len(ordered) - MOST} more")
-    if len(ordered) > 1:
-        blocks.append(_count(ordered))
+    if len(ordered) > 1 or more:
+        blocks.append("; ".join(filter(None, [_count(ordered), more])))
     return "\n\n".join(blocks)
 
 

@@ -76,6 +76,7 @@ _KINDS: dict[type, str] = {
 }  # fmt: skip
 
 
+_NUMBER = re.compile(r"(?<![\w.\[^])(?!0(?![\d.]))\d")  # but 0, subscripts and exponents, which take no unit
 _AS_NUMBER = "write `if condition then 1 else 0`"
 
 
@@ -159,9 +160,12 @@ def expect(
 def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
     """What to write where something of dimension `found` stands."""
     unit = f"[{si_text(wanted)}]"
-    if found == NONE:
-        return f"give a number in it its unit, such as `1 {unit}`"
     written = span.source.text[span.start : span.end] if span else ""
+    plain = re.sub(r'"[^"]*"', '""', written)  # names of files and columns are no numbers
+    if found == NONE and (not span or _NUMBER.search(plain)):
+        return f"give a number in it its unit, such as `1 {unit}`"
+    if found == NONE and "table(" in plain and '""' in plain:
+        return f"give the columns their unit in the first line of the file, as `u {unit}`"
     literal = re.fullmatch(r"[-+.\w]+\s*(\[[^\]]*\])", written)
     if literal is None:
         return f"a factor in `[{si_text(over(wanted, found))}]` is missing in it"

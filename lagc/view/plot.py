@@ -35,6 +35,7 @@ COLORS = (
     "#7f7f7f",
     "#000000",
 )  # Okabe, Ito
+ENDINGS = (".png", ".svg", ".pdf")
 LEGEND = 12  # lines an axis names one by one
 WIDTH = 8.0  # inches, of a column of panels
 COLUMN = 6  # panels of a picture that has one column
@@ -98,11 +99,17 @@ def styled() -> Iterator[None]:
 def save(figure: Figure, path: str) -> None:
     """The same picture gives the same file: without a date."""
     dateless: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    ending = os.path.splitext(path)[1].lstrip(".").lower()
-    if not ending:
-        raise ValueError(f"`{path}` cannot be drawn: the ending says the format")
+    check_ending(path)
+    kind = os.path.splitext(path)[1].lstrip(".").lower()
     with styled(), Files() as files:
-        figure.savefig(files.open(path), format=ending, dpi=160, metadata=dateless.get(ending))
+        figure.savefig(files.open(path), format=kind, dpi=160, metadata=dateless.get(kind))
+
+
+def check_ending(path: str) -> None:
+    """Raises ValueError where a picture has no such ending."""
+    if os.path.splitext(path)[1].lower() not in ENDINGS:
+        known = " ".join(ENDINGS)
+        raise ValueError(f"`{path}` cannot be drawn: the ending says the format; there are {known}")
 
 
 def draw(solution: Solution, figure: Figure, names: Sequence[str] = ()) -> None:

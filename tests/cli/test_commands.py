@@ -61,6 +61,26 @@ def test_check_tells_every_fault_with_its_place(tmp_path: Path, capsys: Capture)
     assert (fault["line"], fault["column"], fault["severity"]) == (3, 42, "error")
 
 
+@pytest.mark.parametrize(
+    ("line", "unseen"),
+    [
+        ("potential V = 1 [J", ["names and dimensions", "equations", "starts"]),
+        ("potential V = 1 [N];", ["equations", "starts"]),
+        ("constraint c: abs(x) = 0;", ["starts"]),
+        ("constraint c: x^2 = -1 [m2];", []),
+    ],
+)
+def test_check_says_which_stages_were_not_reached(
+    line: str, unseen: list[str], tmp_path: Path, capsys: Capture
+) -> None:
+    path = tmp_path / "wrong.lag"
+    path.write_text(WRONG.replace("y, 0, 0});", f"x, 0, 0}});\n  {line}"))
+    assert main(["check", str(path), "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["unseen"] == unseen
+    assert main(["check", str(path)]) == 1
+    assert ("looked at once there are none" in capsys.readouterr().out) == bool(unseen)
+
+
 def test_check_of_a_missing_file_is_wrong_usage(capsys: Capture) -> None:
     assert main(["check", "nofile.lag"]) == 2
     assert main(["check"]) == 2

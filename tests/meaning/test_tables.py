@@ -252,6 +252,20 @@ def test_a_column_of_a_file_is_a_table(content: str, table: str, tmp_path: Path)
     assert asked(tmp_path, table) == pytest.approx([1.0, 2.0, 1.0, -1.0], rel=1e-14)
 
 
+def test_the_remedy_for_columns_without_a_unit_is_one_in_the_header(tmp_path: Path) -> None:
+    (tmp_path / "m.lag").write_text(
+        "model M coordinate Length x; body b = Particle(mass = 1, at = {x, 0, 0});\n"
+        'force f = {table(time, "d.csv", "u1") - table(time, "d.csv", "v"), 0, 0} at b; end M;'
+    )
+    (tmp_path / "d.csv").write_text("t,u1,v\n0,1,2\n1,2,3\n")
+    with pytest.raises(Refused) as refused:
+        lagc.load(str(tmp_path / "m.lag")).compile().simulate(1.0)
+    remedy = refused.value.faults[0].remedy
+    assert remedy == "give the columns their unit in the first line of the file, as `u [N]`"
+    (tmp_path / "d.csv").write_text("t,u1 [N],v [N]\n0,1,2\n1,2,3\n")
+    assert lagc.load(str(tmp_path / "m.lag")).compile().simulate(1.0).status == "ok"
+
+
 def test_what_a_run_writes_is_a_table_with_its_units(tmp_path: Path) -> None:
     from lagc.run.files import save
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+import lagc
 from lagc.checking import check
 from lagc.cli.main import main
 from lagc.compiler import Choice
@@ -78,6 +79,17 @@ PROGRAMS = [b for b in blocks("python") if not b[0].startswith("embedding.md")]
 @pytest.mark.parametrize(("where", "text"), PROGRAMS, ids=[where for where, _ in PROGRAMS])
 def test_python_runs_as_printed_there(saved: Path, where: str, text: str) -> None:
     exec(compile(text, where, "exec"), {})
+
+
+def test_what_is_found_for_a_start_is_what_is_said_there() -> None:
+    page = (ROOT / "docs" / "language.md").read_text(encoding="utf-8")
+    (model,) = [text for where, text in blocks("modelica") if text.startswith("model Disc ")]
+    road, straight = (
+        lagc.loads(model).compile(scene, backend="numpy").simulate(0.01) for scene in ("road", "straight")
+    )
+    assert any(note in page for note in road.notes if note.startswith("found for the start")), road.notes
+    assert straight["der(x)"][0] == pytest.approx(1.5, rel=1e-12)
+    assert straight["der(psi)"][0] == straight["der(theta)"][0] == 0.0
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

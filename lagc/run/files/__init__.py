@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from lagc.run.solution import Solution
 
 FORMATS = {".csv": "csv", ".npz": "npz", ".parquet": "parquet"}
-PLANNED = (".h5", ".mat")
 
 
 class CannotSave(Exception):
@@ -29,8 +28,7 @@ def check_path(path: str) -> str:
         return "csv"
     if ending not in FORMATS:
         known = " ".join(FORMATS)
-        reason = f"{ending} is not built yet" if ending in PLANNED else "the ending says the format"
-        raise CannotSave(f"`{path}` cannot be written: {reason}; there are {known}")
+        raise CannotSave(f"`{path}` cannot be written: the ending says the format; there are {known}")
     if ending == ".parquet" and find_spec("pyarrow") is None:
         raise CannotSave(f"`{path}` needs the package pyarrow: pip install pyarrow")
     for each in targets(path):
