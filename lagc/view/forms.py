@@ -31,6 +31,7 @@ class Linear:
 
 Number: TypeAlias = int | Fraction | Linear
 Numbers: TypeAlias = list[Any]  # int for indices, Fraction for coefficients
+Counters: TypeAlias = tuple[tuple[str, Number, Number], ...]  # name, first, last
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +76,8 @@ class Total:
 @dataclass(frozen=True, slots=True)
 class Line:
     """`left` = `right`, for all values of the counters, of which each is (name, first, last), the bounds in
-    those before it; of what kind, and of what.  At an event, when the `condition` becomes true, `left` takes
-    the value `right`."""
+    those before it; of what kind, and of what.  At an event, when the `condition` of a `clause` becomes true,
+    `left` takes the value `right`."""
 
     kind: str
     label: str
@@ -84,7 +85,8 @@ class Line:
     left: Total
     right: Total
     condition: Total | None = None
-    counters: tuple[tuple[str, Number, Number], ...] = ()
+    clause: Number = 0
+    counters: Counters = ()
 
 
 Part: TypeAlias = Term | Series
@@ -101,9 +103,11 @@ class Former:
     def total(self, found: Sum) -> Total:
         return Total(tuple([self._term(product) for product in found.terms]))
 
-    def line(self, kind: str, label: str, left: Sum, right: Sum, condition: Sum | None) -> Line:
+    def line(
+        self, kind: str, label: str, left: Sum, right: Sum, condition: Sum | None = None, clause: int = 0
+    ) -> Line:
         given = None if condition is None else self.total(condition)
-        return Line(kind, label, indices(label), self.total(left), self.total(right), given)
+        return Line(kind, label, indices(label), self.total(left), self.total(right), given, clause)
 
     def _term(self, product: Product) -> Term:
         factors = [(self._factor(base), e) for base, e in product.factors]
@@ -169,6 +173,7 @@ def pattern(form: Any, numbers: Numbers) -> Hashable:
     for counter, first, last in form.counters:
         found += [counter, _plain(first, numbers), _plain(last, numbers)]
     found += [pattern(x, numbers) for x in (form.left, form.right, form.condition) if x is not None]
+    found.append(_plain(form.clause, numbers))
     return tuple(found)
 
 
@@ -197,7 +202,7 @@ def changed(form: Any, change: Callable[[Number], Number]) -> Any:
     counters = tuple([(name, change(first), change(last)) for name, first, last in form.counters])
     left, right = changed(form.left, change), changed(form.right, change)
     condition = None if form.condition is None else changed(form.condition, change)
-    return Line(form.kind, form.label, own, left, right, condition, counters)
+    return Line(form.kind, form.label, own, left, right, condition, change(form.clause), counters)
 
 
 def value(number: Number, at: Mapping[str, int]) -> Number:
@@ -225,7 +230,7 @@ def written_out(form: Any, at: Mapping[str, int]) -> Any:
         own = tuple([value(x, at) for x in form.indices])
         left, right = written_out(form.left, at), written_out(form.right, at)
         condition = None if form.condition is None else written_out(form.condition, at)
-        return Line(form.kind, form.label, own, left, right, condition)
+        return Line(form.kind, form.label, own, left, right, condition, value(form.clause, at))
     raise TypeError(form)
 
 

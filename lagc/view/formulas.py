@@ -25,13 +25,15 @@ from lagc.view.trigonometry import ShortAlgebra, TurningAlgebra, shorten, unit_q
 @dataclass(frozen=True, slots=True)
 class Formula:
     """`left` = `right`; kind shared, kinematic, motion, position, velocity, event; `label` says of what.
-    At an event, when the `condition` becomes true, `left` takes the value `right`."""
+    At an event, when the `condition` of a clause, which has a number, becomes true, `left` takes the value
+    `right`."""
 
     kind: str
     label: str
     left: Sum
     right: Sum
     condition: Sum | None = None
+    clause: int = 0
 
 
 ZERO = Sum(())
@@ -195,13 +197,13 @@ def _rows(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
 def _events(equations: EquationsOfMotion, collector: Collector) -> list[Formula]:
     """What states become at the moment that the conditions of clauses `when` become true."""
     algebra, formulas = collector.algebra, []
-    for when in equations.whens:
+    for clause, when in enumerate(equations.whens):
         for state, value in when.changes:
             condition, left, right = algebra.polynomials([when.condition, state, value])
             formulas.append(
                 Formula(
-                    "event", when.clause.words, collector.collect(left),
-                    collector.collect(tidy(equations, algebra, right)), collector.collect(condition),
+                    "event", "", collector.collect(left),
+                    collector.collect(tidy(equations, algebra, right)), collector.collect(condition), clause,
                 )
             )  # fmt: skip
     return formulas

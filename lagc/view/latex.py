@@ -7,7 +7,7 @@ import re
 from lagc.expr.operators import INFIX, spelling
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TABLE
-from lagc.view.forms import Line, Symbol, filled
+from lagc.view.forms import Counters, Line, Symbol, filled
 from lagc.view.page import Page, page
 from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
@@ -37,7 +37,7 @@ def write_latex(found: Page) -> str:
             if line.condition is not None:
                 relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.total(line.condition)}"
             sides = f"{writer.total(line.left)} &{relation} {writer.total(line.right)}"
-            lines.append(f"  {sides}{when}{writer.counters(line)}")
+            lines.append(f"  {sides}{when}{writer.counters(line.counters)}")
     return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
 
 
@@ -51,11 +51,11 @@ class LatexWriter(TextWriter):
         """A comma parts indices."""
         return filled(text, [self.number(x).replace(self.times, " ") for x in symbol.indices])
 
-    def counters(self, line: Line) -> str:
-        """The values that the counters take."""
-        if not line.counters:
+    def counters(self, counters: Counters) -> str:
+        """The values that they take."""
+        if not counters:
             return ""
-        ranges = [rf"{k} = {self.number(a)}, \ldots, {self.number(b)}" for k, a, b in line.counters]
+        ranges = [rf"{k} = {self.number(a)}, \ldots, {self.number(b)}" for k, a, b in counters]
         return r" \quad \text{for } " + r" \text{ and } ".join(ranges)
 
     def more(self, count: int) -> str:

@@ -166,8 +166,8 @@ def _letter(equations: EquationsOfMotion) -> str:
 def _lines(found: Formulas, shown: dict[Node, Name]) -> list[Line]:
     """What parts stand for, and all formulas, as they are written."""
     former = Former(found.collector, shown)
-    lines = [former.line(x.kind, x.label, x.left, x.right, x.condition) for x in found.found]
-    parts = [former.line(x.kind, x.label, x.left, x.right, None) for x in found.definitions]
+    lines = [former.line(x.kind, x.label, x.left, x.right, x.condition, x.clause) for x in found.found]
+    parts = [former.line(x.kind, x.label, x.left, x.right) for x in found.definitions]
     named = [
         replace(x, label=shown[node].base, indices=indices(shown[node].base))
         for x, (node, _) in zip(parts, found.parts)

@@ -265,7 +265,7 @@ def _others(body: Line, counter: str, alone: dict[int, Line], known: dict[int, i
         at = None if line.counters else _counts(body, line)
         if at is not None and at not in known:
             here: Line = written_out(body, {counter: at})
-            if here.indices == line.indices and _same(here, line):
+            if (here.indices, here.clause) == (line.indices, line.clause) and _same(here, line):
                 places[at] = place
     return {k: place for k, place in places.items() if k - 1 in known | places or k + 1 in known | places}
 

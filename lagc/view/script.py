@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import keyword
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from math import inf
 from typing import TypeAlias
 
 from lagc.expr.operators import TRUTHS, spelling
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.records import dataclass
 from lagc.view.algebra import TABLE
-from lagc.view.forms import INDEX, Line, Symbol, Total, all_of, filled, indices
+from lagc.view.forms import INDEX, Counters, Line, Linear, Symbol, Total, all_of, filled, indices
 from lagc.view.names import pi_of
 from lagc.view.page import Page
 from lagc.view.polynomials import Exponent
@@ -23,8 +24,9 @@ WORDS = spelling("sympy")
 
 
 def write_script(equations: EquationsOfMotion, found: Page) -> str:
-    """The text of the script: symbols, shared parts, and the list `equations` of sympy.Eq.  By their rules,
-    arrays are dicts by index, and shared parts functions of time that the list `parts` says."""
+    """The text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and where there are
+    clauses `when`, the list `events` of pairs: a condition, and a dict of states with their new values.  By
+    their rules, arrays are dicts by index, and shared parts functions of time that the list `parts` says."""
     declared = _declared(equations)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
@@ -41,9 +43,43 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
         lines += [f"{line.label} = {writer.total(line.right)}" for line in shared]
     lines.append("equations = [")
     lines += [writer.equation(line) for line in found.lines if line.kind not in ("shared", "event")]
-    lines += ["]", "", 'if __name__ == "__main__":']
-    lines += ["    for equation in equations:", "        sympy.pprint(equation)"]
+    lines.append("]")
+    shown, events = ["equation"], [line for line in found.lines if line.kind == "event"]
+    if events:
+        lines += ["events = [", *[writer.event(clause) for clause in _clauses(events)], "]"]
+        shown.append("event")
+    lines += ["", 'if __name__ == "__main__":']
+    for one in shown:
+        lines += [f"    for {one} in {one}s:", f"        sympy.pprint({one})"]
     return "\n".join(lines)
+
+
+@dataclass(frozen=True, slots=True)
+class Clause:
+    """The changes at an event, for all values of the `counters`; those that a line has besides are of its
+    own changes."""
+
+    counters: Counters
+    lines: list[Line]
+
+
+def _clauses(lines: Sequence[Line]) -> list[Clause]:
+    """Each whole: rules that take a clause apart are written out."""
+    every = [line for each in lines for line in all_of(each)]
+    found = _by_clause(lines)
+    several = sum([len({line.clause for each in one.lines for line in all_of(each)}) for one in found])
+    return found if several == len({line.clause for line in every}) else _by_clause(every)
+
+
+def _by_clause(lines: Sequence[Line]) -> list[Clause]:
+    """Those that say the same number, which may follow counters."""
+    found: dict[Hashable, Clause] = {}
+    for line in lines:
+        slopes = line.clause.slopes if isinstance(line.clause, Linear) else ()
+        named = {name for name, _ in slopes}
+        outer = tuple([each for each in line.counters if each[0] in named])
+        found.setdefault((line.clause, outer), Clause(outer, [])).lines.append(line)
+    return list(found.values())
 
 
 def _plain(text: str) -> str:
@@ -72,6 +108,7 @@ def _variables(equations: EquationsOfMotion, found: Page) -> dict[str, str]:
     """Full name in the model, where arrays are written without indices, -> Python identifier."""
     shared = {line.label for line in found.lines if line.kind == "shared"}
     taken = {"t", "sympy", "equations", "equation"} | (RULED if found.ruled else shared)
+    taken |= {"events", "event"} if equations.whens else set()
     variables = {"pi": "sympy.pi"} if pi_of(equations) is not None else {}
     for node, name in found.names.items():
         full, base = (INDEX.sub("", x) if found.ruled else x for x in (name.full, name.base))
@@ -124,7 +161,7 @@ def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[st
         )
         key = numbers[0] if len(numbers) == 1 else f"({', '.join(numbers)})"
         value, _, comment = _declaration("", name, how, unit, description)[3:].partition("  # ")
-        found = f"{word} {'|=' if word in begun else '='} {{{key}: {value}{writer.counters(line)}}}"
+        found = f"{word} {'|=' if word in begun else '='} {{{key}: {value}{writer.counters(line.counters)}}}"
         lines.append(found + (f"  # {comment}" if comment else ""))
         begun.add(word)
     return lines
@@ -149,14 +186,27 @@ class ScriptWriter(TextWriter):
         equation = f"sympy.Eq({self.total(line.left)}, {self.total(line.right)})"
         label = _plain(self.indexed(line.label, line))
         if line.counters:
-            equation = f"*[{equation}{self.counters(line)}]"
+            equation = f"*[{equation}{self.counters(line.counters)}]"
         return f"    {equation},  # {label}"
+
+    def event(self, clause: Clause) -> str:
+        """Likewise."""
+        first, changes = clause.lines[0], []
+        for line in clause.lines:
+            change = f"{self.total(line.left)}: {self.total(line.right)}"
+            own = self.counters(tuple([each for each in line.counters if each not in clause.counters]))
+            changes.append(f"**{{{change}{own}}}" if own else change)
+        assert first.condition is not None
+        event = f"({self.total(first.condition)}, {{{', '.join(changes)}}})"
+        if clause.counters:
+            event = f"*[{event}{self.counters(clause.counters)}]"
+        return f"    {event},"
 
     def series(self, counter: str, first: str, last: str, text: str) -> str:
         return f"sum({text} for {counter} in {_range(first, last)})"
 
-    def counters(self, line: Line) -> str:
-        return "".join([f" for {k} in {_range(self.number(a), self.number(b))}" for k, a, b in line.counters])
+    def counters(self, counters: Counters) -> str:
+        return "".join([f" for {k} in {_range(self.number(a), self.number(b))}" for k, a, b in counters])
 
     def quotient(self, top: str, over: list[str], bottom: str, under: list[str]) -> str:
         if bottom != "1":

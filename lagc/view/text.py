@@ -11,7 +11,7 @@ from fractions import Fraction
 from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
 from lagc.view.algebra import HALF, TABLE
-from lagc.view.forms import Call, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
+from lagc.view.forms import Call, Counters, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
 from lagc.view.names import Name
 from lagc.view.polynomials import Exponent, number_content
 
@@ -36,7 +36,9 @@ class TextWriter:
         relation, when = "=", ""
         if line.condition is not None:
             relation, when = ":=", f"  when {self.total(line.condition)}"
-        return f"{self.total(line.left)} {relation} {self.total(line.right)}{when}{self.counters(line)}"
+        return (
+            f"{self.total(line.left)} {relation} {self.total(line.right)}{when}{self.counters(line.counters)}"
+        )
 
     # -- sums and products ----------------------------------------------------
 
@@ -56,9 +58,9 @@ class TextWriter:
     def series(self, counter: str, first: str, last: str, text: str) -> str:
         return f"sum({counter} = {first}..{last}, {text})"
 
-    def counters(self, line: Line) -> str:
-        """The values that the counters take."""
-        ranges = [f"{k} = {self.number(a)}..{self.number(b)}" for k, a, b in line.counters]
+    def counters(self, counters: Counters) -> str:
+        """The values that they take."""
+        ranges = [f"{k} = {self.number(a)}..{self.number(b)}" for k, a, b in counters]
         return f"    for {', '.join(ranges)}" if ranges else ""
 
     def more(self, count: int) -> str:

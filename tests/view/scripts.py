@@ -72,6 +72,24 @@ def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict
     return found
 
 
+def states_of(space: Mapping[str, Any], equations: EquationsOfMotion, state: Mapping[Node, float]) -> Any:
+    """Numbers of `state` for what a script that SymPy has read is made of: rates, functions, symbols."""
+    import sympy
+
+    made = [x for value in space.values() for x in (value.values() if isinstance(value, dict) else [value])]
+    values = values_at(equations, state) | {"t": state[equations.time]}
+    found: dict[Any, float] = {}
+    for each in made:
+        if isinstance(each, sympy.Function) and each.args == (space["t"],):
+            value = values[each.func.__name__]
+            found[each] = float(value)
+            if isinstance(value, Value):
+                found |= {each.diff(space["t"], k): x for k, x in enumerate(value.derivatives, 1)}
+        elif isinstance(each, sympy.Symbol):
+            found[each] = float(values[each.name])
+    return found
+
+
 class Part(float):
     """A shared part whose value is not known yet."""
 
