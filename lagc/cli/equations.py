@@ -1,8 +1,9 @@
 """The equations of motion, as a person would write them.
 
 One equation a generalized speed, then the constraints; a prime is a time derivative, theta''
-the second one.  `--format latex` gives the body of a document, `--format sympy` a Python script
-that builds the same equations with SymPy.
+the second one.  `--format latex` gives what stands in a document, between \\begin{document} and
+\\end{document}, that uses the package amsmath; `--format sympy` a Python script that builds the
+same equations with SymPy.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Vector
 from lagc.frontend import tree
 from lagc.meaning.clock import Clock
-from lagc.meaning.model import Frame
+from lagc.meaning.model import Frame, Table
 from lagc.meaning.namespace import Importer
 from lagc.meaning.scope import LARGEST, Entry, Environment
 from lagc.meaning.values import Poisoned, Value, Wrong
@@ -69,7 +69,7 @@ class Context:
         self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
-        self.curves: dict[str, str] = {}  # names of tables, with what they stand for
+        self.curves: dict[str, Table] = {}  # by name
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
         self._reported: set[tuple[str, Span | None, str]] = set()

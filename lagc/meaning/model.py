@@ -288,6 +288,17 @@ class InitialCondition:
 
 
 @dataclass(frozen=True, slots=True)
+class Table:
+    """A function through points: what it is called, what its points are and how it goes through them; of a
+    `file`, the column of its values."""
+
+    name: str
+    key: str
+    file: str = ""
+    column: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class When:
     """At the moment that `condition` becomes true, the symbols of `changes`, coordinates, rates and speeds,
     take values, all of the state before; the run ends where there is a `reason`; `marks` name the event."""
@@ -356,6 +367,7 @@ class Model:
     scenes: tuple[str, ...]
     simulate: dict[str, float] = field(default_factory=dict)  # stop, accuracy, ... of the scene
     whens: tuple[When, ...] = ()
+    tables: tuple[Table, ...] = ()
     limits: tuple[Limit, ...] = ()  # of derived parameters
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for

@@ -233,6 +233,7 @@ def _model(
         constraints=_of(found, nouns.Constraint),
         initial_conditions=tuple(conditions),
         whens=tuple(whens),
+        tables=tuple(context.curves.values()),
         outputs=_of(found, nouns.Output),
         effects=effects,
         scenes=setting.names,

@@ -11,6 +11,7 @@ from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.interpolants import KINDS, interpolant, key_of
+from lagc.meaning import model as nouns
 from lagc.meaning.context import Context, Points
 from lagc.meaning.data import Columns, Unfit
 from lagc.meaning.functions import Argument, Table
@@ -42,8 +43,9 @@ def _table(
     at = scalar_of(x.value, x.span, "what a table is asked at")
     way = _choice(interpolation, tuple(KINDS), "linear")
     beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
-    name = "table"
+    name, file = "table", ""
     if isinstance(data.value, Text):
+        file = data.value.text
         knots, found, name = _from_file(context, data, values, over)
     elif over:
         raise Wrong("LAG0209", "columns have names in files only", over.span)
@@ -53,19 +55,20 @@ def _table(
         message = f"the table is over {describe(knots.dimension)}, and is asked at {describe(at.dimension)}"
         raise Wrong("LAG0301", message, x.span, related=((data.span, describe(knots.dimension)),))
     points = knots.numbers, found.numbers
-    node = through(context, at.node, *points, way, beyond == "line", name, data.span)
+    node = through(context, at.node, *points, way, beyond == "line", name, data.span, file)
     return Scalar(node, found.dimension, found.bare)
 
 
 def through(
     context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
-    name: str, span: Span | None,
+    name: str, span: Span | None, file: str = "",
 ) -> Node:  # fmt: skip
-    """`interpolant`, with a name that no other has, of letters, digits and `_`.  Raises Wrong."""
+    """`interpolant`, with a name that no other has, of letters, digits and `_`, after the column of a `file`.
+    Raises Wrong."""
     check_order(knots, span)
-    key, count = key_of(knots, values, way, straight), 1
+    key, count, column = key_of(knots, values, way, straight), 1, name
     own = name = re.sub(r"\W+", "_", name).strip("_") or "table"
-    while context.curves.setdefault(own, key) != key:
+    while context.curves.setdefault(own, nouns.Table(own, key, file, column if file else "")).key != key:
         count += 1
         own = f"{name}_{count}"
     try:

@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 from lagc.expr.graph import Node
 from lagc.records import dataclass, replace
 from lagc.view.collect import Collector, Product, Sum
-from lagc.view.names import Name
+from lagc.view.names import Names
 from lagc.view.polynomials import Exponent
 
 INDEX = re.compile(r"(?<=[\[,])\d+(?=[,\]])")
@@ -96,7 +96,7 @@ Form: TypeAlias = Symbol | Call | Total
 class Former:
     """Makes forms of what a collector made, with the `names` of symbols."""
 
-    def __init__(self, collector: Collector, names: Mapping[Node, Name]) -> None:
+    def __init__(self, collector: Collector, names: Names) -> None:
         self._collector, self._algebra, self._names = collector, collector.algebra, names
         self._atoms: dict[int, Form] = {}
 

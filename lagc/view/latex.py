@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 
+from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX, spelling
+from lagc.expr.symbol import Symbol as Leaf
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.view.algebra import TABLE
-from lagc.view.forms import Counters, Line, Symbol, filled
+from lagc.view.forms import INDEX, Counters, Line, Symbol, filled
+from lagc.view.names import Names, where
 from lagc.view.page import Page, page
 from lagc.view.polynomials import Exponent
 from lagc.view.text import TextWriter
@@ -19,17 +22,32 @@ _GREEK = """
 GREEK = frozenset(_GREEK.split())
 WORDS = spelling("latex")
 COUNTED = re.compile(r"(-?(\d+ )?[a-z]|\d+)( [+-] (\d+|(\d+ )?[a-z]))*")  # an index of a rule
+VERBATIM = str.maketrans(
+    {c: f"\\{c}" for c in "_%#&${}"}
+    | {"\\": r"\textbackslash{}", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", '"': r"\symbol{34}"}
+)
 DOTS = ("", r"\dot", r"\ddot")
 
 
 def equations_latex(equations: EquationsOfMotion) -> str:
     """For a notebook: the equations as one displayed block, some where they are many."""
-    return f"$$\n{write_latex(page(equations, full=False))}\n$$"
+    found = page(equations, full=False)
+    rows = _rows(found, LatexWriter(found.names, found.ruled))
+    return f"$$\n\\begin{{aligned}}\n{rows}\n\\end{{aligned}}\n$$"
 
 
 def write_latex(found: Page) -> str:
-    """One aligned block; the text needs the package amsmath."""
+    """What stands between \\begin{document} and \\end{document}; it needs the package amsmath."""
     writer = LatexWriter(found.names, found.ruled)
+    text = f"\\begin{{align*}}\n{_rows(found, writer)}\n\\end{{align*}}"
+    legend = [
+        rf"${writer.letters(short, short)}$ is \texttt{{{full.translate(VERBATIM)}}}"
+        for short, full in where(writer.seen)
+    ]
+    return text + ("\nwhere " + ",\n".join(legend) if legend else "")
+
+
+def _rows(found: Page, writer: LatexWriter) -> str:
     lines = []
     for _, kind in found.by_kind():
         for line in kind:
@@ -38,11 +56,21 @@ def write_latex(found: Page) -> str:
                 relation, when = r"\mathrel{:=}", rf" \quad \text{{when }} {writer.total(line.condition)}"
             sides = f"{writer.total(line.left)} &{relation} {writer.total(line.right)}"
             lines.append(f"  {sides}{when}{writer.counters(line.counters)}")
-    return "\\begin{aligned}\n" + " \\\\\n".join(lines) + "\n\\end{aligned}"
+    return " \\\\\n".join(lines)
 
 
 class LatexWriter(TextWriter):
     times = r" \, "
+
+    def __init__(self, names: Names, cut: bool = False) -> None:
+        super().__init__(names, cut)
+        self.literal = alike(names)
+
+    def letters(self, name: str, written: str, dots: int = 0, word: str = "") -> str:
+        """A name, `written` with its indices, by the letters of `word` where no other has these."""
+        if INDEX.sub("", name) not in self.literal:
+            return letter(word or written, dots)
+        return _accented(rf"\mathit{{{_escaped(written)}}}", dots)
 
     def series(self, counter: str, first: str, last: str, text: str) -> str:
         return rf"\sum_{{{counter}={first}}}^{{{last}}} {text}"
@@ -84,10 +112,11 @@ class LatexWriter(TextWriter):
     def symbol(self, symbol: Symbol, exponent: Exponent) -> str:
         name, record = self.named(symbol.node), symbol.node.record
         base, order = (record.base, record.order) if name is None else (name.base, name.order)
-        if record.turns:
-            owner = re.sub(r"[^\w +*-]+", "_", self.indexed(record.owner, symbol)).strip("_")
-            return self.raised(letter(f"omega_{owner}_{record.component}", order), exponent)
-        return self.raised(letter(self.indexed(base, symbol), order), exponent)
+        turning = _turning(record, self.indexed(record.owner, symbol)) if record.turns else ""
+        return self.raised(self.letters(base, self.indexed(base, symbol), order, turning), exponent)
+
+    def slope(self, base: str, primes: str) -> str:
+        return self.letters(base, base) + primes
 
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "abs":
@@ -104,17 +133,32 @@ class LatexWriter(TextWriter):
             cases = rf"{args[1]} & \text{{if }} {args[0]} \\ {args[2]} & \text{{else}}"
             return rf"\begin{{cases}} {cases} \end{{cases}}"
         whole = exponent.denominator == 1
-        word = WORDS.get(op) or _slope(op.removeprefix(TABLE))
+        word = self.table(op) if op.startswith(TABLE) else WORDS[op]
         head = self.raised(word, exponent) if whole else word
         short = op in WORDS and len(args) == 1 and _is_short(args[0])
         text = f"{head} {args[0]}" if short else rf"{head}\left({', '.join(args)}\right)"
         return text if whole else self.raised(rf"\left({text}\right)", exponent)
 
 
-def _slope(name: str) -> str:
-    """Of a table: `u''`."""
-    base = name.rstrip("'")
-    return letter(base) + name[len(base) :]
+def alike(names: Names) -> set[str]:
+    """Names, without their indices, that would be written as others are: all but one, which is an array or
+    else the shortest."""
+    found: dict[str, set[str]] = {}
+    for of, name in names.items():
+        record = of.record if isinstance(of, Node) else Leaf("table")
+        word = _turning(record, record.owner) if record.turns else name.base
+        found.setdefault(letter(word), set()).add(INDEX.sub("", name.base))
+    return {name for same in found.values() for name in sorted(same, key=_unnatural)[1:]}
+
+
+def _unnatural(name: str) -> tuple[bool, int, str]:
+    return "[" not in name, len(name), name
+
+
+def _turning(record: Leaf, owner: str) -> str:
+    """Of a body rate: `omega_top_x`."""
+    owner = re.sub(r"[^\w +*-]+", "_", owner).strip("_")
+    return f"omega_{owner}_{record.component}"
 
 
 def letter(name: str, dots: int = 0) -> str:
@@ -123,9 +167,13 @@ def letter(name: str, dots: int = 0) -> str:
     last, *indices = re.split(r"[\[\],]+", path[-1].rstrip("]"))
     base, subscripts = _base(last)
     subscripts += [_plain(p) for p in path[:-1]] + [_plain(i) for i in indices]
-    accent = DOTS[dots] if dots < len(DOTS) else ""
-    text = f"{accent}{{{base}}}" if accent else base
+    text = _accented(base, dots)
     return f"{text}_{{{','.join(subscripts)}}}" if subscripts else text
+
+
+def _accented(text: str, dots: int) -> str:
+    accent = DOTS[dots] if dots < len(DOTS) else ""
+    return f"{accent}{{{text}}}" if accent else text
 
 
 def _base(word: str) -> tuple[str, list[str]]:

@@ -4,39 +4,63 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain, count
+from typing import TypeAlias
 
 from lagc.expr.graph import Node
+from lagc.expr.operators import OPERATORS
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.printable import one_line
 from lagc.records import dataclass
+from lagc.view.algebra import TABLE
 
 
 @dataclass(frozen=True, slots=True)
 class Name:
-    """A symbol as people see it: `base` with so many time derivatives; `full` the model's name."""
+    """A symbol or table as people see it: `base` with so many time derivatives; `full` the model's name, or
+    where the numbers of a table come from."""
 
     base: str
     full: str
     order: int = 0
 
 
-def names(equations: EquationsOfMotion) -> dict[Node, Name]:
-    """How each symbol is shown: `field.g` as `g` where no other name ends so."""
+# By symbol, or by the operator that a table is.
+Names: TypeAlias = dict[Node | str, Name]
+
+
+def names(equations: EquationsOfMotion) -> Names:
+    """How each symbol is shown, `field.g` as `g` where no other name ends so, and each table."""
     model = equations.model
     given = [p.symbol for p in model.parameters] + [i.symbol for i in model.inputs]
     plain = [*given, *(x for x in equations.q if not x.record.component)]
     short = _shortener([x.record.name for x in (*plain, *equations.v) if x.record.order == 0])
-    found: dict[Node, Name] = {}
+    found: Names = {}
     for symbol in (*plain, *equations.q, *equations.v, *equations.a):
         record = symbol.record
         base = record.base if record.component else short(record.base)
         found[symbol] = Name(base, record.base, record.order)
-    for row in equations.rows:
-        found[row.multiplier] = Name(f"lambda_{row.label}", f"lambda_{row.label}")
-    taken = {n.base for n in found.values()}
     pi = pi_of(equations)
     if pi is not None:
         found[pi] = Name("pi", "pi")
-    found[equations.time] = Name("time" if "t" in taken else "t", "time")
+    taken = {n.base for n in found.values()}
+    for row in equations.rows:
+        word = _free(taken, f"lambda_{row.label}", f"multiplier_{row.label}")
+        found[row.multiplier] = Name(word, word)
+    found[equations.time] = Name(_free(taken, "t", "time"), "time")
+    taken |= OPERATORS.keys()
+    for table in model.tables:
+        word = _free(taken, table.name, f"{table.name}_table")
+        source = one_line(f"column {table.column} of {table.file}") if table.file else word
+        found[TABLE + table.name] = Name(word, source)
+    return found
+
+
+def _free(taken: set[str], *words: str) -> str:
+    """The first that is not taken, else the last with a number; it is taken then."""
+    numbered = (f"{words[-1]}_{k}" for k in count(2))
+    found = next(word for word in chain(words, numbered) if word not in taken)
+    taken.add(found)
     return found
 
 
@@ -55,9 +79,9 @@ def _shortener(full: Sequence[str]) -> Callable[[str], str]:
     return lambda name: name.rpartition(".")[2] if len(ends.get(name.rpartition(".")[2], ())) == 1 else name
 
 
-def taken(shown: Mapping[Node, Name]) -> set[str]:
-    """The words at the beginning of names: counters are not called so."""
-    return {re.split(r"[\[.]", name.base)[0] for name in shown.values()}
+def taken(shown: Mapping[Node | str, Name]) -> set[str]:
+    """The words in names, which may be subscripts: counters are not called so."""
+    return {word for name in shown.values() for word in re.split(r"[\W_]+", name.base)}
 
 
 def where(seen: Iterable[Name]) -> list[tuple[str, str]]:

@@ -28,7 +28,7 @@ from lagc.view.formulas import (
     tidy,
     with_long_sums,
 )
-from lagc.view.names import Name, names, taken
+from lagc.view.names import Name, Names, names, taken
 from lagc.view.naming import SharedAlgebra
 from lagc.view.polynomials import NotFinite, Polynomial
 from lagc.view.recursion import arrays, residuals
@@ -48,7 +48,7 @@ class Page:
     """`ruled`: lines and terms that follow a rule are written once."""
 
     lines: tuple[Line, ...]
-    names: dict[Node, Name]
+    names: Names
     ruled: bool
     taken: set[str]  # what counters are not called
 
@@ -148,7 +148,7 @@ def _in_parts(equations: EquationsOfMotion, motion: Sequence[Node]) -> Formulas:
     return Formulas(collector, found, algebra.definitions)
 
 
-def _shown(equations: EquationsOfMotion) -> dict[Node, Name]:
+def _shown(equations: EquationsOfMotion) -> Names:
     """The names, with those of the rates of coordinates that are no speeds."""
     shown = names(equations)
     for q in equations.q:
@@ -163,7 +163,7 @@ def _letter(equations: EquationsOfMotion) -> str:
     return next(c for c in ("s", "part", "shared_part") if not any(x.startswith(c) for x in bases))
 
 
-def _lines(found: Formulas, shown: dict[Node, Name]) -> list[Line]:
+def _lines(found: Formulas, shown: Names) -> list[Line]:
     """What parts stand for, and all formulas, as they are written."""
     former = Former(found.collector, shown)
     lines = [former.line(x.kind, x.label, x.left, x.right, x.condition, x.clause) for x in found.found]

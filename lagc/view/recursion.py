@@ -17,7 +17,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.moving import triples
 from lagc.records import dataclass
 from lagc.view.forms import Call, Form, Line, Numbers, Part, Series, Symbol, Term, Total, pattern
-from lagc.view.names import Name
+from lagc.view.names import Name, Names
 from lagc.view.rules import LEAST
 
 _ROUNDS = 2  # parts of parts that are told apart
@@ -68,14 +68,12 @@ class Array:
     indices: list[int]
 
 
-def arrays(
-    parts: Sequence[Node], lines: Sequence[Line], others: Sequence[Line], letter: str
-) -> dict[Node, Name]:
+def arrays(parts: Sequence[Node], lines: Sequence[Line], others: Sequence[Line], letter: str) -> Names:
     """Names for `parts`, of which `lines` say what they are, as members of arrays: those that are alike, each
     with the index of what it is made of.  `others` use them too."""
     members = [*map(_member, parts, lines), *[_member(None, line) for line in others]]
     at = _Arrays(members).at
-    found: dict[Node, Name] = {}
+    found: Names = {}
     numbers: dict[int | Node, int] = {}
     for node in parts:
         group, index = at.get(node, (node, 0))

@@ -13,7 +13,7 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.records import dataclass
 from lagc.view.algebra import TABLE
 from lagc.view.forms import INDEX, Counters, Line, Linear, Symbol, Total, all_of, filled, indices
-from lagc.view.names import pi_of
+from lagc.view.names import Name, Names, pi_of
 from lagc.view.page import Page
 from lagc.view.polynomials import Exponent
 from lagc.view.rules import ruled
@@ -27,15 +27,27 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
     """The text of the script: symbols, shared parts, the list `equations` of sympy.Eq, and where there are
     clauses `when`, the list `events` of pairs: a condition, and a dict of states with their new values.  By
     their rules, arrays are dicts by index, and shared parts functions of time that the list `parts` says."""
-    declared = _declared(equations)
+    declared = _declared(equations, found.names)
     parts = _parts(found) if found.ruled else []
     declared += [(name, "Function", "", "") for name in parts if indices(name)]
     writer = ScriptWriter(found, _variables(equations, found))
     model = equations.model
     lines = [f"# Equations of motion of {_plain(model.name)}, scene {_plain(model.scene)}, in SI units.", ""]
     lines += ["import sympy", ""]
-    lines += ['t = sympy.Symbol("t", real=True)', *_declarations(declared, writer)]
-    lines += [*_together([name for name in parts if not indices(name)]), ""]
+    time = found.names[equations.time].base
+    lines += [f't = sympy.Symbol("{time}", real=True)', *_declarations(declared, writer)]
+    lines += _together([name for name in parts if not indices(name)])
+    body = _body(found, writer)
+    for op, name in found.names.items():
+        if isinstance(op, str) and name in writer.seen:  # a table
+            value = f"sympy.Function({name.base!r}, real=True)"
+            lines.append(_with(f"{writer.variables[name.base]} = {value}", _source(name)))
+    return "\n".join([*lines, "", *body])
+
+
+def _body(found: Page, writer: ScriptWriter) -> list[str]:
+    """What comes behind the declarations."""
+    lines, shown = list[str](), ["equation"]
     shared = [line for line in found.lines if line.kind == "shared"]
     if found.ruled and shared:
         lines += ["parts = [", *[writer.equation(line) for line in shared], "]"]
@@ -44,14 +56,14 @@ def write_script(equations: EquationsOfMotion, found: Page) -> str:
     lines.append("equations = [")
     lines += [writer.equation(line) for line in found.lines if line.kind not in ("shared", "event")]
     lines.append("]")
-    shown, events = ["equation"], [line for line in found.lines if line.kind == "event"]
+    events = [line for line in found.lines if line.kind == "event"]
     if events:
         lines += ["events = [", *[writer.event(clause) for clause in _clauses(events)], "]"]
         shown.append("event")
     lines += ["", 'if __name__ == "__main__":']
     for one in shown:
         lines += [f"    for {one} in {one}s:", f"        sympy.pprint({one})"]
-    return "\n".join(lines)
+    return lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,38 +117,47 @@ def _together(names: list[str]) -> list[str]:
 
 
 def _variables(equations: EquationsOfMotion, found: Page) -> dict[str, str]:
-    """Full name in the model, where arrays are written without indices, -> Python identifier."""
+    """Name that is shown, where arrays are written without indices, -> Python identifier."""
     shared = {line.label for line in found.lines if line.kind == "shared"}
     taken = {"t", "sympy", "equations", "equation"} | (RULED if found.ruled else shared)
     taken |= {"events", "event"} if equations.whens else set()
     variables = {"pi": "sympy.pi"} if pi_of(equations) is not None else {}
     for node, name in found.names.items():
-        full, base = (INDEX.sub("", x) if found.ruled else x for x in (name.full, name.base))
-        if node is equations.time or full in variables or (full in shared and not found.ruled):
+        base = INDEX.sub("", name.base) if found.ruled else name.base
+        if node is equations.time or base in variables or (base in shared and not found.ruled):
             continue
         word = re.sub(r"\W+", "_", base).strip("_") or "n"
         word = f"n{word}" if word[0].isdigit() else word
         while word in taken or keyword.iskeyword(word):
             word += "_"
         taken.add(word)
-        variables[full] = word
+        variables[base] = word
     return variables
 
 
 Declared: TypeAlias = tuple[str, str, str, str]  # name, how it is made, its unit, what it is
 
 
-def _declared(equations: EquationsOfMotion) -> list[Declared]:
+def _declared(equations: EquationsOfMotion, names: Names) -> list[Declared]:
     model = equations.model
     found = [
-        (p.name, "nonnegative" if p.minimum >= 0 else "real", p.unit, p.description) for p in model.parameters
+        (p.symbol, "nonnegative" if p.minimum >= 0 else "real", p.unit, p.description)
+        for p in model.parameters
     ]
-    moving = [(i.name, i.unit, i.description) for i in model.inputs]
-    moving += [(name, unit, "") for name, unit in zip(equations.q_names, equations.q_units)]
-    speeds = [(x.record, unit) for x, unit in zip(equations.v, equations.v_units)]
-    moving += [(record.name, unit, "") for record, unit in speeds if record.order == 0]
-    moving += [(f"lambda_{row.label}", "", f"multiplier of {row.label}") for row in equations.rows]
-    return found + [(name, "Function", unit, description) for name, unit, description in moving]
+    moving = [(i.symbol, i.unit, i.description) for i in model.inputs]
+    moving += [(q, unit, "") for q, unit in zip(equations.q, equations.q_units)]
+    moving += [(v, unit, "") for v, unit in zip(equations.v, equations.v_units) if v.record.order == 0]
+    moving += [(row.multiplier, "", f"multiplier of {row.label}") for row in equations.rows]
+    found += [(node, "Function", unit, description) for node, unit, description in moving]
+    return [
+        (names[node].base, how, unit, ", ".join([x for x in (_source(names[node]), description) if x]))
+        for node, how, unit, description in found
+    ]
+
+
+def _source(name: Name) -> str:
+    """What a name is short for."""
+    return name.full if name.full != name.base else ""
 
 
 def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[str]:
@@ -162,7 +183,7 @@ def _declarations(declared: Sequence[Declared], writer: ScriptWriter) -> list[st
         key = numbers[0] if len(numbers) == 1 else f"({', '.join(numbers)})"
         value, _, comment = _declaration("", name, how, unit, description)[3:].partition("  # ")
         found = f"{word} {'|=' if word in begun else '='} {{{key}: {value}{writer.counters(line.counters)}}}"
-        lines.append(found + (f"  # {comment}" if comment else ""))
+        lines.append(_with(found, comment))
         begun.add(word)
     return lines
 
@@ -172,8 +193,11 @@ def _declaration(variable: str, name: str, how: str, unit: str, description: str
         value = f"sympy.Function({name}, real=True)(t)"
     else:
         value = f"sympy.Symbol({name}, {how}=True)"
-    comment = ", ".join(part for part in (unit, _plain(description)) if part)
-    return f"{variable} = {value}" + (f"  # {comment}" if comment else "")
+    return _with(f"{variable} = {value}", ", ".join([part for part in (unit, _plain(description)) if part]))
+
+
+def _with(code: str, comment: str) -> str:
+    return code + (f"  # {comment}" if comment else "")
 
 
 class ScriptWriter(TextWriter):
@@ -231,21 +255,24 @@ class ScriptWriter(TextWriter):
         name = self.names.get(symbol.node)
         if name is None or name.full == "time":
             return self.raised("t", exponent)
-        full = INDEX.sub("", name.full) if self.ruled else name.full
-        word = self.variables.get(full, name.base)
+        base = INDEX.sub("", name.base) if self.ruled else name.base
+        word = self.variables.get(base, base)
         if self.ruled and symbol.indices:
             word += f"[{', '.join([self.number(x) for x in symbol.indices])}]"
         if name.order:
             word += ".diff(t)" if name.order == 1 else f".diff(t, {name.order})"
         return self.raised(word, exponent)
 
+    def slope(self, base: str, primes: str) -> str:
+        return f"sympy.Function({base + primes!r}, real=True)" if primes else self.variables[base]
+
     def function(self, op: str, args: list[str], exponent: Exponent) -> str:
         if op == "pow":
             return self.raised(f"(({args[0]})**({args[1]}))", exponent)
         if op == "select":
             return self.raised(f"sympy.Piecewise(({args[1]}, {args[0]}), ({args[2]}, True))", exponent)
-        word = WORDS[op] if op in WORDS else f"Function({op.removeprefix(TABLE)!r})"
-        text = f"sympy.{word}({', '.join(args)})"
+        word = self.table(op) if op.startswith(TABLE) else f"sympy.{WORDS[op]}"
+        text = f"{word}({', '.join(args)})"
         return text if op in TRUTHS else self.raised(text, exponent)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
@@ -12,7 +12,7 @@ from lagc.expr.graph import Node
 from lagc.expr.operators import INFIX
 from lagc.view.algebra import HALF, TABLE
 from lagc.view.forms import Call, Counters, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
-from lagc.view.names import Name
+from lagc.view.names import Name, Names
 from lagc.view.polynomials import Exponent, number_content
 
 TERMS = 30  # of a sum that is cut
@@ -27,7 +27,7 @@ class TextWriter:
 
     times = "*"
 
-    def __init__(self, names: Mapping[Node, Name], cut: bool = False) -> None:
+    def __init__(self, names: Names, cut: bool = False) -> None:
         """`cut`: of sums of many terms some are written."""
         self.names, self.cut = names, cut
         self.seen: set[Name] = set()
@@ -159,8 +159,8 @@ class TextWriter:
     def indexed(self, text: str, symbol: Symbol | Line) -> str:
         return filled(text, [self.number(x) for x in symbol.indices])
 
-    def named(self, node: Node) -> Name | None:
-        name = self.names.get(node)
+    def named(self, of: Node | str) -> Name | None:
+        name = self.names.get(of)
         if name is not None:
             self.seen.add(name)
         return name
@@ -175,8 +175,18 @@ class TextWriter:
         elif op == "select":
             text = f"(if {args[0]} then {args[1]} else {args[2]})"
         else:
-            text = f"{op.removeprefix(TABLE)}({', '.join(args)})"
+            text = f"{self.table(op) if op.startswith(TABLE) else op}({', '.join(args)})"
         return self.raised(text, exponent)
+
+    def table(self, op: str) -> str:
+        """What a table is called, with a prime for each slope."""
+        own = op.rstrip("'")
+        name = self.named(own)
+        assert name is not None, op
+        return self.slope(name.base, op[len(own) :])
+
+    def slope(self, base: str, primes: str) -> str:
+        return base + primes
 
 
 def _decimal(c: int | Fraction) -> str:

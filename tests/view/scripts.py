@@ -11,6 +11,7 @@ from typing import Any
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.view.names import names
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",
@@ -35,9 +36,10 @@ def moving(value: float, *derivatives: float) -> Value:
 
 def script_residuals(text: str, values: Mapping[str, float | Value], time: float) -> list[float]:
     """left - right of each equation of the script, in order, for values of its names."""
+    at = {"t": time, "time": time} | values
 
     def symbol(name: str, **_: Any) -> float:
-        return time if name == "t" else values[name]
+        return at[name]
 
     def function(name: str, **_: Any) -> Any:
         return lambda t: values[name]
@@ -58,18 +60,18 @@ def script_residuals(text: str, values: Mapping[str, float | Value], time: float
 def values_at(equations: EquationsOfMotion, state: Mapping[Node, float]) -> dict[str, float | Value]:
     """What the names of a script stand for at a state that holds q, v, a, lam and parameters."""
     model = equations.model
-    found: dict[str, float | Value] = {p.name: state[p.symbol] for p in model.parameters}
-    found |= {i.name: state[i.symbol] for i in model.inputs}
-    qdot = dict(zip(equations.q_names, evaluate(equations.qdot, state)))
-    acceleration = {n: state[a] for n, a in zip(equations.v_names, equations.a)}
-    for name, q in zip(equations.q_names, equations.q):
-        found[name] = moving(state[q], qdot[name], acceleration.get(f"der({name})", math.nan))
+    found: dict[Node, float | Value] = {p.symbol: state[p.symbol] for p in model.parameters}
+    found |= {i.symbol: state[i.symbol] for i in model.inputs}
+    acceleration = {name: state[a] for name, a in zip(equations.v_names, equations.a)}
+    for name, q, rate in zip(equations.q_names, equations.q, evaluate(equations.qdot, state)):
+        found[q] = moving(state[q], rate, acceleration.get(f"der({name})", math.nan))
     for name, v in zip(equations.v_names, equations.v):
         if not name.startswith("der("):
-            found[name] = moving(state[v], acceleration[name])
-    for row, lam in zip(equations.rows, equations.lam):
-        found[f"lambda_{row.label}"] = state[lam]
-    return found
+            found[v] = moving(state[v], acceleration[name])
+    found |= {lam: state[lam] for lam in equations.lam}
+    shown = names(equations)
+    assert len({shown[node].base for node in found}) == len(found)
+    return {shown[node].base: value for node, value in found.items()}
 
 
 def states_of(space: Mapping[str, Any], equations: EquationsOfMotion, state: Mapping[Node, float]) -> Any:
@@ -77,7 +79,7 @@ def states_of(space: Mapping[str, Any], equations: EquationsOfMotion, state: Map
     import sympy
 
     made = [x for value in space.values() for x in (value.values() if isinstance(value, dict) else [value])]
-    values = values_at(equations, state) | {"t": state[equations.time]}
+    values = {"t": state[equations.time]} | values_at(equations, state)
     found: dict[Any, float] = {}
     for each in made:
         if isinstance(each, sympy.Function) and each.args == (space["t"],):
@@ -100,6 +102,7 @@ def ruled_residuals(text: str, values: Mapping[str, float | Value], time: float)
     """left - right of each equation of a script by rules, by what it is about: parts are computed from those
     that are known, again and again."""
     known: dict[str, float | Value] = dict(values)
+    at = {"t": time, "time": time} | known
 
     def function(name: str, **_: Any) -> Any:
         if name in known:
@@ -109,7 +112,7 @@ def ruled_residuals(text: str, values: Mapping[str, float | Value], time: float)
         return lambda t: part
 
     stand_in = SimpleNamespace(
-        Symbol=lambda name, **_: time if name == "t" else values[name], Function=function,
+        Symbol=lambda name, **_: at[name], Function=function,
         Rational=lambda a, b: a / b, Float=float, pi=math.pi, Eq=lambda a, b: (a, b),
         **{name: getattr(math, name) for name in FUNCTIONS},
     )  # fmt: skip
