@@ -47,3 +47,9 @@ model Everything
     + (2 + x^2)^a + 1/(1 + x^2 + y^2)^2 + (if x < y then x^2 else y^2) + sqrt(1 + x^2)*cosh(y) + asin(x/5));
 end Everything;
 """
+
+
+def rows(latex: str) -> list[str]:
+    """The equations of a text in LaTeX, each alone."""
+    body = latex.partition("\\begin{align*}\n")[2].partition("\n\\end{align*}")[0]
+    return [line.strip().removesuffix("\\\\").replace("&", "") for line in body.splitlines()]

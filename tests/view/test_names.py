@@ -16,7 +16,7 @@ from lagc.view.forms import Symbol, indices
 from lagc.view.latex import LatexWriter, alike
 from lagc.view.names import Name, names
 from lagc.view.page import page
-from tests.view.models import MODELS, derived, equations_of
+from tests.view.models import MODELS, derived, equations_of, rows
 
 MODEL = """model Names
   parameter Mass m = 1 [kg];
@@ -144,6 +144,13 @@ def test_counters_are_no_subscripts() -> None:
         "potential V[j] = m_i*x[j]^4*(1 [1/(m2.s2)]); end for; end A;"
     )
     assert "for j = 1..14" in write(equations_of(text), full=False)
+
+
+def test_names_that_would_be_alike_are_read_by_another_program() -> None:
+    mathtext = pytest.importorskip("matplotlib.mathtext")
+    lines = rows(write(equations_of(ALIKE), "latex"))
+    assert any(r"\mathit{x\_1}" in line for line in lines)
+    assert all(mathtext.MathTextParser("path").parse(f"${line}$").width > 0.0 for line in lines)
 
 
 def test_legends_are_text_that_tex_reads(tmp_path: Path) -> None:
