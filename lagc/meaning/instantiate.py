@@ -58,7 +58,7 @@ class Builder:
         if len(self.bases) >= DEEPEST:
             raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
         self.bases.append(declaration)
-        inner = Namespace(declaration.body, space, self.context.importer)
+        inner = self.context.importer.inside(declaration, space)
         self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
         self.bases.pop()
 

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
 from lagc.library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
 from lagc.meaning.data import Columns, Unfit, columns
+from lagc.meaning.imports import Imports
 from lagc.meaning.values import Wrong
 
 TOGETHER = 40_000_000  # bytes of all imports
@@ -33,6 +35,7 @@ class Namespace:
         self.importer = importer
         self.names: dict[str, Declared] = {}
         self.imports: list[tree.Import] = []
+        self._imported: Imports | None = None
         for declaration in declarations:
             if isinstance(declaration, tree.Import):
                 self.imports.append(declaration)
@@ -63,16 +66,20 @@ class Namespace:
             return
         self.names[declaration.name] = declaration
 
-    def lookup(self, name: str) -> tuple[Declared, Namespace] | None:
+    def imported(self) -> Imports:
+        """What the imports here bring, found when it is first asked for."""
+        if self._imported is None:
+            self._imported = Imports(self.imports, self)
+        return self._imported
+
+    def lookup(self, name: str) -> Found | None:
+        """Raises Wrong where an import at fault may be to blame that there is no such name."""
         space: Namespace | None = self
         while space is not None:
-            found = space.names.get(name)
+            declared = space.names.get(name)
+            found = (declared, space) if declared is not None else space.imported().get(name)
             if found is not None:
-                return found, space
-            for declaration in space.imports:
-                brought = space.importer.brought(declaration, name, space)
-                if brought is not None:
-                    return brought
+                return found
             space = space.parent
         return None
 
@@ -83,9 +90,12 @@ class Namespace:
             yield from (i.alias or (i.path[-1] if i.path else "") for i in space.imports)
             space = space.parent
 
-    def find(self, path: tuple[str, ...], span: Span, what: str) -> tuple[Declared, Namespace]:
+    def find(self, path: tuple[str, ...], span: Span, what: str) -> Found:
         """The declaration called `a.b.c`.  Raises Wrong."""
-        found = self.lookup(path[0])
+        return self.follow(self.lookup(path[0]), path, span, what)
+
+    def follow(self, found: Found | None, path: tuple[str, ...], span: Span, what: str) -> Found:
+        """The same, where `found` is what `a` is.  Raises Wrong."""
         near: Iterable[str] = self.known()
         for name in path[1:]:
             if found is None:
@@ -103,6 +113,9 @@ class Namespace:
         return found
 
 
+Found: TypeAlias = tuple[Declared, Namespace]  # with where it is declared
+
+
 class Importer:
     """Reads imported files, each once; remembers the faults found on the way."""
 
@@ -118,68 +131,42 @@ class Importer:
         self.size = 0  # bytes read
         self._fingerprints: dict[str, str] = {}
         self._data: dict[str, Columns] = {}
-        self._packages: dict[int, Namespace] = {}
-        self._done: dict[tuple[int, str], tuple[Declared, Namespace] | None] = {}
+        self._inner: dict[int, Namespace] = {}  # of packages and models, by identity
 
     def report(self, wrong: Wrong) -> None:
         self.faults.append(wrong)
 
-    def inside(self, package: tree.Package, parent: Namespace) -> Namespace:
-        space = self._packages.get(id(package))
+    def inside(self, outer: tree.Package | tree.ModelDeclaration, parent: Namespace) -> Namespace:
+        """The names within, the same for all who ask: its imports are found once."""
+        space = self._inner.get(id(outer))
         if space is None:
-            space = self._packages[id(package)] = Namespace(package.body, parent, self)
+            space = self._inner[id(outer)] = Namespace(outer.body, parent, self)
         return space
-
-    def brought(
-        self, declaration: tree.Import, name: str, space: Namespace
-    ) -> tuple[Declared, Namespace] | None:
-        """What `import ...` in `space` brings under `name`, if anything.  Raises Wrong where the import is
-        at fault."""
-        if declaration.file is None and not declaration.wildcard:
-            if name != (declaration.alias or declaration.path[-1]):
-                return None
-        elif declaration.alias is not None and name != declaration.alias:
-            return None
-        key = (id(declaration), name)
-        if key not in self._done:
-            self._done[key] = None  # an import that asks for itself brings nothing
-            self._done[key] = self._bring(declaration, name, space)
-        return self._done[key]
 
     def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
         """Note the faults of the imports among `declarations`, also of those whose names nobody uses."""
+        self.faults += space.imported().faults
         for declaration in declarations:
-            try:
-                if isinstance(declaration, tree.Package):
-                    self.look_at(declaration.body, self.inside(declaration, space))
-                elif isinstance(declaration, tree.ModelDeclaration):
-                    self.look_at(declaration.body, space)
-                elif not isinstance(declaration, tree.Import):
-                    continue
-                elif declaration.file is not None:
-                    self._file(declaration)
-                else:
-                    self._path(declaration, declaration.path, space)
-            except Wrong as wrong:
-                self.report(wrong)
+            if isinstance(declaration, tree.Package | tree.ModelDeclaration):
+                self.look_at(declaration.body, self.inside(declaration, space))
 
-    def _bring(
-        self, declaration: tree.Import, name: str, space: Namespace
-    ) -> tuple[Declared, Namespace] | None:
-        if declaration.file is None and not declaration.wildcard:
-            return self._path(declaration, declaration.path, space)
-        if declaration.file is not None:
-            source = self._file(declaration)
-        else:
-            container, outer = self._path(declaration, declaration.path, space)
-            if not isinstance(container, tree.Package):
-                raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
-            source = self.inside(container, outer)
-        found = source.names.get(name)
-        return None if found is None else (found, source)
-
-    def _file(self, declaration: tree.Import) -> Namespace:
+    def file(self, declaration: tree.Import) -> Namespace:
+        """What `import "..."` brings.  Raises Wrong."""
         return self._read(self._beside(declaration.file or "", declaration.span), declaration.span)
+
+    def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+        """What an import brings, where the first name of its path is `found`.  Raises Wrong."""
+        return self._opened(
+            declaration, found[1].follow(found, declaration.path, declaration.span, "declaration")
+        )
+
+    def _opened(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+        if not declaration.wildcard:
+            return found
+        container, outer = found
+        if not isinstance(container, tree.Package):
+            raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
+        return self.inside(container, outer)
 
     def data(self, written: str, span: Span) -> Columns:
         """A file of numbers, found as imports are.  Raises Wrong."""
@@ -220,13 +207,9 @@ class Importer:
     def _allowed(self, path: str) -> bool:
         return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
 
-    def _path(
-        self, declaration: tree.Import, names: tuple[str, ...], space: Namespace
-    ) -> tuple[Declared, Namespace]:
-        """What `names` mean in `space`, of the packages known there; else, in the files."""
-        known = space.lookup(names[0])
-        if known is not None and isinstance(known[0], tree.Package):
-            return space.find(names, declaration.span, "declaration")
+    def in_files(self, declaration: tree.Import) -> Found | Namespace | None:
+        """What an import brings of a file that is called by its path, if any.  Raises Wrong."""
+        names = declaration.path
         for root in self.roots:
             for length in range(len(names), 0, -1):
                 path = os.path.join(root, *names[:length]) + ".lag"
@@ -237,8 +220,13 @@ class Importer:
                     continue
                 file = self._read(path, declaration.span)
                 if names[length - 1] in file.names:
-                    return file.find(names[length - 1 :], declaration.span, "declaration")
-        raise Wrong(
+                    found = file.find(names[length - 1 :], declaration.span, "declaration")
+                    return self._opened(declaration, found)
+        return None
+
+    def nothing(self, declaration: tree.Import) -> Wrong:
+        names = declaration.path
+        return Wrong(
             "LAG0216",
             f"there is nothing to import called `{'.'.join(names)}`",
             declaration.span,

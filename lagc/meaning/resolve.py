@@ -67,7 +67,7 @@ def resolve(
         setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
         context.uses = setting.uses
         instance = Instance("", declaration, None)
-        environment = Environment(instance, Namespace(declaration.body, where, importer))
+        environment = Environment(instance, importer.inside(declaration, where))
         read_values(context, setting, environment)
         read_command(context, parameters, starts)
         read_inputs(context, inputs or {}, environment)

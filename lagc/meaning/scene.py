@@ -90,7 +90,7 @@ def scenes_of(
 ) -> dict[str, tree.Scene]:
     """The scenes of a model, its own first, then the inherited ones.  Raises Wrong."""
     found: dict[str, tree.Scene] = {}
-    inner = Namespace(model.body, space, context.importer)
+    inner = context.importer.inside(model, space)
     for declaration in model.body:
         if isinstance(declaration, tree.Scene):
             if declaration.name in found:

@@ -98,7 +98,7 @@ def _declarations(
 ) -> Iterator[tree.Declaration]:
     """What a model declares, then what it inherits."""
     yield from declaration.body
-    inner = Namespace(declaration.body, space, space.importer)
+    inner = space.importer.inside(declaration, space)
     for base in declaration.body:
         if isinstance(base, tree.Extends) and depth < DEEPEST:
             try:
