@@ -10,7 +10,7 @@ from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import integer, integers
 from lagc.meaning.members import MOST_NAMED
-from lagc.meaning.modifications import modifiers_of, subscripts
+from lagc.meaning.modifications import Extended, modifiers_of, outermost_first, subscripts
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
@@ -39,11 +39,14 @@ class Builder:
         self.instance = instance
         self.modifiers = modifiers
         self.used: set[str] = set()  # modifiers that met their declaration
-        self.bases: list[tree.ModelDeclaration] = []
+        self.bases: list[tree.ModelDeclaration] = []  # that extend each other, the instance's own first
+        self.extended: Extended = {}
         self.pending: list[tuple[tree.Declaration, Home]] = []
 
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
+        for name, given in outermost_first(declaration, self.extended):
+            self.modifiers.setdefault(name, []).append(given)
         for job in self.pending:
             self.context.attempt(self._unfold, *job)
         for name, given in self.modifiers.items():
@@ -57,6 +60,9 @@ class Builder:
             raise Wrong("LAG0205", f"`{declaration.name}` extends itself", declaration.name_span)
         if len(self.bases) >= DEEPEST:
             raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
+        if id(declaration) in self.extended:  # it is extended in another way, too
+            return
+        self.extended[id(declaration)] = []
         self.bases.append(declaration)
         inner = self.context.importer.inside(declaration, space)
         self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
@@ -112,7 +118,7 @@ class Builder:
         first = self.instance.entries.get(name)
         if first is not None:
             raise self._twice(name, entry.span, first.span)
-        entry.modifiers = self.modifiers.get(name, [])
+        entry.modifiers = self.modifiers.setdefault(name, [])  # which what is extended later may fill
         self.used.add(name)
         self.instance.entries[name] = entry
         home.items.append(entry)
@@ -164,8 +170,8 @@ class Builder:
         found, space = environment.space.find(d.path, d.path_span, "model")
         if not isinstance(found, tree.ModelDeclaration):
             raise Wrong("LAG0204", f"`{'.'.join(d.path)}` is not a model", d.path_span)
-        for name, given in modifiers_of(d.arguments, environment).items():
-            self.modifiers.setdefault(name, []).extend(given)
+        given = modifiers_of(d.arguments, environment)
+        self.extended[id(self.bases[-1])].append((found, given))
         self._body_of(found, space)
 
     def _postpone(self, d: tree.Declaration, home: Home) -> None:
@@ -250,7 +256,7 @@ class Builder:
         if source.value is not None:
             raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
         own = modifiers_of(source.arguments, entry.environment)
-        for modifier in entry.modifiers:
+        for modifier in reversed(entry.modifiers):  # the outermost last, to stand before the others
             if modifier.argument.value is not None:
                 raise Wrong(
                     "LAG0209",

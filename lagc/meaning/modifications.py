@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.frontend import tree
 from lagc.meaning.scope import LARGEST, Environment, Modifier, Modifiers
 from lagc.meaning.values import Wrong
+
+# of models, by identity: what each extends, with what it gives there
+Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]
 
 
 def modifiers_of(arguments: Iterable[tree.Argument], environment: Environment) -> Modifiers:
@@ -29,6 +33,26 @@ def _named(argument: tree.Argument) -> tree.Argument:
         name = call.function
         return tree.Argument(name.name, name.span, None, argument.span, argument.each, call.arguments)
     return argument
+
+
+def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterator[tuple[str, Modifier]]:
+    """What a model and all that it extends give to what they extend: what a model gives goes before what those
+    give that it extends, in one way or another; else the order is that in which they are written."""
+    done: set[int] = set()
+    order: list[int] = []  # the innermost first, what is written last before what is written first
+
+    def visit(key: int) -> None:
+        if key not in done:
+            done.add(key)
+            for base, _ in reversed(extended.get(key, [])):
+                visit(id(base))
+            order.append(key)
+
+    visit(id(model))
+    for key in reversed(order):
+        for _, modifiers in extended.get(key, []):
+            for name, given in modifiers.items():
+                yield from ((name, modifier) for modifier in given)
 
 
 def subscripts(sizes: list[int], span: Span) -> list[tuple[int, ...]]:

@@ -86,9 +86,18 @@ def _which_model(wanted: str, file: tree.Tree) -> str | None:
 
 
 def scenes_of(
-    context: Context, model: tree.ModelDeclaration, space: Namespace, depth: int = 0
+    context: Context,
+    model: tree.ModelDeclaration,
+    space: Namespace,
+    depth: int = 0,
+    seen: set[int] | None = None,
 ) -> dict[str, tree.Scene]:
-    """The scenes of a model, its own first, then the inherited ones.  Raises Wrong."""
+    """The scenes of a model, its own first, then the inherited ones, not those of models that were `seen`.
+    Raises Wrong."""
+    seen = set() if seen is None else seen
+    if id(model) in seen:
+        return {}
+    seen.add(id(model))
     found: dict[str, tree.Scene] = {}
     inner = context.importer.inside(model, space)
     for declaration in model.body:
@@ -108,7 +117,7 @@ def scenes_of(
         if isinstance(declaration, tree.Extends) and depth < DEEPEST:
             base, where = inner.find(declaration.path, declaration.path_span, "model")
             if isinstance(base, tree.ModelDeclaration):
-                for name, scene in scenes_of(context, base, where, depth + 1).items():
+                for name, scene in scenes_of(context, base, where, depth + 1, seen).items():
                     found.setdefault(name, scene)
     return found
 

@@ -66,7 +66,7 @@ def _models(
 def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[Variant]:
     scenes: dict[str, tree.Scene] = {}
     effects: dict[str, tree.Effect] = {}
-    for inner in _declarations(declaration, space, 0):
+    for inner in _declarations(declaration, space, 0, set()):
         if isinstance(inner, tree.Scene):
             scenes.setdefault(inner.name, inner)
         elif isinstance(inner, tree.Effect):
@@ -94,9 +94,12 @@ def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]
 
 
 def _declarations(
-    declaration: tree.ModelDeclaration, space: Namespace, depth: int
+    declaration: tree.ModelDeclaration, space: Namespace, depth: int, seen: set[int]
 ) -> Iterator[tree.Declaration]:
-    """What a model declares, then what it inherits."""
+    """What a model declares, then what it inherits, but for that of models that were `seen`."""
+    if id(declaration) in seen:
+        return
+    seen.add(id(declaration))
     yield from declaration.body
     inner = space.importer.inside(declaration, space)
     for base in declaration.body:
@@ -105,5 +108,5 @@ def _declarations(
                 found, where = inner.find(base.path, base.path_span, "model")
             except Wrong:
                 continue
-            if isinstance(found, tree.ModelDeclaration) and found is not declaration:
-                yield from _declarations(found, where, depth + 1)
+            if isinstance(found, tree.ModelDeclaration):
+                yield from _declarations(found, where, depth + 1, seen)
