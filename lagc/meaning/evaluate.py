@@ -7,6 +7,7 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
+from lagc.diagnostics.faults import Span
 from lagc.frontend import tree
 from lagc.meaning.bare import is_bare
 from lagc.meaning.context import Context
@@ -18,6 +19,7 @@ T = TypeVar("T")
 Item = TypeVar("Item")
 
 LONGEST_RANGE = 100_000
+BEYOND = 2**53  # a double that is this may have been written as another integer
 
 
 def evaluate(context: Context, expression: tree.Expression, environment: Environment) -> Value:
@@ -56,8 +58,18 @@ def integer(context: Context, expression: tree.Expression, environment: Environm
             expression.span,
             remedy="use integers, loop variables and `structural Integer` parameters",
         )
-    if value.dimension not in (None, NONE) or number != math.floor(number):
+    if value.dimension not in (None, NONE):
         raise Wrong("LAG0208", f"{what} is an integer, this is not", expression.span)
+    return whole(number, expression.span, what)
+
+
+def whole(number: float, span: Span, what: str) -> int:
+    """Raises Wrong where the number is no integer, or may stand for another one than was written."""
+    if number != math.floor(number):
+        raise Wrong("LAG0208", f"{what} is an integer, this is not", span)
+    if abs(number) >= BEYOND:
+        message = f"{what} is an integer of less than 2^53 = {BEYOND}, from where on numbers are not exact"
+        raise Wrong("LAG0208", message, span)
     return int(number)
 
 

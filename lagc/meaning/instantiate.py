@@ -45,8 +45,8 @@ class Builder:
 
     def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
         self._body_of(declaration, space)
-        for name, given in outermost_first(declaration, self.extended):
-            self.modifiers.setdefault(name, []).append(given)
+        for name, modifier in outermost_first(declaration, self.extended):
+            self.modifiers.setdefault(name, []).append(modifier)
         for job in self.pending:
             self.context.attempt(self._unfold, *job)
         for name, given in self.modifiers.items():

@@ -36,7 +36,7 @@ def _named(argument: tree.Argument) -> tree.Argument:
 
 
 def outermost_first(model: tree.ModelDeclaration, extended: Extended) -> Iterator[tuple[str, Modifier]]:
-    """What a model and all that it extends give to what they extend: what a model gives goes before what those
+    """What a model and all that it extends give to what they extend: what one gives goes before what those
     give that it extends, in one way or another; else the order is that in which they are written."""
     done: set[int] = set()
     order: list[int] = []  # the innermost first, what is written last before what is written first

@@ -12,7 +12,7 @@ from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE
 from lagc.meaning.context import Context
-from lagc.meaning.evaluate import evaluate, evaluate_as, integer
+from lagc.meaning.evaluate import evaluate, evaluate_as, integer, whole
 from lagc.meaning.modifications import subscripts
 from lagc.meaning.quantity import Quantity, bounds_of, check_bounds, look_at_all, value_span, values_of
 from lagc.meaning.scope import Entry, Modifier
@@ -143,8 +143,9 @@ def _fixed(context: Context, quantity: Quantity) -> Value:
         still(context, scalar.node, span, f"`{name}`")
         if entry.kind == "structural":
             number = scalar.node.value
-            if not scalar.node.is_const or not isinstance(number, float) or number != math.floor(number):
+            if not scalar.node.is_const or not isinstance(number, float):
                 raise Wrong("LAG0208", f"the structural parameter `{name}` is an integer", span)
+            whole(number, span, f"the structural parameter `{name}`")
             check_bounds(quantity, name, number, bounds, span, "")
             context.built_in.append(name)
         found.append(scalar)
