@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Vector
+from lagc.expr.vectors import Matrix, Vector
 from lagc.frontend import tree
 from lagc.meaning.clock import Clock
 from lagc.meaning.model import Frame, Table
@@ -57,6 +57,7 @@ class Context:
         self.time: Node = self.graph.symbol("time", "time")
         self.clock.runs(self.time, self.graph.one)
         self.world = _world(self.graph)
+        self.components: dict[tuple[Matrix, Vector], Vector] = {}  # of vectors, in the axes of frames
         self.importer = importer
         self.uses = uses
         self.parameters: dict[str, Given] = {}

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, add, dot, matmul, matvec, scale, transpose
+from lagc.expr.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
 from lagc.meaning.context import Context
-from lagc.meaning.functions import Argument, Table, number, unit_vector
+from lagc.meaning.directions import direction, in_frame, still
+from lagc.meaning.functions import Argument, Table, number
 from lagc.meaning.model import Frame, Orientation
 from lagc.meaning.motion import derivative
 from lagc.meaning.values import Value, Wrong, kind, vector_of
@@ -47,11 +48,7 @@ def _rotate(context: Context, span: Span, frame: Argument, axis: Argument, angle
             "LAG0210", "`rotate` needs a frame, an axis and an angle; or a frame and an orientation", span
         )
     vector, _ = vector_of(axis.value, axis.span, "the axis of a rotation")
-    own = _in_frame(parent, vector)
-    for k in range(3):
-        if own[k].is_const and own[k].value == 1.0 and all(own[j].is_zero for j in range(3) if j != k):
-            return about_axis(context, frame, k, angle)
-    return _about(context, parent, unit_vector(own, axis.span), angle)
+    return _about(context, parent, *direction(context, parent, vector, axis.span), angle, axis.span)
 
 
 def frame_of(argument: Argument) -> Frame:
@@ -61,27 +58,21 @@ def frame_of(argument: Argument) -> Frame:
     raise Wrong("LAG0221", f"one rotates a frame, this is {kind(argument.value)}", argument.span)
 
 
-def _in_frame(frame: Frame, vector: Vector) -> Vector:
-    """A world vector in the frame's axes; a unit vector of the frame is found as such."""
-    columns = transpose(frame.axes)
-    one, zero = vector[0].graph.one, vector[0].graph.zero
-    if vector in columns:
-        k = columns.index(vector)
-        return (one if k == 0 else zero, one if k == 1 else zero, one if k == 2 else zero)
-    return (dot(columns[0], vector), dot(columns[1], vector), dot(columns[2], vector))
-
-
 def about_axis(context: Context, frame: Argument, k: int, angle: Argument) -> Frame:
     """A turn by an angle about axis k of the frame."""
-    parent, node = frame_of(frame), number(angle, "an angle of rotation is")
+    return _about_own(context, frame_of(frame), k, 1.0, angle)
+
+
+def _about_own(context: Context, parent: Frame, k: int, sense: float, angle: Argument) -> Frame:
+    node = number(angle, "an angle of rotation is")
     graph = context.graph
-    c, s, one, zero = graph.cos(node), graph.sin(node), graph.one, graph.zero
+    c, s, one, zero = graph.cos(node), sense * graph.sin(node), graph.one, graph.zero
     turns: tuple[Matrix, ...] = (
         ((one, zero, zero), (zero, c, -s), (zero, s, c)),
         ((c, zero, s), (zero, one, zero), (-s, zero, c)),
         ((c, -s, zero), (s, c, zero), (zero, zero, one)),
     )
-    rate = derivative(context, node, angle.span)
+    rate = sense * derivative(context, node, angle.span)
     spin = (rate if k == 0 else zero, rate if k == 1 else zero, rate if k == 2 else zero)
     return _turned(context, parent, turns[k], spin)
 
@@ -90,16 +81,40 @@ def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame
     """`own`: what the turn brings to the angular velocity, in the new axes."""
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
-    found = Frame("", parent.name, axes, add(carried, own), add(parent.spin, matvec(axes, own)), None)
+    return _made(context, parent, axes, add(carried, own), add(parent.spin, matvec(axes, own)))
+
+
+def _made(context: Context, parent: Frame, axes: Matrix, angular_velocity: Vector, spin: Vector) -> Frame:
+    found = Frame("", parent.name, axes, angular_velocity, spin, None)
     context.clock.turns(found)
     return found
 
 
-def _about(context: Context, parent: Frame, axis: Vector, angle: Argument) -> Frame:
-    """Rodrigues' formula, L = c 1 + s [a] + (1 - c) a a^T, for a unit vector a in the parent's axes."""
+def _about(context: Context, parent: Frame, axis: Vector, own: Vector, angle: Argument, span: Span) -> Frame:
+    """A turn about the unit vector `axis` of the world, which is `own` in the parent's axes."""
+    for k in range(3):
+        if own[k].is_const and abs(own[k].value) == 1.0 and all(own[j].is_zero for j in range(3) if j != k):
+            return _about_own(context, parent, k, own[k].value, angle)
     node = number(angle, "an angle of rotation is")
-    graph = context.graph
-    c, s = graph.cos(node), graph.sin(node)
+    rate = derivative(context, node, angle.span)
+    if still(context, axis):  # W R, with a turn W of the world that holds the axis
+        turn, about = _turn(axis, node), add(parent.angular_velocity, scale(rate, own))
+        spin = add(matvec(turn, parent.spin), scale(rate, axis))
+        found = _made(context, parent, matmul(turn, parent.axes), about, spin)
+    elif still(context, own):
+        found = _turned(context, parent, _turn(own, node), scale(rate, own))
+    else:
+        found = _turned(
+            context, parent, _turn(own, node), _spin(context, parent, axis, own, node, rate, span)
+        )
+    context.components[found.axes, axis] = own  # the turn leaves it
+    return found
+
+
+def _turn(axis: Vector, angle: Node) -> Matrix:
+    """Rodrigues' formula, L = c 1 + s [a] + (1 - c) a a^T, for a unit vector a."""
+    graph = angle.graph
+    c, s = graph.cos(angle), graph.sin(angle)
     x, y, z = axis
     skew: Matrix = ((graph.zero, -z, y), (z, graph.zero, -x), (-y, x, graph.zero))
     rows: list[Vector] = []
@@ -108,22 +123,19 @@ def _about(context: Context, parent: Frame, axis: Vector, angle: Argument) -> Fr
             (1.0 - c) * axis[i] * axis[j] + s * skew[i][j] + (c if i == j else graph.zero) for j in range(3)
         ]
         rows.append((row[0], row[1], row[2]))
-    turn: Matrix = (rows[0], rows[1], rows[2])
-    rates = [derivative(context, component, angle.span) for component in axis]
-    if all(rate.is_zero for rate in rates):
-        return _turned(context, parent, turn, scale(derivative(context, node, angle.span), axis))
-    return _turned(context, parent, turn, _spin(context, turn, angle.span))
+    return (rows[0], rows[1], rows[2])
 
 
-def _spin(context: Context, turn: Matrix, span: Span) -> Vector:
-    """The angular velocity of a turn in its own axes: L^T L' = [w]."""
-    columns = transpose(turn)
-
-    def rate(k: int) -> Vector:
-        a, b, c = (derivative(context, node, span) for node in columns[k])
-        return (a, b, c)
-
-    return (dot(columns[2], rate(1)), dot(columns[0], rate(2)), dot(columns[1], rate(0)))
+def _spin(
+    context: Context, parent: Frame, axis: Vector, own: Vector, angle: Node, rate: Node, span: Span
+) -> Vector:
+    """What a turn L brings to the angular velocity, [w] = L^T L', in the new axes:
+    w = angle' a + s a' - (1 - c) a x a', a' in the parent's axes."""
+    graph = angle.graph
+    x, y, z = (derivative(context, component, span) for component in axis)
+    moved = add(in_frame(context, parent, (x, y, z)), cross(own, parent.angular_velocity))
+    bent = add(scale(graph.sin(angle), moved), scale(graph.cos(angle) - 1.0, cross(own, moved)))
+    return add(scale(rate, own), bent)
 
 
 def _oriented(context: Context, parent: Frame, o: Orientation) -> Frame:

@@ -1,0 +1,140 @@
+"""Vectors in the axes of frames, and their lengths.
+
+What is a sum of a frame's unit vectors with factors that stand still is found as such: its components are
+these factors, whatever turns the frame, and its length is theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+from lagc.diagnostics.faults import Span
+from lagc.expr.graph import Node
+from lagc.expr.vectors import Matrix, Vector, dot, norm, transpose
+from lagc.meaning.clock import LATE, MOVING
+from lagc.meaning.context import Context
+from lagc.meaning.functions import unit_vector
+from lagc.meaning.model import Frame
+
+_MOST = 300  # parts of a vector that are looked at
+
+_ROUNDING = 2.0**-48
+
+Terms: TypeAlias = dict[Node, Node]  # what moves, with the factor that does not
+Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
+
+
+def still(context: Context, nodes: Sequence[Node]) -> bool:
+    """Whether they keep their values in all motions."""
+    return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
+
+
+def in_frame(context: Context, frame: Frame, vector: Vector) -> Vector:
+    """A vector of the world in the frame's axes."""
+    known = context.components.get((frame.axes, vector))
+    if known is None:
+        columns = transpose(frame.axes)
+        found = None if still(context, columns[0] + columns[1]) else _factors(context, columns, vector)
+        known = found or (dot(columns[0], vector), dot(columns[1], vector), dot(columns[2], vector))
+        context.components[frame.axes, vector] = known
+    return known
+
+
+def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tuple[Vector, Vector]:
+    """`vector` over its length, in the axes of the world and in those of `frame`.  Raises Wrong where it is
+    zero."""
+    if still(context, vector):
+        vector = unit_vector(vector, span)
+        return vector, in_frame(context, frame, vector)
+    own = in_frame(context, frame, vector)
+    if not still(context, own):
+        vector = unit_vector(vector, span)
+        return vector, in_frame(context, frame, vector)
+    length = norm(own)
+    own = unit_vector(own, span)
+    return (vector[0] / length, vector[1] / length, vector[2] / length), own
+
+
+def _factors(context: Context, columns: Matrix, vector: Vector) -> Vector | None:
+    """Those, standing still, by which the sum of the unit vectors `columns` is `vector`; None where none are
+    found."""
+    one, zero, left = vector[0].graph.one, vector[0].graph.zero, _MOST
+    units: tuple[Vector, ...] = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    for column, unit in zip(columns, units):
+        if vector == column:
+            return unit
+    rows: list[Row] = []
+    for k in range(3):
+        tables: list[Terms] = []
+        for node in (columns[0][k], columns[1][k], columns[2][k], vector[k]):
+            terms, left = _moving_terms(context, node, left)
+            if left < 0:
+                return None
+            tables.append(terms)
+        for base in dict.fromkeys(base for terms in tables for base in terms):
+            *coefficients, right = (terms.get(base, zero) for terms in tables)
+            if not all([c.is_const for c in coefficients]):
+                return None
+            rows.append(([c.value for c in coefficients], right))
+    return _solved(rows)
+
+
+def _moving_terms(context: Context, node: Node, most: int) -> tuple[Terms, int]:
+    """The terms of a sum, and how many of `most` parts are left, less than none where there are more."""
+    graph, found = node.graph, Terms()
+    stack = [(node, graph.one)]
+    while stack and most >= 0:
+        most -= 1
+        part, factor = stack.pop()
+        if still(context, [part]):
+            part, factor = graph.one, factor * part
+        elif part.op == "add":
+            stack += [(a, factor) for a in part.args]
+            continue
+        elif part.op == "scale":
+            stack.append((part.args[0], factor * part.value))
+            continue
+        elif part.op == "mul":
+            pairs = list(zip(part.args, part.value))
+            moving = [(base, e) for base, e in pairs if not still(context, [base])]
+            if len(moving) < len(pairs):
+                factor = factor * graph.product([pair for pair in pairs if pair not in moving])
+                stack.append((graph.product(moving), factor))
+                continue
+        found[part] = found.get(part, graph.zero) + factor
+    return found, most
+
+
+def _solved(rows: list[Row]) -> Vector | None:
+    """The x for which `coefficients` x = right in all `rows`, by Jordan's elimination."""
+    done: list[Row] = []
+    for k in range(3):
+        best = max(rows, key=lambda row: abs(row[0][k]), default=None)
+        if best is None or best[0][k] == 0.0:
+            return None
+        rows = [row for row in rows if row is not best]
+        pivot = best[0][k]
+        first = [n / pivot for n in best[0]], best[1] / best[1].graph.const(pivot)
+        done = [*(_without(row, k, first) for row in done), first]
+        rows = [_without(row, k, first) for row in rows]
+    if not all([right.is_zero for _, right in rows]):
+        return None
+    return (done[0][1], done[1][1], done[2][1])
+
+
+def _without(row: Row, k: int, first: Row) -> Row:
+    """`row` less so much of `first` that its number k is zero."""
+    c = row[0][k]
+    if c == 0.0:
+        return row
+    numbers = [_difference(a, c * b) for a, b in zip(row[0], first[0])]
+    right, other = row[1], first[1] * c
+    if right.is_const and other.is_const:
+        return numbers, right.graph.const(_difference(right.value, other.value))
+    return numbers, right - other
+
+
+def _difference(a: float, b: float) -> float:
+    """a - b, zero where that is rounding."""
+    return 0.0 if abs(a - b) <= _ROUNDING * abs(a) else a - b
