@@ -14,8 +14,9 @@ from lagc.meaning import model as nouns
 from lagc.meaning.calls import look_at_arguments, match
 from lagc.meaning.clock import LATE, VELOCITY
 from lagc.meaning.context import Context
+from lagc.meaning.directions import unit_vector
 from lagc.meaning.evaluate import each, evaluate, evaluate_as
-from lagc.meaning.functions import Argument, unit_vector
+from lagc.meaning.functions import Argument
 from lagc.meaning.motion import velocity_of
 from lagc.meaning.scope import Entry
 from lagc.meaning.units import KG, NONE, M, S, dimension, over
@@ -169,7 +170,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
     if way is not None:
         vector, found = vector_of(evaluate(context, way, entry.environment), way.span, "a direction")
         expect(found, NONE, way.span, "a direction")
-        direction = unit_vector(vector, way.span)
+        direction = unit_vector(context, vector, way.span)
     total = graph.zero
     for other in entry.environment.instance.in_order():
         if other.kind == "body" and other.elements is None:

@@ -11,7 +11,7 @@ from typing import TypeVar
 from lagc.expr.derivative import partials
 from lagc.expr.graph import Graph, Node
 from lagc.expr.symbol import QUANTITIES
-from lagc.expr.vectors import axis_rates
+from lagc.expr.vectors import Matrix, axis_rates
 from lagc.meaning.model import Frame
 
 T = TypeVar("T")
@@ -41,6 +41,7 @@ class Clock:
         self.graph = graph
         self._rate: dict[Node, Node] = {}
         self._mask: dict[Node, int] = {}
+        self.axes: dict[Node, Matrix] = {}  # by their components, of the first frame that has them
 
     def runs(self, symbol: Node, rate: Node) -> None:
         """d(symbol)/dt = rate."""
@@ -48,6 +49,10 @@ class Clock:
 
     def turns(self, frame: Frame) -> None:
         """The axes of a frame turn with it."""
+        for component in (x for row in frame.axes for x in row):
+            node = component.args[0] if component.op == "scale" else component
+            if not node.is_const:
+                self.axes.setdefault(node, frame.axes)
         for node, rate in axis_rates(frame.axes, frame.angular_velocity).items():
             self._rate.setdefault(node, rate)
 

@@ -58,6 +58,7 @@ class Context:
         self.clock.runs(self.time, self.graph.one)
         self.world = _world(self.graph)
         self.components: dict[tuple[Matrix, Vector], Vector] = {}  # of vectors, in the axes of frames
+        self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # of axes, those that were turned, and how
         self.importer = importer
         self.uses = uses
         self.parameters: dict[str, Given] = {}

@@ -11,13 +11,14 @@ from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, dot, norm, transpose
+from lagc.expr.vectors import Matrix, Vector, matvec, norm, transpose
 from lagc.meaning.clock import LATE, MOVING
 from lagc.meaning.context import Context
-from lagc.meaning.functions import unit_vector
 from lagc.meaning.model import Frame
+from lagc.meaning.values import Wrong
 
 _MOST = 300  # parts of a vector that are looked at
+_ABOVE = 6  # frames that are
 
 _ROUNDING = 2.0**-48
 
@@ -30,44 +31,98 @@ def still(context: Context, nodes: Sequence[Node]) -> bool:
     return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
 
 
+def length_of(context: Context, vector: Vector) -> Node:
+    """Its length."""
+    if not still(context, vector):
+        for axes in _near(context, vector):
+            own = _factors(context, axes, vector)
+            if own is not None:
+                return norm(own)
+    return norm(vector)
+
+
+def unit_vector(context: Context, vector: Vector, span: Span) -> Vector:
+    """`vector` over its length.  Raises Wrong where that is zero."""
+    length = length_of(context, vector)
+    if length.is_zero:
+        raise Wrong("LAG0309", "the zero vector has no direction", span)
+    return (vector[0] / length, vector[1] / length, vector[2] / length)
+
+
 def in_frame(context: Context, frame: Frame, vector: Vector) -> Vector:
     """A vector of the world in the frame's axes."""
-    known = context.components.get((frame.axes, vector))
-    if known is None:
-        columns = transpose(frame.axes)
-        found = None if still(context, columns[0] + columns[1]) else _factors(context, columns, vector)
-        known = found or (dot(columns[0], vector), dot(columns[1], vector), dot(columns[2], vector))
-        context.components[frame.axes, vector] = known
-    return known
+    found = known_in_frame(context, frame, vector)
+    if found is None:
+        return matvec(transpose(frame.axes), vector)
+    return found
+
+
+def known_in_frame(context: Context, frame: Frame, vector: Vector) -> Vector | None:
+    """That, where it follows from how `vector` stands to the frame or to one that the frame was turned
+    from."""
+    turns: list[Matrix] = []
+    axes = frame.axes
+    above = 0 if still(context, vector) else _ABOVE
+    own = _standing(context, axes, vector)
+    while own is None:
+        if len(turns) == above or axes not in context.turns:
+            return None
+        axes, turn = context.turns[axes]
+        turns.append(turn)
+        own = _standing(context, axes, vector)
+    for turn in reversed(turns):
+        own = matvec(transpose(turn), own)
+    context.components[frame.axes, vector] = own
+    return own
 
 
 def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tuple[Vector, Vector]:
     """`vector` over its length, in the axes of the world and in those of `frame`.  Raises Wrong where it is
     zero."""
-    if still(context, vector):
-        vector = unit_vector(vector, span)
-        return vector, in_frame(context, frame, vector)
-    own = in_frame(context, frame, vector)
-    if not still(context, own):
-        vector = unit_vector(vector, span)
-        return vector, in_frame(context, frame, vector)
-    length = norm(own)
-    own = unit_vector(own, span)
-    return (vector[0] / length, vector[1] / length, vector[2] / length), own
+    unit = unit_vector(context, vector, span)
+    own = None if still(context, vector) else known_in_frame(context, frame, vector)
+    if own is None:
+        return unit, in_frame(context, frame, unit)
+    length = length_of(context, own if still(context, own) else vector)
+    own = (own[0] / length, own[1] / length, own[2] / length)
+    context.components[frame.axes, unit] = own
+    return unit, own
 
 
-def _factors(context: Context, columns: Matrix, vector: Vector) -> Vector | None:
-    """Those, standing still, by which the sum of the unit vectors `columns` is `vector`; None where none are
-    found."""
+def _standing(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
+    return context.components.get((axes, vector)) or _factors(context, axes, vector)
+
+
+def _near(context: Context, vector: Vector) -> list[Matrix]:
+    """The axes of frames, the last ones first, whose components stand in `vector`."""
+    found: dict[Matrix, int] = {}
+    stack, left = list(vector), _MOST
+    while stack and left:
+        left -= 1
+        node = stack.pop()
+        axes = context.clock.axes.get(node)
+        if axes is not None:
+            found[axes] = max(node.index, found.get(axes, 0))
+        if node.op in ("add", "scale", "mul"):
+            stack.extend(node.args)
+    return sorted(found, key=found.__getitem__, reverse=True)[:_ABOVE]
+
+
+def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
+    """The factors, standing still, with which the unit vectors in the columns of `axes` add up to `vector`;
+    None where none are found."""
+    columns = transpose(axes)
     one, zero, left = vector[0].graph.one, vector[0].graph.zero, _MOST
     units: tuple[Vector, ...] = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
     for column, unit in zip(columns, units):
         if vector == column:
             return unit
+    if still(context, columns[0] + columns[1] + columns[2]):
+        return None
     rows: list[Row] = []
     for k in range(3):
         tables: list[Terms] = []
-        for node in (columns[0][k], columns[1][k], columns[2][k], vector[k]):
+        for node in (*axes[k], vector[k]):
             terms, left = _moving_terms(context, node, left)
             if left < 0:
                 return None

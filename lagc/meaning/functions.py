@@ -11,6 +11,7 @@ from lagc.expr import vectors
 from lagc.expr.graph import Node
 from lagc.expr.operators import END, ENTIRE, OPERATORS, POLE
 from lagc.meaning.context import Context
+from lagc.meaning.directions import length_of, unit_vector
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, raised, times
 from lagc.meaning.values import (
@@ -216,21 +217,14 @@ def _cross(context: Context, span: Span, a: Argument, b: Argument) -> Value:
 @TABLE.enter("norm", "a")
 def _norm(context: Context, span: Span, a: Argument) -> Value:
     vector, dimension = numbers_of(a.value, a.span, "what `norm` takes")
-    return Scalar(vectors.norm(vector), dimension)
+    length = length_of(context, vector) if len(vector) == 3 else vectors.norm(vector)
+    return Scalar(length, dimension)
 
 
 @TABLE.enter("normalize", "a")
 def _normalize(context: Context, span: Span, a: Argument) -> Value:
     vector, _ = vector_of(a.value, a.span, "what `normalize` takes")
-    return vector_value(unit_vector(vector, a.span), NONE)
-
-
-def unit_vector(vector: vectors.Vector, span: Span) -> vectors.Vector:
-    """`vector` over its length.  Raises Wrong where that is zero."""
-    length = vectors.norm(vector)
-    if length.is_zero:
-        raise Wrong("LAG0309", "the zero vector has no direction", span)
-    return (vector[0] / length, vector[1] / length, vector[2] / length)
+    return vector_value(unit_vector(context, vector, a.span), NONE)
 
 
 @TABLE.enter("sum", "a")

@@ -11,7 +11,7 @@ from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
 from lagc.meaning.context import Context
-from lagc.meaning.directions import direction, in_frame, still
+from lagc.meaning.directions import direction, in_frame, known_in_frame, still
 from lagc.meaning.functions import Argument, Table, number
 from lagc.meaning.model import Frame, Orientation
 from lagc.meaning.motion import derivative
@@ -81,6 +81,7 @@ def _turned(context: Context, parent: Frame, turn: Matrix, own: Vector) -> Frame
     """`own`: what the turn brings to the angular velocity, in the new axes."""
     axes = matmul(parent.axes, turn)
     carried = matvec(transpose(turn), parent.angular_velocity)
+    context.turns[axes] = parent.axes, turn
     return _made(context, parent, axes, add(carried, own), add(parent.spin, matvec(axes, own)))
 
 
@@ -132,8 +133,11 @@ def _spin(
     """What a turn L brings to the angular velocity, [w] = L^T L', in the new axes:
     w = angle' a + s a' - (1 - c) a x a', a' in the parent's axes."""
     graph = angle.graph
-    x, y, z = (derivative(context, component, span) for component in axis)
-    moved = add(in_frame(context, parent, (x, y, z)), cross(own, parent.angular_velocity))
+    known = known_in_frame(context, parent, axis)
+    x, y, z = (derivative(context, component, span) for component in known or axis)
+    moved = (x, y, z)
+    if known is None:
+        moved = add(in_frame(context, parent, moved), cross(own, parent.angular_velocity))
     bent = add(scale(graph.sin(angle), moved), scale(graph.cos(angle) - 1.0, cross(own, moved)))
     return add(scale(rate, own), bent)
 
