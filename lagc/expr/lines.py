@@ -82,6 +82,7 @@ class Lines:
         shape, known = self.shape, self.known
         moved = shape.moved(leaf)
         names, lines = {leaf: "x"}, []
+        places = {x: k for k, x in enumerate((leaf, *moved))}
         constants: list[float | Table] = [known[shape.node]]
 
         def constant(value: float | Table) -> str:
@@ -89,7 +90,7 @@ class Lines:
             return f"c[{len(constants) - 1}]"
 
         for k, x in enumerate(moved):
-            own = [t for t in (leaf, *moved) if t in shape.sums.get(x, ())]
+            own = sorted([t for t in shape.sums.get(x, ()) if t in places], key=places.__getitem__)
             if own:
                 factors = [f"{constant(shape.sums[x][t])}*{names[t]}" for t in own]
                 text = " + ".join([constant(self._rest(x, own)), *factors])

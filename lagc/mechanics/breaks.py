@@ -22,7 +22,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.lines import Lines, Shape, terms
-from lagc.expr.operators import LOGIC, smooth_as
+from lagc.expr.operators import ENTIRE, LOGIC, smooth_as
 from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.states import States
@@ -31,6 +31,7 @@ from lagc.mechanics.zeros import zeros
 from lagc.records import dataclass, field
 
 Ranks: TypeAlias = Mapping[Node, int]  # leaves, with their order
+Way: TypeAlias = tuple[Node, Node, Node]  # a switch, its side, and a leaf that moves
 
 _LOGIC = smooth_as(LOGIC)
 _ALIKE = 1e-11  # of their terms: two sides agree
@@ -39,6 +40,9 @@ _NEARER = tuple([10.0 ** (-0.5 * k) for k in range(4, 9)])  # of the way: both s
 _LITTLE = 1e-4
 _STAYS, _GROWS = 0.8, 3.0  # from one distance to the next: a jump stays, a slope may grow as a cusp's
 _SEEN = 1e-7  # of the size of both sides
+_SAME = 1e-12  # of a number, as rounding leaves it
+_FAR = (2.0**20, 2.0**40)
+_ANALYTIC = smooth_as(ENTIRE) | frozenset(("const", "symbol", "add", "scale", "mul", "sqrt"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,22 +76,35 @@ def ranked(leaves: Sequence[Node]) -> Ranks:
 
 
 def find_break(
-    states: States, nodes: Sequence[Node], leaves: Ranks, slopes: bool, rows: bool = False
+    states: States,
+    nodes: Sequence[Node],
+    leaves: Ranks,
+    slopes: bool,
+    rows: bool = False,
+    quiet: set[Way] | None = None,
 ) -> Break | None:
     """The first break of `nodes` that is found along `leaves`: a jump, or where `slopes` count a kink.
 
     `rows`: `nodes` are zero along the motion, which does not come to changes where one of them is not.
+    `quiet`: where no change was found and none is sought again, which this adds to.
     """
+    quiet = set() if quiet is None else quiet
     everything = states.in_rates(nodes)
     present = symbols(everything)
     rank = {leaf: leaves[leaf] for leaf in sorted(present & leaves.keys(), key=leaves.__getitem__)}
     nodes = unlike_quotients(everything, rank)
+    pairs: list[tuple[Switch, Sequence[Node]]]
     pairs = [(x, ways_of(x, rank)) for x in switches(states, nodes, rank, slopes)]
     pairs = [(x, ways) for x, ways in pairs if ways]
+    starts = [{x: state[x] for x in present} for state in states.scattered] if pairs else []
+    if not any(x.pieces for x, _ in pairs):
+        pairs = _loud(pairs, starts, quiet)
     if not pairs:
         return None
-    starts = [{x: state[x] for x in present} for state in states.scattered]
     edges = [_all_edges(x, starts, ways) for x, ways in pairs]
+    for (x, ways), found in zip(pairs, edges):
+        if not found:
+            quiet.update((x.node, x.side, y) for y in ways)
     if any(x.pieces for x, _ in pairs):  # no branch is left out
         first = [{e.leaf: e for e in reversed(found) if e.state is starts[0]} for found in edges]
         more = [[_moved(e, end) for e in table.values() for end in (0.5, -0.5)] for table in first]
@@ -204,6 +221,31 @@ def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]
                 edge = Edge(state, leaf, zero.at, step, reach, zero.crosses, knot)
                 if switch.active(edge.beside(-step)) or switch.active(edge.beside(step)):
                     yield edge
+
+
+def _loud(
+    pairs: Sequence[tuple[Switch, Sequence[Node]]], starts: Sequence[State], quiet: set[Way]
+) -> list[tuple[Switch, Sequence[Node]]]:
+    """Those that are not `quiet`, nor the same everywhere, which they then are."""
+    found: list[tuple[Switch, Sequence[Node]]] = []
+    for x, ways in pairs:
+        keys = [(x.node, x.side, y) for y in ways]
+        if not quiet.issuperset(keys):
+            if _constant(x, starts, ways):
+                quiet.update(keys)
+            else:
+                found.append((x, ways))
+    return found
+
+
+def _constant(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> bool:
+    """Whether `side` is analytic and a number other than zero: the same everywhere, far away too."""
+    if not all([x.op in _ANALYTIC for x in reachable([switch.side])]):
+        return False
+    far = [{**starts[0], **{y: starts[0][y] * way for y in ways}} for way in _FAR]
+    values = [evaluate([switch.side], state)[0] for state in (*starts, *far)]
+    size = max(map(abs, values))
+    return all(map(math.isfinite, values)) and size > 0.0 and max(values) - min(values) <= _SAME * size
 
 
 def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> list[Edge]:

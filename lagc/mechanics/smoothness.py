@@ -16,7 +16,7 @@ from collections.abc import Collection, Sequence
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Node
 from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
-from lagc.mechanics.breaks import Break, Ranks, find_break, ranked
+from lagc.mechanics.breaks import Break, Ranks, Way, find_break, ranked
 from lagc.mechanics.outlines import Outlines
 from lagc.mechanics.states import States
 from lagc.mechanics.tips import find_tip
@@ -41,6 +41,7 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
     rates = ranked([*states.rates, *(speed.symbol for speed in states.model.speeds)])
     everything = ranked([*place, *rates])
     outlines = Outlines(states, list(everything)) if smooth else None
+    quiet: set[Way] = set()  # of bodies along a chain each has the roots of those before it
 
     def find(nodes: Sequence[Node], leaves: Ranks, slopes: bool = True) -> Break | None:
         if smooth and above.isdisjoint(nodes):
@@ -48,7 +49,7 @@ def refuse_breaks(states: States, breaking: Collection[Node]) -> tuple[Fault, ..
         outline = outlines.of(nodes) if outlines else None
         if outline and not find_break(states, outline.nodes, ranked(outline.leaves), slopes):
             return None
-        return find_break(states, nodes, leaves, slopes)
+        return find_break(states, nodes, leaves, slopes, quiet=quiet)
 
     def find_in_row(c: Constraint) -> Fault | None:
         if smooth and above.isdisjoint(c.residuals):
