@@ -186,3 +186,13 @@ def test_what_a_body_knows() -> None:
     assert output(model, "p", **motion) == pytest.approx(6.0)
     assert output(model, "h", **motion) == pytest.approx(6.0)  # the centre moves along x through the origin
     assert output(model, "u", **motion) == pytest.approx(2.0 - 2.0 * 2.0)
+
+
+@pytest.mark.parametrize("sign", ["", "-"])
+def test_integers_are_told_apart_to_the_last_one_that_is_held_exactly(sign: str) -> None:
+    first, last = sorted(int(sign + str(2**53 - k)) for k in (1, 2))
+    model = read_body(
+        f"for i in {first}:{last} loop point P[i] = {{i*1 [m], 0, 0}}; end for;"
+        f"output Real y = P[{last}].x/1 [m]; output Real z = P[{first}].x/1 [m];"
+    )
+    assert (output(model, "y"), output(model, "z")) == (last, first)

@@ -92,6 +92,18 @@ CASES = [
     ("a size that is a parameter", "LAG0208", "parameter Real n = 3; coordinate Length z[«n»];"),
     ("a size with a unit", "LAG0208", "coordinate Length z[«2 [m]»];"),
     ("a structural parameter that is no integer", "LAG0208", "structural Integer n = «1.5»;"),
+    ("a size that is not held exactly", "LAG0208", "coordinate Length z[«9007199254740993»];"),
+    (
+        "a range that is not held exactly",
+        "LAG0208",
+        "for i in «-2^53»:1 loop point P[i] = {x, 0, 0}; end for;",
+    ),
+    (
+        "a subscript that is not held exactly",
+        "LAG0208",
+        "output Real y = ({1, 2})[«9999999999999999999999»];",
+    ),
+    ("a structural parameter that is not held exactly", "LAG0208", "structural Integer n = «1e300»;"),
     ("a loop over a number", "LAG0208", "for i in «3» loop point P[i] = {x, 0, 0}; end for;"),
     ("a loop of step zero", "LAG0208", "for i in 1:«0»:3 loop point P[i] = {x, 0, 0}; end for;"),
     ("a bound that is no fixed number", "LAG0208", "parameter Mass k(«min = m») = 1;"),

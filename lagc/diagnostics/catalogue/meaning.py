@@ -68,7 +68,7 @@ ENTRIES: dict[str, Entry] = {
         "not a structural integer",
         "Sizes, ranges of loops and subscripts decide which equations there are, so they must be known when "
         "the model is compiled: integers, loop variables, `structural Integer` "
-        "parameters and their combinations.",
+        "parameters and their combinations, of less than 2^53, as larger ones are not held exactly.",
         _body("parameter Real n = 3;\n  coordinate Length z[n];"),
         _body(
             "structural Integer n = 3;\n  coordinate Length z[n];\n  for i in 1:n loop\n    body c[i] = "
