@@ -6,7 +6,7 @@ these factors, whatever turns the frame, and its length is theirs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
@@ -20,7 +20,7 @@ from lagc.meaning.values import Wrong
 _MOST = 300  # parts of a vector that are looked at
 _ABOVE = 6  # frames that are
 
-_ROUNDING = 2.0**-48
+_ROUNDING = 2.0**-48  # of numbers
 
 Terms: TypeAlias = dict[Node, Node]  # what moves, with the factor that does not
 Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
@@ -83,10 +83,21 @@ def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tup
     own = None if still(context, vector) else known_in_frame(context, frame, vector)
     if own is None:
         return unit, in_frame(context, frame, unit)
+    if all([x.is_const for x in own]):
+        largest = max([abs(x.value) for x in own])
+        x, y, z = (_as_written(x.value / largest) if largest else 0.0 for x in own)
+        graph = own[0].graph
+        own = (graph.const(x), graph.const(y), graph.const(z))
     length = length_of(context, own if still(context, own) else vector)
     own = (own[0] / length, own[1] / length, own[2] / length)
     context.components[frame.axes, unit] = own
     return unit, own
+
+
+def _as_written(value: float) -> float:
+    """A number of few digits that `value` is but for rounding, or `value`."""
+    short = float(f"{value:.12g}")
+    return short if abs(short - value) <= _ROUNDING * abs(value) else value
 
 
 def _standing(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
@@ -112,18 +123,25 @@ def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
     """The factors, standing still, with which the unit vectors in the columns of `axes` add up to `vector`;
     None where none are found."""
     columns = transpose(axes)
-    one, zero, left = vector[0].graph.one, vector[0].graph.zero, _MOST
+    one, zero = vector[0].graph.one, vector[0].graph.zero
     units: tuple[Vector, ...] = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
     for column, unit in zip(columns, units):
         if vector == column:
             return unit
     if still(context, columns[0] + columns[1] + columns[2]):
         return None
+    whole = {x.args[0] if x.op == "scale" else x for row in axes for x in row if not still(context, [x])}
+    return _sought(context, axes, vector, whole) or _sought(context, axes, vector, ())
+
+
+def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Node]) -> Vector | None:
+    """The same, of what `whole` sums are not taken apart: their factors are found without rounding."""
+    left, zero = _MOST, vector[0].graph.zero
     rows: list[Row] = []
     for k in range(3):
         tables: list[Terms] = []
         for node in (*axes[k], vector[k]):
-            terms, left = _moving_terms(context, node, left)
+            terms, left = _moving_terms(context, node, whole, left)
             if left < 0:
                 return None
             tables.append(terms)
@@ -135,7 +153,7 @@ def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
     return _solved(rows)
 
 
-def _moving_terms(context: Context, node: Node, most: int) -> tuple[Terms, int]:
+def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
     """The terms of a sum, and how many of `most` parts are left, less than none where there are more."""
     graph, found = node.graph, Terms()
     stack = [(node, graph.one)]
@@ -144,6 +162,8 @@ def _moving_terms(context: Context, node: Node, most: int) -> tuple[Terms, int]:
         part, factor = stack.pop()
         if still(context, [part]):
             part, factor = graph.one, factor * part
+        elif part in whole:
+            pass
         elif part.op == "add":
             stack += [(a, factor) for a in part.args]
             continue
