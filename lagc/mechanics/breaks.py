@@ -22,6 +22,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.lines import Lines, Shape, terms
+from lagc.expr.modular import Point, Undefined
 from lagc.expr.operators import ENTIRE, LOGIC, smooth_as
 from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.magnitude import magnitudes
@@ -40,8 +41,7 @@ _NEARER = tuple([10.0 ** (-0.5 * k) for k in range(4, 9)])  # of the way: both s
 _LITTLE = 1e-4
 _STAYS, _GROWS = 0.8, 3.0  # from one distance to the next: a jump stays, a slope may grow as a cusp's
 _SEEN = 1e-7  # of the size of both sides
-_SAME = 1e-12  # of a number, as rounding leaves it
-_FAR = (2.0**20, 2.0**40)
+_POINTS = 8  # of the field, half of which have no root of a number
 _ANALYTIC = smooth_as(ENTIRE) | frozenset(("const", "symbol", "add", "scale", "mul", "sqrt"))
 
 
@@ -98,7 +98,7 @@ def find_break(
     pairs = [(x, ways) for x, ways in pairs if ways]
     starts = [{x: state[x] for x in present} for state in states.scattered] if pairs else []
     if not any(x.pieces for x, _ in pairs):
-        pairs = _loud(pairs, starts, quiet)
+        pairs = _loud(pairs, quiet)
     if not pairs:
         return None
     edges = [_all_edges(x, starts, ways) for x, ways in pairs]
@@ -224,28 +224,33 @@ def _edges(switch: Switch, state: State, ways: Sequence[Node]) -> Iterator[Edge]
 
 
 def _loud(
-    pairs: Sequence[tuple[Switch, Sequence[Node]]], starts: Sequence[State], quiet: set[Way]
+    pairs: Sequence[tuple[Switch, Sequence[Node]]], quiet: set[Way]
 ) -> list[tuple[Switch, Sequence[Node]]]:
     """Those that are not `quiet`, nor the same everywhere, which they then are."""
     found: list[tuple[Switch, Sequence[Node]]] = []
     for x, ways in pairs:
         keys = [(x.node, x.side, y) for y in ways]
         if not quiet.issuperset(keys):
-            if _constant(x, starts, ways):
+            if _constant(x, ways):
                 quiet.update(keys)
             else:
                 found.append((x, ways))
     return found
 
 
-def _constant(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> bool:
-    """Whether `side` is analytic and a number other than zero: the same everywhere, far away too."""
+def _constant(switch: Switch, ways: Sequence[Node]) -> bool:
+    """It is proved that `side` is the same along `ways` (`expr.modular`), and not zero."""
     if not all([x.op in _ANALYTIC for x in reachable([switch.side])]):
         return False
-    far = [{**starts[0], **{y: starts[0][y] * way for y in ways}} for way in _FAR]
-    values = [evaluate([switch.side], state)[0] for state in (*starts, *far)]
-    size = max(map(abs, values))
-    return all(map(math.isfinite, values)) and size > 0.0 and max(values) - min(values) <= _SAME * size
+    for seed in range(_POINTS):
+        point = Point(seed)
+        try:
+            here = point.values([switch.side])
+            point.place({y: point.draw() for y in ways})
+            return here == point.values([switch.side]) != [0]
+        except Undefined:
+            continue
+    return False
 
 
 def _all_edges(switch: Switch, starts: Sequence[State], ways: Sequence[Node]) -> list[Edge]:
