@@ -16,28 +16,26 @@ _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Warnings: whole numbers of many radians, written without a unit, that a file gives to its angles."""
     models = {d.name: [*_own(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)}
-    return [
-        fault
-        for own in (list(_own(file.declarations)), *models.values())
-        if (angles := _angles(own, models, set()))
-        for d in own
-        for name, value in _given(d)
-        if name in angles and (fault := _whole(name, value)) is not None
-    ]
+    found: list[Fault] = []
+    for own in (list(_own(file.declarations)), *models.values()):
+        many = [(name, fault) for d in own for name, value in _given(d) if (fault := _whole(name, value))]
+        angles = _angles(own, models) if many else ()
+        found += [fault for name, fault in many if name in angles]
+    return found
 
 
-def _angles(own: Sequence[tree.Declaration], models: Models, seen: set[str]) -> set[str]:
+def _angles(own: Sequence[tree.Declaration], models: Models) -> set[str]:
     """The names of the angles among declarations and those of the models of the file that they extend."""
-    found = {
-        declarator.name
-        for d in own
-        if isinstance(d, tree.Quantities) and d.type is not None and d.type.path == ("Angle",)
-        for declarator in d.declarators
-    }
-    for base in [d.path[-1] for d in own if isinstance(d, tree.Extends)]:
-        if base in models and base not in seen:
-            seen.add(base)
-            found |= _angles(models[base], models, seen)
+    found: set[str] = set()
+    seen: set[str] = set()
+    left = [own]
+    while left:
+        for d in left.pop():
+            if isinstance(d, tree.Quantities) and d.type is not None and d.type.path == ("Angle",):
+                found.update([declarator.name for declarator in d.declarators])
+            elif isinstance(d, tree.Extends) and d.path[-1] in models and d.path[-1] not in seen:
+                seen.add(d.path[-1])
+                left.append(models[d.path[-1]])
     return found
 
 
