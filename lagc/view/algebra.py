@@ -32,6 +32,7 @@ from lagc.view.polynomials import (
     frozen,
     number_content,
     scaled,
+    settled,
 )  # fmt: skip
 
 Parts: TypeAlias = list[tuple[Node, Polynomial]]  # of a sum, each with its factor
@@ -82,7 +83,7 @@ class Algebra:
                 self._multiply_out(node.args)
                 self._done[node] = self._convert(node)
         self._multiply_out(nodes)
-        return [self._done[node] for node in nodes]
+        return [settled(self._done[node]) for node in nodes]
 
     def _parts(self, node: Node) -> Parts:
         """Those of a sum that would be long; none of anything else."""

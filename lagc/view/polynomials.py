@@ -49,15 +49,26 @@ def constant(c: Fraction) -> Polynomial:
     return {(): c} if c else {}
 
 
+def settled(p: Polynomial) -> Polynomial:
+    """`p` with simple fractions for what decimal numbers came to but for rounding."""
+    found = dict(p)
+    for m, c in p.items():
+        if c.denominator > READABLE and 1e-300 < abs(c) < 1e300:
+            near = fraction(float(c))
+            if near.denominator <= READABLE:
+                found[m] = near
+    return found
+
+
 def scaled(p: Polynomial, c: Fraction) -> Polynomial:
     return {m: c * value for m, value in p.items()} if c else {}
 
 
 def accumulate(total: Polynomial, monomial: Monomial, c: Fraction) -> None:
-    """total += c*monomial."""
+    """total += c*monomial; what is left of decimal numbers that cancel is rounding."""
     before = total.get(monomial)
     value = c if before is None else before + c
-    if value:
+    if value and (before is None or value.denominator <= READABLE or abs(value) > SUMS * abs(c)):
         total[monomial] = value
     else:
         total.pop(monomial, None)

@@ -148,6 +148,19 @@ def test_fractions_differ_from_numbers_by_rounding(seed: int) -> None:
     assert fraction(1.00000000000001) == Fraction("1.00000000000001")
 
 
+def test_turns_about_an_axis_of_no_simple_length_leave_simple_numbers() -> None:
+    found = equations_of(
+        "model M coordinate Angle a, b; frame F = rotate(world, {1, 0.5, 0}, a);"
+        "frame G = rotate(F, {1, 0.5, 0}, b); point P = 1 [m]*F.z;"
+        "body s = Solid(mass = 1 [kg], inertia = {1, 2, 2}, frame = F, com = P);"
+        "body t = Solid(mass = 1 [kg], inertia = {1, 2, 2}, frame = G, com = P + 1 [m]*G.z); end M;"
+    )
+    assert write(found).splitlines()[1:] == [
+        "(27 + 10*cos(b))*a'' + (11 + 5*cos(b))*b'' - 10*sin(b)*a'*b' - 5*sin(b)*b'^2 = 0",
+        "(11 + 5*cos(b))*a'' + 11*b'' + 5*sin(b)*a'^2 = 0",
+    ]
+
+
 def test_multiples_of_pi_are_written_with_pi() -> None:
     text = "model A\n  {}coordinate Angle a, b;\n  potential V = 1 [J]*(cos(2*pi/5 + a) - pi*b^2);\nend A;\n"
     assert "sin(2*pi/5 + a)" in write(equations_of(text.format("")))
