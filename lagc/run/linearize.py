@@ -261,8 +261,8 @@ def _linearized(
     interface = system.interface
     states = (*interface.q_names, *interface.v_names)
     if lost := _without_value(a, b):
-        moved_by = ", ".join([f"der({states[chosen.indices[k]]})" for k in lost])
-        raise ArithmeticError(f"the derivatives of {moved_by} have no finite value there")
+        without = ", ".join([f"der({states[chosen.indices[k]]})" for k in lost])
+        raise ArithmeticError(f"the derivatives of {without} have no finite value there")
     lost = _without_value(c, d)
     c[lost], d[lost] = np.nan, np.nan
     notes = [f"the output `{interface.outputs[k].name}` has no derivatives there" for k in lost]

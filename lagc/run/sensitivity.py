@@ -279,8 +279,9 @@ def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
 def _doubts(done: Followed, estimated: float, kinds: Sequence[int]) -> Array:
     """Of each state, by directions: the error that is estimated of its kind, or what rounding may be."""
     place = np.searchsorted(sorted(set(kinds)), kinds)
-    sizes = np.array(
-        [np.nanmax(np.abs(done.values[:, place == k]), axis=(0, 1)) for k in range(len(done.terms))]
-    )
+    sizes = np.array(  # nothing where no value is known
+        [np.fmax.reduce(np.abs(done.values[:, place == k]), axis=(0, 1), initial=0.0)
+         for k in range(len(done.terms))]
+    )  # fmt: skip
     found: Array = np.maximum(CLEAR * done.rounding, estimated * np.maximum(sizes, done.terms))
     return found[place]

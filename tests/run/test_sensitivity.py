@@ -6,12 +6,14 @@ import json
 import pickle
 import subprocess
 import sys
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from math import exp, pi, sin, sqrt
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -21,6 +23,8 @@ import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.meaning.units import quotient
+from lagc.run.sensitivity import _doubts
+from lagc.run.variation import Followed
 from tests.run import switched
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -410,3 +414,16 @@ def test_many_quantities_are_told_in_time_in_proportion(monkeypatch: pytest.Monk
     final = run.final
     assert len(final) == 4 * n and 0 < asked[0] <= 4 * len(final)
     assert final[f"d(x[{n}])/d(k)"] == pytest.approx(-0.25 * sin(0.5), rel=1e-6)
+
+
+def test_what_has_no_value_anywhere_is_doubted_in_silence() -> None:
+    """One kind of states has none, of the other the largest counts."""
+    values = np.full((3, 2, 1), np.nan)
+    values[:, 1] = 5.0
+    done = SimpleNamespace(values=values, terms=np.array([[1.0], [3.0]]), rounding=np.full((2, 1), 1e-16))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert _doubts(cast(Followed, done), 1e-6, (0, 1)).tolist() == [
+            pytest.approx([1e-6]),
+            pytest.approx([5e-6]),
+        ]
