@@ -31,6 +31,7 @@ from tests.fuzz.statements import spliced
 from tests.fuzz.trial import Report, quick_compiler, trial
 
 SOURCES = 200  # generated models among the texts that are spliced and mutated
+LOADED = "model M coordinate Length x(start = 1); body b = Particle(mass = 1, at = {x, 0, 0}); end M;"
 KINDS = ("models", "splices", "tokens", "guided", "disturbed")
 Task = tuple[str, int]
 Tell = Callable[[str], None]
@@ -51,7 +52,8 @@ class Trials:
         self.compiled = compiled if own else 0.0
         if own:
             os.environ["LAGC_CC"] = own
-        self._try((Case("model M end M;"), 0), lambda command: None)  # what is loaded now every child has
+        for seed in range(4):  # what is loaded now every child has
+            self._try((Case(LOADED), seed), lambda command: None)
 
     def texts_of(self, tasks: Iterator[Task]) -> Iterator[tuple[str, int, Case, Report]]:
         """Texts through all commands."""

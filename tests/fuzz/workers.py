@@ -21,7 +21,7 @@ for each in ALONE:  # before NumPy is loaded
 SECONDS = 10  # of processor time for one command
 WALL = 600.0  # s for one command, whatever it waits for: others may have the processors
 MEMORY = 2 << 30  # bytes of address space
-BATCH = 20  # tasks of one child
+BATCH = 5  # tasks of one child
 
 Do: TypeAlias = Callable[[Any, Callable[[str], None]], Any]
 
