@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from _thread import RLock
+from array import array
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, TypeAlias
 
@@ -12,6 +14,7 @@ from lagc.render.kernels.assembly import sizes_of_start, stretches, with_quatern
 from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK
 
+MET = 8  # points whose conditions are remembered: the search comes back to them, two times of three
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
 
 
@@ -48,6 +51,7 @@ class Conditions:
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.evaluate, self.measures = evaluate, measures
         self.parameters, self.elsewhere = list(parameters), elsewhere
+        self._met = lru_cache(MET)(self._evaluated)
         self.lock = RLock()
 
     def columns_of(self, i: int) -> list[int]:
@@ -70,9 +74,18 @@ class Conditions:
 
     def _conditions(self, p: list[float], t: float, y: list[float], c: list[float], jacobian: list[float],
                     sizes: list[float]) -> None:  # fmt: skip
-        evaluate = self.elsewhere(p) if self.elsewhere and p is not self.parameters else self.evaluate
-        found = evaluate(t, y[: self.nq + self.nv])
+        changed = self.elsewhere is not None and p is not self.parameters
+        found = self._met(
+            array("d", p).tobytes() if changed else b"", t, array("d", y[: self.nq + self.nv]).tobytes()
+        )
         c[: self.own], jacobian[: len(found[1])], sizes[: self.own] = found
+
+    def _evaluated(self, p: bytes, t: float, x: bytes) -> tuple[list[float], list[float], list[float]]:
+        """`evaluate` at these doubles, -0.0 apart from 0.0; with parameters p where there are any."""
+        evaluate = self.evaluate
+        if p and self.elsewhere is not None:
+            evaluate = self.elsewhere(array("d", p).tolist())
+        return evaluate(t, array("d", x).tolist())
 
     def _measures(self, p: list[float], rates: list[float], largest: list[float]) -> None:
         s, most = self.measures()
