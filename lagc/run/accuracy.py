@@ -167,13 +167,13 @@ class _Search:
             settled = self._settled()
             if self._interrupted:
                 return self._kept()
-            if settled or min(self.runs) <= FINEST:
+            more = [] if settled else self.truncation.following(self.accuracy, self.balance is not None)
+            if not more:
                 break
-            coarse, fine = self.truncation.following(self.accuracy, self.balance is not None)
-            if coarse not in self.runs or self._is_alike(coarse):
-                stopped = self._stopped(coarse, whole=True)
-            if fine not in self.runs and stopped is None:
-                stopped = self._stopped(fine)
+            for tol in more:
+                coarse = tol > min(more) or tol > min(self.runs)
+                if stopped is None and (tol not in self.runs or (coarse and self._is_alike(tol))):
+                    stopped = self._stopped(tol, whole=coarse)
         return stopped or self._result()
 
     def _pilots(self) -> Verified | None:
@@ -270,7 +270,10 @@ class _Search:
             injected = SAFETY * max(self.runs[tol].steps, 1) * tol  # by the method: it grows alike
             least = self.truncation.error() / injected
             assert self.along is not None
-            found = self.along.of(self.runs, self._sizes(tol), least, min(left, harmless), left)
+            sizes = self._sizes(tol)
+            found = self.along.of(self.runs, sizes, least, min(left, harmless), left)
+            if self.along.grown and found > (left if tol <= FINEST else self.accuracy):
+                found = self.along.seen(self.runs, sizes, left)  # a rough bound is not what ends the search
             self.rounded[tol] = found
         return self.rounded[tol]
 

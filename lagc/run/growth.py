@@ -74,17 +74,26 @@ class Rounding:
         drift = sum(moved for _, moved in looks)
         if drift == 0.0 or drift * bound <= harmless:
             return drift and drift * bound
-        coarse = max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
         if self.grown is None:
-            self.grown = self._growth(coarse, fine) if self.bound < inf else []
+            self.grown = self._growth(self._coarse(runs), fine) if self.bound < inf else []
         if self.grown:
             self.moved = [ROUGHLY * drift * grown for grown in self.grown]
             return ROUGHLY * max(drift, drift * least, self._spread(looks, fine.steps))
-        for tol in sorted({coarse, min(runs)}, reverse=True):
-            self.moved = self._seen(tol, runs[tol], groups, fine.steps)
+        return self.seen(runs, groups, bearable)
+
+    def seen(self, runs: Mapping[float, Trajectory], groups: Sizes, bearable: float) -> float:
+        """The same as runs that are rounded otherwise tell: coarse ones, if that is up to `bearable`."""
+        steps = runs[min(runs)].steps
+        for tol in sorted({self._coarse(runs), min(runs)}, reverse=True):
+            self.moved = self._seen(tol, runs[tol], groups, steps)
             if self.moved[-1] <= bearable:
                 break
         return self.moved[-1]
+
+    def _coarse(self, runs: Mapping[float, Trajectory]) -> float:
+        """The tolerance of the coarsest that follows the finest."""
+        fine = runs[min(runs)]
+        return max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
 
     def until(self, accuracy: float) -> float:
         """The time up to which rounding stays below `accuracy`, where it was measured."""

@@ -88,7 +88,10 @@ class Truncation:
 
     def following(self, accuracy: float, unbalanced: bool) -> list[float]:
         """The tolerances of the next runs, to this accuracy; the finest agree, and yet are wrong, where they
-        are `unbalanced`."""
+        are `unbalanced`.  Where there is no finer one, one between tells how errors fall to there."""
+        if min(self.runs) <= FINEST:
+            between = plain(10.0**0.75 * FINEST)
+            return [] if between in self.runs or unbalanced else [between]
         fine = self._predicted(accuracy) if not unbalanced else max(FINEST, min(self.runs) / 100.0)
         coarse = max(10.0 * FINEST, min(10.0 * fine, *self.runs))
         return [plain(coarse), plain(coarse / 10.0)]
