@@ -424,7 +424,7 @@ class CompiledModel(Differentiable):
     @property
     def state_names(self) -> tuple[str, ...]:
         """What x = (q, v) holds."""
-        return (*self.interface.q_names, *self.interface.v_names)
+        return self.interface.state_names
 
     def _bound(self, parameters: Mapping[str, Value] | None, demanding: bool = True) -> list[float]:
         given = self._with_given(parameters) if parameters is not None else self._given

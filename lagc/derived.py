@@ -228,7 +228,7 @@ class Differentiable:
         if word in groups:
             return groups[word]
         given = [f.name for f in (*interface.parameters, *interface.inputs)]
-        for group, names in (("state", [*interface.q_names, *interface.v_names]), ("parameter", given)):
+        for group, names in (("state", interface.state_names), ("parameter", given)):
             if word in names:
                 k = names.index(word)
                 return group, slice(k, k + 1)

@@ -246,6 +246,10 @@ class EquationsOfMotion:
         return tuple([x.record.name for x in self.v])
 
     @property
+    def state_names(self) -> tuple[str, ...]:
+        return (*self.q_names, *self.v_names)
+
+    @property
     def starts(self) -> tuple[StartValue, ...]:
         """Of q, of v, and of the stated rates."""
         return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))

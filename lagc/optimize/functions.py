@@ -251,7 +251,7 @@ def start(places: Places, work: bool) -> Function:
     x = [s.value for s in (*equations.starts_q, *equations.starts_v)]
     if work:
         x.append(places.graph.zero)
-    names = [*equations.q_names, *equations.v_names]
+    names = equations.state_names
     return made(places, "start", ("p",), (("x", x),), "start values and guesses", names, seldom=True)
 
 

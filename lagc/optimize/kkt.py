@@ -78,7 +78,7 @@ def _rhs(places: Places, solver: Solver, nodes: Sequence[Node], power: Sequence[
     lowering.known.update(zip(equations.a, a))
     lowering.known.update(zip(equations.lam, lam))
     xdot = [*qdot, *a, *lowering(power)]
-    _store_all(block, "xdot", xdot, [derived(name) for name in (*equations.q_names, *equations.v_names)])
+    _store_all(block, "xdot", xdot, [derived(name) for name in equations.state_names])
     _store_all(block, "lam", lam, row_comments(equations.rows))
     _store_all(block, "health", [health, block.zero])
     made = [] if left is None else [_watch(places, block, left)]

@@ -245,6 +245,15 @@ class Interface:
     )  # places of their entries
 
     @property
+    def state_names(self) -> tuple[str, ...]:
+        """What (q, v) holds."""
+        return (*self.q_names, *self.v_names)
+
+    @property
+    def state_units(self) -> tuple[str, ...]:
+        return (*self.q_units, *self.v_units)
+
+    @property
     def nx(self) -> int:
         return self.nq + self.nv + self.nz
 
@@ -296,7 +305,7 @@ class Interface:
     @property
     def start_units(self) -> tuple[int, ...]:
         """The unit of each unknown of the start, as its place in the list of those that occur."""
-        units = [*self.q_units, *self.v_units, *self.rate_units]
+        units = [*self.state_units, *self.rate_units]
         known = list(dict.fromkeys(units))
         return tuple([known.index(unit) for unit in units])
 

@@ -20,7 +20,7 @@ def local_names(program: Program, taken: Iterable[str]) -> dict[tuple[str, int],
     prefixes = ("lagc_", "LAGC_", "fn_", f"{own}_", f"{own.upper()}_")
     names = Names({*ARRAYS, *arrays, *taken}, prefixes, variables=True)
     found: dict[tuple[str, int], str] = {}
-    for index, name in enumerate((*interface.q_names, *interface.v_names)):
+    for index, name in enumerate(interface.state_names):
         found["x", index] = names.give(name)
     if interface.nz:
         found["x", interface.nq + interface.nv] = names.give("work")

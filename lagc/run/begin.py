@@ -13,7 +13,7 @@ from lagc.records import replace
 from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
 from lagc.run.request import Request, keep_limits
-from lagc.run.start import Anchor, Start, names
+from lagc.run.start import Anchor, Start
 
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -26,7 +26,7 @@ class NoStart(Refused):
         super().__init__([fault])
         interface = system.interface
         self.anchors = tuple(anchors)
-        self.x = dict(zip(names(system), x))
+        self.x = dict(zip(system.interface.state_names, x))
         self.p = dict(zip([f.name for f in (*interface.parameters, *interface.inputs)], system.parameters))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -46,9 +46,8 @@ def begin(system: System, request: Request) -> Start:
     for i, value in enumerate(start.x):
         if not isfinite(value):
             fault = Fault("LAG0611", f"the start value of {state_name(system, i)} is not a finite number")
-            raise NoStart(
-                fault, [("start", names(system)[i])] if i < len(names(system)) else [], start.x, system
-            )
+            anchors = [("start", name) for name in system.interface.state_names[i : i + 1]]
+            raise NoStart(fault, anchors, start.x, system)
     _energies(system, start.x)
     return replace(start, seconds=perf_counter() - began)
 
@@ -78,7 +77,7 @@ def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] 
     """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
     the run, in place of the model's."""
     guess, given = list(system.start()), given or {}
-    stated = {i: given[name] for i, name in enumerate(names(system)) if name in given}
+    stated = {i: given[name] for i, name in enumerate(system.interface.state_names) if name in given}
     for i, value in stated.items():
         guess[i] = value
     if not system.interface.needs_consistency:
@@ -112,7 +111,8 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
         anchors = [("row", interface.row_labels[k])] if k >= 0 else []
     else:
         message = f"the rate of {state_name(system, k)} is not a finite number at the start"
-        fault, anchors = Fault("LAG0613", message), [("state", name) for name in names(system)[k : k + 1]]
+        fault = Fault("LAG0613", message)
+        anchors = [("state", name) for name in system.interface.state_names[k : k + 1]]
     return NoStart(fault, anchors, x, system)
 
 

@@ -53,7 +53,7 @@ def _values(equations: EquationsOfMotion, found: NoStart) -> dict[Node, float]:
         values[parameter.symbol] = inf - inf if own is None else own
     for given in model.inputs:
         values[given.symbol] = found.p.get(given.name, given.default)
-    named = zip((*equations.q, *equations.v), (*equations.q_names, *equations.v_names))
+    named = zip((*equations.q, *equations.v), equations.state_names)
     return {**values, **{symbol: found.x.get(name, 0.0) for symbol, name in named}}
 
 

@@ -12,7 +12,7 @@ from collections.abc import Collection, Sequence
 from lagc.optimize.program import Interface
 from lagc.run.conditions import FIXED, RUN, UNSTATED, Conditions, Consistency, least_norm
 from lagc.run.problem import NOT_FINITE, OK, System
-from lagc.run.start import Anchor, Change, Missed, Start, names
+from lagc.run.start import Anchor, Change, Missed, Start
 
 _SHOWN = 1e-9  # of its size: a change that is worth a word
 _TRIED = 3  # spreads after which conditions are taken to contradict each other
@@ -64,8 +64,8 @@ class _Words:
         interface = system.interface
         self.interface, self.conditions, self.t = interface, conditions, t
         self.guess, self.levels, self.state = guess, levels, system.nq + system.nv
-        self.names = [*names(system), *interface.rate_names]
-        self.units = [*interface.q_units, *interface.v_units, *interface.rate_units]
+        self.names = [*system.interface.state_names, *interface.rate_names]
+        self.units = [*interface.state_units, *interface.rate_units]
         self.given = [*guess[: system.nq + system.nv], *system.measures()[0]]
         self.rows = _rows(interface)
 

@@ -63,8 +63,7 @@ class Linear:
 
     @property
     def states(self) -> tuple[str, ...]:
-        interface = self.system.interface
-        names = (*interface.q_names, *interface.v_names)
+        names = self.system.interface.state_names
         return tuple([names[i] for i in self.indices])
 
     @property
@@ -160,7 +159,7 @@ class Linear:
     def to_dict(self) -> dict[str, Any]:
         """Numbers in SI."""
         interface = self.system.interface
-        names = (*interface.q_names, *interface.v_names)
+        names = interface.state_names
         return {
             "t": self.t,
             "x": dict(zip(names, self.x)),
@@ -259,9 +258,8 @@ def _linearized(
     c = rounded(outputs @ chosen.motions, of_state @ moved)
     d = rounded(outputs @ chosen.inputs + out_inputs, of_state @ put + of_inputs[:, first:])
     interface = system.interface
-    states = (*interface.q_names, *interface.v_names)
     if lost := _without_value(a, b):
-        without = ", ".join([f"der({states[chosen.indices[k]]})" for k in lost])
+        without = ", ".join([f"der({interface.state_names[chosen.indices[k]]})" for k in lost])
         raise ArithmeticError(f"the derivatives of {without} have no finite value there")
     lost = _without_value(c, d)
     c[lost], d[lost] = np.nan, np.nan
@@ -370,7 +368,7 @@ def size_of_states(system: NumpySystem) -> Array:
     parameter or start value of the unit, else 1."""
     interface = system.interface
     known: dict[str, float] = {}
-    units = [*interface.q_units, *interface.v_units]
+    units = interface.state_units
     fields = (*interface.parameters, *interface.inputs)
     for unit, value in [*zip((f.unit for f in fields), system.parameters), *zip(units, system.start())]:
         if abs(value) < float("inf"):

@@ -9,8 +9,7 @@ from lagc.run.problem import System
 
 def state_name(system: System, k: int) -> str:
     """State k, an index of x."""
-    interface = system.interface
-    names = [*interface.q_names, *interface.v_names]
+    names = system.interface.state_names
     if 0 <= k < len(names):
         return f"`{names[k]}`"
     return "the work of the given actions" if k == len(names) else "a state"

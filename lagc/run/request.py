@@ -220,7 +220,7 @@ def keep_limits(system: System) -> None:
 
 def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
     """Start values by name in SI.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
-    units = dict(zip((*interface.q_names, *interface.v_names), (*interface.q_units, *interface.v_units)))
+    units = dict(zip(interface.state_names, interface.state_units))
     faults: list[Fault] = []
     found: dict[str, float] = {}
     for name, number in given.items():

@@ -95,7 +95,7 @@ class Sensitivities:
         interface = self.system.interface
         rates = [derived(name) for name in interface.q_names]
         outputs = [o.name for o in interface.outputs]
-        return self.named([*interface.q_names, *interface.v_names, *rates, *outputs])
+        return self.named([*interface.state_names, *rates, *outputs])
 
     def last(self) -> Sensitivities:
         """At the last recorded time alone."""
@@ -120,7 +120,7 @@ class Sensitivities:
         if self._columns:
             return
         interface = self.system.interface
-        states = (*interface.q_names, *interface.v_names)
+        states = interface.state_names
         rates = [derived(name) for name in interface.q_names]
         outputs = [o.name for o in interface.outputs]
         columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]

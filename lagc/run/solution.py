@@ -106,14 +106,13 @@ class Solution:
     @property
     def state_names(self) -> tuple[str, ...]:
         """The recorded states: coordinates, then speeds."""
-        interface = self.system.interface
-        return (*interface.q_names, *interface.v_names)
+        return self.system.interface.state_names
 
     @property
     def units(self) -> dict[str, str]:
         """The SI unit of every name, "" for numbers."""
         interface = self.system.interface
-        found = dict(zip(self.state_names, (*interface.q_units, *interface.v_units)))
+        found = dict(zip(self.state_names, interface.state_units))
         for name, unit in zip(interface.q_names, interface.q_units):
             found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
         found.update({o.name: o.unit for o in interface.outputs})

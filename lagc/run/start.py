@@ -7,7 +7,6 @@ from typing import TypeAlias
 
 from lagc.records import dataclass
 from lagc.run.names import more
-from lagc.run.problem import System
 
 _MOST_FOUND = 6  # values or conditions that are named in one note
 _DIGITS = 6  # of a value, more where it differs from another only behind them
@@ -92,11 +91,6 @@ def _together(changes: Sequence[Change]) -> str:
     return (
         f"stated values moved by at most {max(c.share for c in changes):.2g} of their size{reason}: {shown}"
     )
-
-
-def names(system: System) -> list[str]:
-    """Of x[:nq+nv]."""
-    return [*system.interface.q_names, *system.interface.v_names]
 
 
 def _listed(parts: Sequence[str]) -> str:

@@ -17,7 +17,6 @@ from lagc.run.conditions import RUN, Consistency
 from lagc.run.consistency import conditions_of
 from lagc.run.derivatives import DEPENDENT, Array, Point
 from lagc.run.problem import OK
-from lagc.run.start import names
 from lagc.run.varied import Direction
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def start_slopes(
     be off where it is not exact; and why there is no derivative, of the directions that have none."""
     interface, n = system.interface, system.nq + system.nv
     point = Point(system, 0.0, x0[:n], [0.0] * system.nv, [0.0] * system.nc)
-    stated = [i for i, name in enumerate(names(system)) if name in given]
+    stated = [i for i, name in enumerate(system.interface.state_names) if name in given]
     found = np.zeros((n + len(interface.rate_names), len(directions)))
     doubts = np.zeros_like(found)
     for k, d in enumerate(directions):
@@ -163,7 +162,7 @@ class _Consistent:
         """Raises ArithmeticError where not the same values move on both sides."""
         if others == free:
             return
-        known = [*names(self.system), *self.system.interface.rate_names]
+        known = [*self.system.interface.state_names, *self.system.interface.rate_names]
         one, two = (", ".join([f"`{known[i]}`" for i in a if i not in b]) or "nothing more"
                     for a, b in ((free, others), (others, free)))  # fmt: skip
         raise ArithmeticError(f"for a start beside, by `{self.d.name}`, {one} moves on one side and {two} on "
@@ -178,7 +177,7 @@ class _Consistent:
 
     def _search(self, way: float) -> Consistency:
         system, d = self.system, self.d
-        parameters, states, known = list(system.parameters), dict(self.given), names(system)
+        parameters, states, known = list(system.parameters), dict(self.given), system.interface.state_names
         if d.parameter is not None:
             parameters[d.parameter] += way
         beside = system.model.bind(parameters)

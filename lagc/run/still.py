@@ -59,7 +59,7 @@ def still_kinds(system: System, run: Trajectory, groups: Sizes, look: Quick) -> 
 
 def told(system: System, run: Trajectory, still: Bounds) -> list[str]:
     """A note on these kinds, where rounding has moved them by no more than that."""
-    found, units = [], (*system.interface.q_units, *system.interface.v_units)
+    found, units = [], system.interface.state_units
     for k, (group, size) in enumerate(sizes(run, system.interface)):
         if 0.0 < size <= still.get(k, 0.0):
             names = ", ".join([state_name(system, i) for i in group[:MOST_NAMED]])

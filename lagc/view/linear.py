@@ -46,7 +46,7 @@ def text(linear: Linear, verbose: bool = False, times: int = 1) -> str:
     """The state, matrices where they are small or it is `verbose`, eigenvalues with their modes; one of so
     many `times` that stand below each other, among which those of large models share the room."""
     interface = linear.system.interface
-    names, units = (*interface.q_names, *interface.v_names), (*interface.q_units, *interface.v_units)
+    names, units = interface.state_names, interface.state_units
     most = MOST // times if large(linear) else MOST
     n = len(names) if verbose or len(names) <= MOST else most
     width = max((len(name) for name in names[:n]), default=0)
