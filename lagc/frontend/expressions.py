@@ -23,7 +23,8 @@ class Expressions:
     def __init__(self, source: Source):
         self.source = source
         self.faults: list[Fault] = []
-        self._parts: dict[int, int] = {}  # id of a name with parts -> how many
+        # How many parts a name has, by its identity: with it, as what is gone leaves that to others.
+        self._parts: dict[int, tuple[object, int]] = {}
 
     def arguments(self, c: Children, span: Span) -> tuple[tree.Argument, ...]:
         return tuple(argument for argument in c if argument is not None)
@@ -90,7 +91,7 @@ class Expressions:
         inner: tree.Expression = c[0]
         node = replace(inner, span=span)
         if id(inner) in self._parts:
-            self._parts[id(node)] = self._parts[id(inner)]
+            self._parts[id(node)] = node, self._parts[id(inner)][1]
         return node
 
     def quantity(self, c: Children, span: Span) -> tree.Expression:
@@ -126,8 +127,8 @@ class Expressions:
         return None if token is None else unquoted(token.text)
 
     def _part(self, node: T, base: tree.Expression) -> T:
-        parts = self._parts.get(id(base), 1) + 1
-        self._parts[id(node)] = parts
+        parts = 1 + (self._parts[id(base)][1] if id(base) in self._parts else 1)
+        self._parts[id(node)] = node, parts
         if parts == MOST_PARTS + 1:
             self._too_many_parts(base.span)
         return node

@@ -210,7 +210,7 @@ def _inline(
                 raise Wrong(
                     fault.code, fault.message, fault.span, related=((span, "declared here"),)
                 ) from None
-    key = (id(home.instance), id(function), tuple(values))
+    key = (home.instance.path, id(function), tuple(values))
     known = context.results.get(key)  # the same arguments give the same nodes
     if known is not None:
         return known

@@ -80,7 +80,7 @@ class Context:
         self.callers: list[Span] = []  # of functions within functions
         self.all_calls = 0
         self.called: set[int] = set()  # functions, by identity
-        self.results: dict[tuple[int, int, tuple[Value, ...]], Value] = {}  # of functions
+        self.results: dict[tuple[str, int, tuple[Value, ...]], Value] = {}  # of functions
         self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
         self.running: set[tuple[int, str]] = set()
         self._declare = declare
