@@ -93,7 +93,7 @@ class Rounding:
     def _coarse(self, runs: Mapping[float, Trajectory]) -> float:
         """The tolerance of the coarsest that follows the finest."""
         fine = runs[min(runs)]
-        return max(tol for tol, run in runs.items() if self._apart(run, fine) <= LINEAR)
+        return max(tol for tol, run in runs.items() if run is fine or self._apart(run, fine) <= LINEAR)
 
     def until(self, accuracy: float) -> float:
         """The time up to which rounding stays below `accuracy`, where it was measured."""
