@@ -1,43 +1,55 @@
-"""Values together with the size of the terms that they are made of.
+"""Values together with how large the terms are that they are made of.
 
 Whether a number is zero can be told only beside what it is the sum of: what cancels leaves about
-1e-16 of its terms.
+1e-16 of its terms.  Sizes that add in sums and multiply in products tell this of short ones: components of a
+vector that was turned ten times are sums of thousands of terms, which are far less together.  So it is
+measured what a value changes by where each operation is off by a small part of its result, over that part
+(stochastic arithmetic: J. Vignes, *Math. Comput. Simul.* 35, 1993).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from random import Random
 
-from lagc.expr.evaluate import evaluate
+from lagc.expr.evaluate import evaluate, value_of
 from lagc.expr.graph import Node
+from lagc.expr.operators import FLAT, LOGIC, STEP, smooth_as
 from lagc.expr.walk import reachable
 
 VANISHES = 1e-9  # of its terms
+_OFF = 2.0**-26  # of a result: far more than rounding, and what goes with its square is far less
+_DRAWS = 2
+_EXACT = smooth_as(STEP, FLAT, LOGIC) | {"const"}
 
 
 def magnitudes(
     nodes: Sequence[Node], state: Mapping[Node, float], within: Sequence[Node] | None = None
 ) -> list[tuple[float, float]]:
-    """Value and size of each node: sizes add in sums and multiply in products.  `within` as in `evaluate`."""
+    """Value and size of each node: the largest of the value and of what was measured.  `within` as in
+    `evaluate`."""
     order = reachable(nodes) if within is None else within
-    value = dict(zip(order, evaluate(order, state, order)))
-    size: dict[Node, float] = {}
+    value = {**state, **dict(zip(order, evaluate(order, state, order)))}
+    size = [abs(value[node]) for node in nodes]
+    chance = Random(0)
+    for _ in range(_DRAWS):
+        moved = _moved(order, state, value, chance)
+        for k, node in enumerate(nodes):
+            size[k] = max(size[k], abs(moved[node] - value[node]) / _OFF)
+    return [(value[node], own) for node, own in zip(nodes, size)]
+
+
+def _moved(
+    order: Sequence[Node], state: Mapping[Node, float], value: Mapping[Node, float], chance: Random
+) -> dict[Node, float]:
+    """The values, where each is off; what has none there is as it is."""
+    moved: dict[Node, float] = {}
     for node in order:
-        if node.op == "add":
-            size[node] = size[node.args[0]] + size[node.args[1]]
-        elif node.op == "scale":
-            size[node] = abs(node.value) * size[node.args[0]]
-        elif node.op == "mul":
-            factors = zip(node.args, node.value)
-            size[node] = math.prod([_factor(value[b], size[b], e) for b, e in factors])
-        else:
-            size[node] = abs(value[node])
-    return [(value[node], size[node]) for node in nodes]
-
-
-def _factor(value: float, size: float, exponent: int) -> float:
-    try:
-        return float((size if exponent > 0 else abs(value)) ** exponent)
-    except (ZeroDivisionError, OverflowError):
-        return math.inf
+        own = value[node]
+        if node.op not in _EXACT and not (node in state and node.op != "symbol"):
+            there = own if node in state else value_of(node, moved)
+            there *= 1.0 + _OFF * chance.uniform(-1.0, 1.0)
+            own = there if math.isfinite(there) else own
+        moved[node] = own
+    return moved
