@@ -15,6 +15,7 @@ import pytest
 
 from lagc.expr.operators import LOOKED_UP
 from lagc.optimize.program import Function, Program, operands
+from lagc.records import replace
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers
@@ -124,6 +125,9 @@ def test_long_functions_in_parts_are_the_same(
     monkeypatch.setattr("lagc.render.c.functions.LONGEST", 0)
     monkeypatch.setattr("lagc.render.segments._LARGEST", length)
     functions = [random_function(seed, name=f"f{seed}") for seed in range(12)]
+    # A comment is no use of what it names.
+    about = dict.fromkeys(range(0, 400, 3), "what p, t and x have to do with it")
+    functions = [replace(f, comments=about) for f in functions]
     python, library = build(functions, tmp_path)
     rng = random.Random(2)
     for f in functions:

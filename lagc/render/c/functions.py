@@ -128,7 +128,7 @@ def _of_type(text: str, real: Arithmetic) -> str:
 
 
 def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:
-    code = "\n".join(line for line in body if line[0] != "/")
+    code = re.sub(r"/\*.*?\*/", "", "\n".join(body), flags=re.DOTALL)
     words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
     unused = [f"(void)({word});" for word in [*_order(function), *more.split("*")[1:]] if word not in words]
     lines_ = "".join(f"    {line}\n" for line in [*body, *unused])
