@@ -314,7 +314,8 @@ class _Search:
         if len(tols) > 1:
             assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()
-            found.balance, found.beside = self.balance, self.runs[tols[1]]
+            apart = next((tol for tol in tols if tol > 9.0 * tols[0]), tols[1])  # runs that differ by enough
+            found.balance, found.beside = self.balance, self.runs[apart]
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface
                 noise = self._rounded_away(found.beside)
