@@ -58,7 +58,7 @@ class Verified:
     rounding: float = 0.0
     drift: float = 0.0
     balance: Balance | None = None
-    beside: Trajectory | None = None  # the next finest run
+    beside: Trajectory | None = None  # the finest of those at ten times the tolerance or more
     still: dict[int, float] = field(default_factory=dict)  # see `lagc.run.still`
 
 
@@ -171,7 +171,7 @@ class _Search:
             if not more:
                 break
             for tol in more:
-                coarse = tol > min(more) or tol > min(self.runs)
+                coarse = tol > min(*more, *self.runs)
                 if stopped is None and (tol not in self.runs or (coarse and self._is_alike(tol))):
                     stopped = self._stopped(tol, whole=coarse)
         return stopped or self._result()
