@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Node
+from lagc.expr.graph import Graph, Node
 from lagc.expr.slopes import Slopes
 from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
@@ -156,11 +156,14 @@ def gradients(places: Places) -> Function:
 
 def reaches(places: Places) -> Function:
     """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
-    of its kind, c[k]; then the same of the rates of holonomic rows, and of their gradients."""
+    of its kind, c[k] or that of what it is added to; then the same of the rates of holonomic rows, and of
+    their gradients."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
-    size = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
-
+    given = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
+    holonomic = [row for row in equations.rows if row.holonomic]
+    others = [row for row in equations.rows if not row.holonomic]
+    size = _with_neighbours(graph, holonomic, dict(zip(equations.q, states)), given)
     weights = {x: size[kind] for x, kind in zip((*equations.q, *equations.v), states)}
 
     def of_slopes(slopes: Iterable[tuple[int, Node]]) -> list[Node]:
@@ -188,8 +191,6 @@ def reaches(places: Places) -> Function:
     for kind, speed in rates(equations.q_units, equations.v_units).items():
         one = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
         pace = graph.binary("max", pace, one)
-    holonomic = [row for row in equations.rows if row.holonomic]
-    others = [row for row in equations.rows if not row.holonomic]
     own = changes(holonomic, [row.residual for row in holonomic], equations.q)
     own += changes(others, [row.rate for row in others], equations.v)
     found = _beside_others(places, equations.rows, [reach(sums) for sums in own])
@@ -199,8 +200,28 @@ def reaches(places: Places) -> Function:
         parts += [part * pace for part in terms(graph, row.residual)]
         of_rates.append(reach(sums, parts))
     found += _beside_others(places, holonomic, of_rates)
-    more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in size.items()}})
+    more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in given.items()}})
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
+
+
+def _with_neighbours(
+    graph: Graph, rows: Sequence[Row], kind_of: Mapping[Node, int], given: Mapping[int, Node]
+) -> dict[int, Node]:
+    """The size of each kind: `given`, or that of what its coordinates are added to in `rows`, `z - l`.
+    Displacements from a place begin at zero, and their size is that of the place."""
+    found = dict(given)
+    for node in reachable(row.residual for row in rows):
+        if node.op != "add":
+            continue
+        parts = terms(graph, node)
+        bases = [part.args[0] if part.op == "scale" else part for part in parts]
+        moved = {kind_of[base]: abs(part.value) if part.op == "scale" else 1.0
+                 for part, base in zip(parts, bases) if kind_of.get(base, 0) > 0}  # fmt: skip
+        beside = [graph.unary("abs", part) for part, base in zip(parts, bases) if base not in kind_of]
+        if beside:
+            for k, factor in moved.items():
+                found[k] = graph.binary("max", found[k], graph.scale(1 / factor, graph.sum(beside)))
+    return found
 
 
 def energies(places: Places) -> Function:
