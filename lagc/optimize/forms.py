@@ -14,7 +14,8 @@ from lagc.optimize.prune import sources
 from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
-LARGEST_LIFTED = 2_000_000  # the same of one that grows with the size of the model
+LARGEST_MANY = 2_000_000  # the same where work grows with the model, or far less than that of a dense one
+DENSE = 10  # times the operations of a straight solve: with fewer, a dense one is preferred
 SPARSE = 100  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
 _MOST_UNKNOWNS = 100  # speeds and multipliers: beyond, a dense solve is as long as some hundred straight ones
@@ -50,8 +51,11 @@ def _plan(system: Lifted) -> Elimination | None:
 
 
 def _most(structure: Structure) -> int:
-    """Operations of a straight solve."""
-    return LARGEST_LIFTED if structure.definitions else max(LARGEST, SPARSE * structure.size)
+    """Operations of a straight solve; a dense one, of n^3/3, is a loop, of little code."""
+    if structure.definitions:
+        return LARGEST_MANY
+    dense = structure.size**3 // 3
+    return max(LARGEST, SPARSE * structure.size, min(LARGEST_MANY, dense // DENSE))
 
 
 def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:
