@@ -18,11 +18,12 @@ from lagc.expr.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
 from lagc.expr.table import Table
 from lagc.expr.text import Texts, brief
 from lagc.expr.vectors import Matrix, Vector
-from lagc.expr.walk import depends, missing, union
+from lagc.expr.walk import depends, missing, symbols, union
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.intervals import extended
 from lagc.mechanics.jacobian import formed_of, with_values
 from lagc.optimize.program import FARTHEST
+from lagc.optimize.prune import sources
 from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
@@ -61,9 +62,20 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
     found = _with(equations, made)
     count = len(made.switches)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
+    found = replace(found, whens=tuple(whens))
     asked = [replace(switch, aside=k >= count) for k, switch in enumerate(made.switches)]
-    order = sorted(asked, key=lambda switch: switch.slope is None)
-    return replace(found, whens=tuple(whens)), tuple(order)
+    return found, tuple(sorted(_used(found, asked), key=lambda switch: switch.slope is None))
+
+
+def _used(equations: EquationsOfMotion, switches: Sequence[Switch]) -> list[Switch]:
+    """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
+    reached = symbols([*sources(equations), *formed_of([row.jacobian for row in equations.rows])])
+    found = []
+    for switch in reversed(switches):  # each depends on others before it
+        if switch.mode in reached:
+            found.append(switch)
+            reached |= symbols([switch.side, switch.own, *(switch.edges or ())])
+    return found[::-1]
 
 
 class _Freezing:

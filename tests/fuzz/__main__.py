@@ -20,6 +20,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
+from lagc.run.backends.compile import compiler
 from tests.fuzz import workers
 from tests.fuzz.disturbed import Disturber
 from tests.fuzz.finds import Finds
@@ -52,6 +53,7 @@ class Trials:
         self.compiled = compiled if own else 0.0
         if own:
             os.environ["LAGC_CC"] = own
+        compiler.cache_clear()  # of which this process may have found another before
         for seed in range(4):  # what is loaded now every child has
             self._try((Case(LOADED), seed), lambda command: None)
 

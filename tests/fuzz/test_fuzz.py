@@ -18,6 +18,7 @@ pytest.importorskip("resource")
 
 from lagc import compiler
 from lagc.diagnostics.faults import Refused, Source
+from lagc.run.backends import compile as compiled
 from tests.fuzz import workers
 from tests.fuzz.__main__ import KINDS, Trials, main
 from tests.fuzz.commands import Said, complaint
@@ -32,6 +33,12 @@ COUNT = int(os.environ.get("LAGC_FUZZ", "8"))  # texts of each kind
 SLOW = {"models": 2, "guided": 2}  # of which there are that many times fewer
 CORPUS = sorted((Path(__file__).parent / "corpus").glob("*.lag"))
 UNUSED = {"annotation"}  # are read, and not yet of the language
+
+
+@pytest.fixture(scope="module", autouse=True)
+def no_compiler_is_left_behind() -> Iterator[None]:
+    yield
+    compiled.compiler.cache_clear()
 
 
 @pytest.fixture(scope="module")
