@@ -9,6 +9,7 @@ from lagc import cache
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.slopes import Slopes
+from lagc.expr.vectors import Matrix
 from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
@@ -17,6 +18,7 @@ from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface
 from lagc.records import names, replace
 
+_DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
@@ -134,9 +136,22 @@ def _timed(function: Function) -> bool:
 def _doubtful(model: Model) -> bool:
     """Whether masses and moments of inertia that are not negative may leave a kinetic energy that is."""
     tensors = [body.inertia for body in model.bodies if body.inertia is not None]
-    products = [row[k] for tensor in tensors for i, row in enumerate(tensor) for k in range(i)]
     free = any(isinstance(action, Lagrangian) for action in model.actions)
-    return free or not all(product.is_zero for product in products)
+    return free or not all(_without_products(tensor) or _positive(tensor) for tensor in tensors)
+
+
+def _without_products(tensor: Matrix) -> bool:
+    return all(row[k].is_zero for i, row in enumerate(tensor) for k in range(i))
+
+
+def _positive(tensor: Matrix) -> bool:
+    """Whether a tensor of numbers is positive definite, as its leading minors tell (J. Sylvester, 1852)."""
+    if not all(x.is_const for row in tensor for x in row):
+        return False
+    (a, d, e), (_, b, f), (_, _, c) = [[x.value for x in row] for row in tensor]
+    second = a * b - d * d
+    third = c * second + e * (d * f - b * e) - f * (a * f - d * e)
+    return bool(a > 0.0 and b > 0.0 and second > _DEFINITE * a * b and third > _DEFINITE * a * b * c)
 
 
 def _warning(fault: Fault) -> str:
