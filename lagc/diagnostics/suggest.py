@@ -47,7 +47,7 @@ NEAREST = 50  # of them, by their letters, that are compared
 def closest(name: str, known: Iterable[str]) -> str | None:
     """The one of `known` that is most like `name`, or None where none is like it.
 
-    Letter case and `_` count little: `Theta0` finds `theta_0`.
+    Letter case and `_` count little: `Theta0` finds `theta_0`; so do parts of a path: `u.damp.c` finds `u.c`.
     """
     candidates = tuple(dict.fromkeys(known))[:MOST]
     return _closest(name, candidates) if candidates and len(name) <= LONGEST else None
@@ -62,6 +62,10 @@ def _closest(name: str, known: Sequence[str]) -> str | None:
     same = [c for c in known if _plain(c) == plain and c != name]
     if same:
         return same[0]
+    parts = name.split(".")
+    pathwise = [c for c in known if _leaves_out(c.split("."), parts) or _leaves_out(parts, c.split("."))]
+    if pathwise:
+        return pathwise[0]
     near = _nearest(name, known)
     found = difflib.get_close_matches(name, near, n=1, cutoff=0.6)
     if found:
@@ -83,6 +87,12 @@ def _nearest(name: str, known: Sequence[str]) -> Sequence[str]:
         length = abs(len(candidate) - len(name))
         alike.append((-len(letters & other) / (len(letters | other) or 1), length, k))
     return [known[k] for _, _, k in sorted(sorted(alike)[:NEAREST], key=itemgetter(2))]
+
+
+def _leaves_out(path: Sequence[str], other: Sequence[str]) -> bool:
+    """Whether `path` leads to a thing of the same name as `other` does, by fewer of the same parts."""
+    left = iter(other)
+    return len(path) < len(other) and path[-1] == other[-1] and all(part in left for part in path)
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str | None:
