@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Matrix, Vector, dot
@@ -177,8 +177,21 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             body = context.value(other, other.span)
             assert isinstance(body, nouns.Body)
             total = total - body.mass * g * dot(direction, body.position)
+            first = context.fields.setdefault((other.path, direction), entry)
+            if first is not entry:
+                context.warnings.setdefault((first.span, entry.span), _twice(first, entry, other))
     entry.nouns.append(nouns.Potential(entry.path, total, entry.span, entry.effect))
     return Thing(entry)
+
+
+def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
+    return Fault(
+        "LAG0428",
+        f"`{first.path}` and `{entry.path}` both pull at `{body.path}`, the same way",
+        entry.span,
+        remedy="gravity acts on bodies of instances, too: leave one out",
+        severity="warning",
+    )
 
 
 def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:

@@ -32,7 +32,7 @@ from __future__ import annotations
 from itertools import chain
 from typing import TypeAlias
 
-from lagc.diagnostics.faults import Span
+from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, dot, matvec
 from lagc.expr.walk import reachable
@@ -372,6 +372,7 @@ class Model:
     built_in: tuple[str, ...] = ()  # parameters that a run cannot change: structural, or dependent on others
     imports: tuple[tuple[str, str | None], ...] = ()  # path and fingerprint of every file asked for
     notes: tuple[str, ...] = ()  # what was assumed: "no scene named, using `room`"
+    warnings: tuple[Fault, ...] = ()
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name}, scene {self.scene}>"

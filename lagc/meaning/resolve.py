@@ -242,4 +242,5 @@ def _model(
         built_in=tuple(context.built_in),
         imports=tuple(context.importer.asked.items()),
         notes=notes,
+        warnings=tuple(context.warnings.values()),
     )

@@ -77,7 +77,7 @@ def derive(model: Model) -> EquationsOfMotion:
         outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
         rates=states.rates,
         dropped=tuple([reason for _, reason in dropped]),
-        warnings=(*cuts, *_warnings(states, kept, contributions)),
+        warnings=(*model.warnings, *cuts, *_warnings(states, kept, contributions)),
     )
 
 

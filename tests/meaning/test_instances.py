@@ -448,3 +448,33 @@ def test_what_was_before_needs_no_word() -> None:
     with pytest.raises(Refused) as refused:
         read("model A coordinate Length x; when x < 0 then reinit(der(x), -pre(der(x))); end when; end A;")
     assert "leave it out" in (refused.value.faults[0].remedy or "")
+
+
+BALL = """
+model Ball
+  coordinate Length z(start = 1);
+  body p = Particle(mass = 1, at = {0, 0, z});
+  Gravity own;
+end Ball;
+"""
+
+
+@pytest.mark.parametrize(
+    ("body", "pairs"),
+    [
+        ("Ball a, b;", []),
+        ("Ball b[40];\n  Gravity all;", [("b[1].own", "all")]),
+        ("extends Ball;\n  Ball b;", [("own", "b.own")]),
+        ("Ball a;\n  Gravity wind(g = 1, direction = {1, 0, 0});", []),
+        ("Ball a;\n  Gravity one, two;", [("a.own", "one"), ("a.own", "two")]),
+        ("Ball a;\n  effect more\n    Gravity all;\n  end more;", [("a.own", "all")]),
+    ],
+)
+def test_gravity_that_acts_twice_on_a_body_is_told_once_for_each_pair(
+    body: str, pairs: list[tuple[str, str]]
+) -> None:
+    text = f"{BALL}model Many\n  {body}\nend Many;\n"
+    found = check(Source("m.lag", text), Choice(model="Many"))
+    assert [fault.code for fault in found] == ["LAG0428"] * len(pairs)
+    for fault, (one, other) in zip(found, pairs):
+        assert fault.message.startswith(f"`{one}` and `{other}` both pull at") and fault.severity == "warning"
