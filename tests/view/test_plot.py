@@ -181,7 +181,7 @@ def test_what_a_sensitivity_is_off_by_does_not_fill_an_axis(by_hand: bool) -> No
     model = lagc.load(str(MODELS / "course/simple_pendulum.lag")).compile(backend="numpy")
     run = model.simulate(10.0, sensitivity=["l", "m", "start(theta)"], **options)
     axes = {axis.get_ylabel().partition(" ")[0]: axis for axis in plot(run).axes}
-    assert 0.0 < max(abs(run["d(theta)/d(m)"])) < 1e-12
+    assert max(abs(run["d(theta)/d(m)"])) < 1e-12  # of which a machine may leave nothing
     assert axes["d(theta)/d(m)"].get_ylim() == (-1.0, 1.0)
     low, high = axes["d(theta)/d(l)"].get_ylim()
     assert high - low < 2.5 * 180.0 / math.pi * max(abs(run["d(theta)/d(l)"]))
