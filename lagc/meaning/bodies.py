@@ -186,7 +186,7 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
 
 def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
     return Fault(
-        "LAG0428",
+        "LAG0229",
         f"`{first.path}` and `{entry.path}` both pull at `{body.path}`, the same way",
         entry.span,
         remedy="gravity acts on bodies of instances, too: leave one out",

@@ -475,6 +475,6 @@ def test_gravity_that_acts_twice_on_a_body_is_told_once_for_each_pair(
 ) -> None:
     text = f"{BALL}model Many\n  {body}\nend Many;\n"
     found = check(Source("m.lag", text), Choice(model="Many"))
-    assert [fault.code for fault in found] == ["LAG0428"] * len(pairs)
+    assert [fault.code for fault in found] == ["LAG0229"] * len(pairs)
     for fault, (one, other) in zip(found, pairs):
         assert fault.message.startswith(f"`{one}` and `{other}` both pull at") and fault.severity == "warning"

@@ -201,6 +201,13 @@ ENTRIES: dict[str, Entry] = {
         _body("when x > 1 [m] then reinit(2*x, 0); end when;"),
         _body("when x > 1 [m] then reinit(der(x), -der(x)); end when;"),
     ),
+    "LAG0229": Entry(
+        "gravity that acts twice on a body",
+        "A `Gravity` acts on every body of its model, those of instances too, which may have brought one of "
+        "their own.  An effect that one scene leaves out, or a model with the bodies alone, mends it.",
+        _body("Gravity here;\n  Gravity there;"),
+        _body("Gravity here;"),
+    ),
     "LAG0301": Entry(
         "two dimensions where there should be one",
         "The sides of a sum, a comparison or an equality, the branches of an `if` and the components of a "

@@ -191,11 +191,4 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(der(x), 0); end when;\n"),
         _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(u, 0); end when;\n"),
     ),
-    "LAG0428": Entry(
-        "gravity that acts twice on a body",
-        "A `Gravity` acts on every body of its model, those of instances too, which may have brought one of "
-        "their own.  An effect that one scene leaves out, or a model with the bodies alone, mends it.",
-        _on_particle("  Gravity here;\n  Gravity there;\n"),
-        _on_particle("  Gravity here;\n"),
-    ),
 }
