@@ -12,6 +12,7 @@ from lagc.kernels.tables import ends
 from lagc.kernels.words import Params, Real, Vec
 
 RUNGS = 12  # looked at on either side of 0, up and down from the size of an unknown
+CURVED = 6  # halvings of an interval: what is left of a curve bends one way
 HALVINGS = 60  # of an interval, or until no number is left in it; most are steps of Newton
 
 
@@ -67,6 +68,16 @@ def hides(a: Place, b: Place) -> bool:
     return falls(b, a) and one > other
 
 
+def apart(a: Place, b: Place) -> bool:
+    """Whether the tangents at two places, from both of which the residuals fall, meet before they are zero:
+    no curve that bends one way is zero between."""
+    if not (falls(a, b) and falls(b, a)):
+        return False
+    one = a.residual / a.slope
+    other = b.residual / b.slope
+    return fabs(one) + fabs(other) > fabs(b.value - a.value)
+
+
 def closer(a: Place, b: Place, at: Place, before: Real) -> Real:
     """Where the tangent at one of two places is zero, if that is between them and less than half as far away
     as the step `before` went; else in the middle."""
@@ -117,7 +128,7 @@ def meet_between(
     for n in range(HALVINGS):
         if opposite(a, b):
             return halve(p, t, y, i, j, a, b, w)
-        if not hides(a, b):
+        if not hides(a, b) or (n >= CURVED and apart(a, b)):
             return False
         look(p, t, y, i, j, 0.5 * (a.value + b.value), middle, w)
         if opposite(a, middle):

@@ -31,6 +31,7 @@ MET = 1e-9  # of what the sizes change a row by: a residual that is met
 DEPENDENT = 1e-10  # of the largest: singular values of directions in which nothing changes
 SAME = 1e-6  # of the sizes: one equilibrium found twice
 MASSLESS = 1e-14  # of the inertia elsewhere: a motion that has none, as at the cusp of a chart or curve
+BETWEEN = (0.5, 0.236, 0.854)  # of the line between two: where it is looked at
 ROUNDED = 1e-12  # of what forces and sizes make: energies that are 0
 
 
@@ -158,11 +159,25 @@ class _Search:
         return float(np.abs((np.array(one.x[:nq]) - start[:nq]) / self.sizes[:nq]).max(initial=0.0))
 
     def same(self, one: Equilibrium, other: Equilibrium) -> bool:
-        """Whether they are one, or seem to be of one family: energies are the same all along it."""
-        if one.free and one.free == other.free:
-            largest, scale = (max(a) for a in zip(*((abs(e.energy), e.scale) for e in (one, other))))
-            return bool(abs(one.energy - other.energy) <= SAME * largest + ROUNDED * scale)
-        return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
+        """Whether they are one, or seem to be of one family: energies are the same all along it, or, where
+        constraints of speeds hold against forces, the line between them is of it."""
+        if not one.free or one.free != other.free:
+            return bool((np.abs(np.array(one.x) - other.x) <= SAME * self.sizes).all())
+        largest, scale = (max(a) for a in zip(*((abs(e.energy), e.scale) for e in (one, other))))
+        if abs(one.energy - other.energy) <= SAME * largest + ROUNDED * scale:
+            return True
+        return self.system.nc > self.system.nh and all(self._between(one, other, share) for share in BETWEEN)
+
+    def _between(self, one: Equilibrium, other: Equilibrium, share: float) -> bool:
+        """Whether it is an equilibrium, that far from one to the other."""
+        z = (1.0 - share) * np.array([*one.x, *one.lam]) + share * np.array([*other.x, *other.lam])
+        for first in self.system.quaternions:
+            z[first : first + 4] /= np.linalg.norm(z[first : first + 4]) or 1.0
+        try:
+            self._balance(z)
+            return self._met(z)
+        except (ArithmeticError, np.linalg.LinAlgError):
+            return False
 
     def _rounded(self, z: Array) -> Array:
         """The same with 0 for what is nothing beside the sizes, where that is an equilibrium as well."""
@@ -260,6 +275,9 @@ class _Search:
         forces = np.abs(table[nq:n, n:]) / np.where(rows[nq:n] > 0.0, rows[nq:n], 1.0)[:, None]
         columns[n:] = 1.0 / np.where(forces.any(axis=0), forces.max(axis=0, initial=0.0), 1.0)
         rows += np.abs(table[:, n:]) @ columns[n:]
+        reach = (np.abs(table[:nq, nq:n]) / self.sizes[:nq, None]).max(axis=0, initial=0.0)
+        works = rows[nq:n] / np.where(reach > 0.0, reach, 1.0)  # of a force along what its speed changes by
+        rows[nq:n] *= np.maximum(1.0, DEPENDENT * works.max(initial=0.0) / np.where(works > 0.0, works, inf))
         return residual, table, columns, np.where(rows > 0.0, rows, 1.0)
 
     def _residual(self, z: Array) -> Array:

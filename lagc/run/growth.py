@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate
-from math import inf, sqrt
+from math import hypot, inf, sqrt
 
 from lagc.run.distance import Sizes, between, spread
 from lagc.run.problem import FAILED, INTERRUPTED, System, Trajectory, arrived
@@ -124,8 +124,10 @@ class Rounding:
         from the start in the time that is left.  Where that differs from time to time, the rounding of each
         step counts by itself."""
         grown = self.grown or [1.0]
-        squares = sum((moved * max(grown[-1] / grown[k], grown[-1 - k])) ** 2 for k, moved in looks)
-        return sqrt(squares / max(1.0, steps / len(looks)))
+        if grown[-1] == inf:
+            return inf
+        whole = hypot(*(moved * max(grown[-1] / grown[k], grown[-1 - k]) for k, moved in looks))
+        return whole / sqrt(max(1.0, steps / len(looks)))
 
     def _seen(self, tol: float, run: Trajectory, groups: Sizes, steps: int) -> list[float]:
         """How far rounding moves `run`, of that tolerance, up to each recorded time, of the sizes; in `steps`

@@ -444,6 +444,29 @@ def test_a_motion_that_is_wrong_has_none() -> None:
         lagc.loads(text).compile(backend="numpy").linearize(4.0)
 
 
+SKATE = """model Skate
+  coordinate Length x, y(start = 0.2 [m]);
+  coordinate Angle a(start = 0.1);
+  frame f = rotate_z(world, a);
+  body b = Solid(mass = 1 [kg], com = {x, y, 0}, frame = f, inertia = 6 [kg.m2]*{1, 1, 1});
+  constraint blade: dot(velocity(b), f.y) = 0;
+  potential V = 1 [N.m]*cos(a) + 2 [N/m]*(y - 0.3 [m])^2;
+end Skate;
+"""
+
+
+def test_a_blade_holds_along_a_line_of_postures_of_other_energies() -> None:
+    """Along and against the axis it stands anywhere, held by its multiplier against the spring, and turns by
+    6 a'' = sin(a): two families."""
+    one, other = lagc.loads(SKATE).compile(backend="numpy").equilibria()
+    for linear, a, values in ((one, 0.0, [6**-0.5, 0, 0, 0, -(6**-0.5)]),
+                              (other, pi, [6**-0.5 * 1j, 0, 0, 0, -(6**-0.5) * 1j])):  # fmt: skip
+        there = at(linear)
+        assert abs(there["a"]) == pytest.approx(a, abs=CLOSE)
+        assert linear.lam == pytest.approx([4.0 * (there["y"] - 0.3) * cos(a)], abs=CLOSE)
+        assert_spectrum(linear, values)
+
+
 def test_no_equilibrium() -> None:
     assert found("classic/kepler") == []
 
