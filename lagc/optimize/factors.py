@@ -5,7 +5,7 @@ Only what keeps the value up to rounding and is certain to pay: nothing is distr
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from heapq import heapify, heappop, heappush, heapreplace
 from math import isfinite
 
@@ -14,6 +14,8 @@ from lagc.expr.walk import reachable
 from lagc.optimize.lower import Product, inverse, is_divisor, split
 
 Term = tuple[float, dict[Node, int]]  # coefficient, powers of the bases
+Partners = dict[Node, set[Node]]
+_NONE: frozenset[Node] = frozenset()
 
 
 def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
@@ -24,13 +26,13 @@ def factored(graph: Graph, nodes: Sequence[Node]) -> list[Node]:
     below = reachable(nodes)
     users = _users(below, nodes)
     inner = {a for node in below if node.op == "add" for a in node.args if a.op == "add" and users[a] == 1}
-    pairs = _pairs(below, nodes, users)
+    partners = _partners(below, nodes, users)
     new: dict[Node, Node] = {}
     for node in below:
         if node in inner:
             continue
         if node.op == "add":
-            new[node] = _sum(graph, node, inner, users, new, pairs)
+            new[node] = _sum(graph, node, inner, users, new, partners)
         else:
             args = tuple([new[a] for a in node.args])
             new[node] = node if args == node.args else graph.rebuild(node, args)
@@ -47,14 +49,15 @@ def _users(below: Sequence[Node], roots: Sequence[Node]) -> dict[Node, int]:
     return users
 
 
-def _pairs(below: Sequence[Node], roots: Sequence[Node], users: dict[Node, int]) -> set[tuple[Node, Node]]:
-    """The factors of products of two that are there anyway, in both orders."""
+def _partners(below: Sequence[Node], roots: Sequence[Node], users: dict[Node, int]) -> Partners:
+    """Of each factor of products of two that are there anyway the others."""
     asked = set(roots)
-    found: set[tuple[Node, Node]] = set()
+    found: Partners = {}
     for node in below:
         if node.op == "mul" and node.value == (1, 1) and (node in asked or users[node] > 1):
             a, b = node.args
-            found |= {(a, b), (b, a)}
+            found.setdefault(a, set()).add(b)
+            found.setdefault(b, set()).add(a)
     return found
 
 
@@ -64,7 +67,7 @@ def _sum(
     inner: set[Node],
     users: dict[Node, int],
     new: dict[Node, Node],
-    pairs: set[tuple[Node, Node]],
+    partners: Partners,
 ) -> Node:
     """The addition `root` and those inside it, rewritten."""
     leaves: list[Node] = []
@@ -86,7 +89,7 @@ def _sum(
     total = graph.zero
     for node in rest:
         total = graph.add(total, node)
-    return graph.add(total, _collect(graph, free, pairs))
+    return graph.add(total, _collect(graph, free, partners))
 
 
 def _term(node: Node) -> Term:
@@ -100,16 +103,16 @@ def _term(node: Node) -> Term:
     return c, {node: 1}
 
 
-def _collect(graph: Graph, terms: list[Term], pairs: set[tuple[Node, Node]]) -> Node:
+def _collect(graph: Graph, terms: list[Term], partners: Partners) -> Node:
     """The sum of `terms`, the factor that most of them share taken out, again and again.
 
     The recursion is as deep as a monomial has factors.
     """
     total = graph.zero
-    shared = _Shared(terms, pairs)
+    shared = _Shared(terms, partners)
     while (key := shared.most_common()) is not None:
         base, sign = key
-        inner = _collect(graph, [_without(c, powers, key) for c, powers in shared.take(key)], pairs)
+        inner = _collect(graph, [_without(c, powers, key) for c, powers in shared.take(key)], partners)
         if isinstance(base, float):
             total = graph.add(total, graph.scale(base, inner))
         else:
@@ -128,13 +131,13 @@ Key = tuple["Node | float", int]  # a base with the sign of its exponent; or a c
 class _Shared:
     """How many of the terms that are `left` would save an operation if a factor were taken out of them."""
 
-    def __init__(self, terms: list[Term], pairs: set[tuple[Node, Node]]) -> None:
-        self.pairs = pairs
+    def __init__(self, terms: list[Term], partners: Partners) -> None:
         self.left = dict(enumerate(terms))
+        self.keys = [_keys(term, partners) for term in terms]
         self.counts: dict[Key, int] = {}
         self.holders: dict[Key, list[int]] = {}
-        for number, term in self.left.items():
-            for key, saves in _keys(term, pairs):
+        for number, keys in enumerate(self.keys):
+            for key, saves in keys:
                 self.counts[key] = self.counts.get(key, 0) + saves
                 self.holders.setdefault(key, []).append(number)
         # Counts only fall: those in the heap may be too large.
@@ -156,23 +159,25 @@ class _Shared:
 
     def take(self, key: Key) -> list[Term]:
         """The terms that hold `key`, which are left no more."""
-        taken = [self.left.pop(number) for number in self.holders[key] if number in self.left]
-        for term in taken:
-            for other, saves in _keys(term, self.pairs):
+        numbers = [number for number in self.holders[key] if number in self.left]
+        for number in numbers:
+            for other, saves in self.keys[number]:
                 self.counts[other] -= saves
-        return taken
+        return [self.left.pop(number) for number in numbers]
 
 
-def _keys(term: Term, pairs: set[tuple[Node, Node]]) -> Iterator[tuple[Key, bool]]:
+def _keys(term: Term, partners: Partners) -> list[tuple[Key, bool]]:
     """The factors of a term, and whether taking each out of it can save an operation."""
     c, powers = term
     scaled = abs(c) != 1.0 and isfinite(c)
-    degree = sum([abs(e) for e in powers.values()]) + scaled
+    several = sum(map(abs, powers.values())) + scaled > 1
+    found: list[tuple[Key, bool]] = []
     for base, exponent in powers.items():
-        alone = not any([(base, other) in pairs for other in powers])
-        yield (base, 1 if exponent > 0 else -1), (degree > 1 and alone) or exponent < 0
+        saves = exponent < 0 or (several and partners.get(base, _NONE).isdisjoint(powers))
+        found.append(((base, 1 if exponent > 0 else -1), saves))
     if scaled and powers:
-        yield (abs(c), 1), True
+        found.append(((abs(c), 1), True))
+    return found
 
 
 def _rank(key: Key, count: int) -> tuple[int, int, float]:
