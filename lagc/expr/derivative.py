@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import END, OPERATORS, POLE
-from lagc.expr.walk import reachable
+from lagc.expr.walk import reachable, symbols
 from lagc.records import dataclass
 
 T = TypeVar("T")
@@ -121,9 +121,11 @@ class _Sweep:
         self.adjoint: dict[Node, Node] = {}
         self.chosen: dict[Node, dict[_Choice, Node]] = {}
         self.narrow: set[Node] = set()  # nodes at or above functions that are not everywhere
-        if any([node.op == "select" for node in order]):
+        conditions = [node.args[0] for node in order if node.op == "select"]
+        self.deciding = symbols(conditions)
+        if conditions:
             for node in reachable(order):
-                if _is_narrow(node) or not self.narrow.isdisjoint(node.args):
+                if self._is_narrow(node) or not self.narrow.isdisjoint(node.args):
                     self.narrow.add(node)
 
     def add(self, node: Node, weight: Node, choice: _Choice) -> None:
@@ -167,7 +169,7 @@ class _Sweep:
         asked = set(self._narrow_below(condition))
         found: set[Node] = set()
         for node in self._narrow_below(branch):
-            if (_is_narrow(node) and node not in asked) or not found.isdisjoint(node.args):
+            if (self._is_narrow(node) and node not in asked) or not found.isdisjoint(node.args):
                 found.add(node)
         return frozenset(found)
 
@@ -186,21 +188,20 @@ class _Sweep:
         return list(found)
 
 
+    def _is_narrow(self, node: Node) -> bool:
+        """Whether it need have no value, or no slope, for all values of its arguments.  A parameter has one
+        value in all branches; 0 it may be where a branch is not taken for that."""
+        if node.op == "mul":
+            return any(e < 0 and not self._is_given(base) for base, e in zip(node.args, node.value))
+        return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
+
+    def _is_given(self, node: Node) -> bool:
+        return node.op == "symbol" and node.value.kind == "parameter" and node not in self.deciding
+
+
 def _gather(weights: dict[T, Node], key: T, weight: Node) -> None:
     held = weights.get(key)
     weights[key] = weight if held is None else weight.graph.add(held, weight)
-
-
-def _is_given(node: Node) -> bool:
-    """Whether it is a parameter, the same in all branches."""
-    return node.op == "symbol" and node.value.kind == "parameter"
-
-
-def _is_narrow(node: Node) -> bool:
-    """Whether it need have no value, or no slope, for all values of its arguments."""
-    if node.op == "mul":
-        return any(e < 0 and not _is_given(base) for base, e in zip(node.args, node.value))
-    return node.op in OPERATORS and OPERATORS[node.op].smoothness in (END, POLE)
 
 
 def seeds(graph: Graph, pairs: Iterable[tuple[Node, Node]]) -> dict[Node, Node]:

@@ -60,21 +60,22 @@ def frozen(equations: EquationsOfMotion) -> tuple[EquationsOfMotion, tuple[Switc
         return equations, ()
     made = _Freezing(equations.graph, frozenset(changing), equations.time, switching)
     found = _with(equations, made)
-    count = len(made.switches)
     whens = [replace(x, condition=node) for x, node in zip(equations.whens, made.all(conditions))]
     found = replace(found, whens=tuple(whens))
-    asked = [replace(switch, aside=k >= count) for k, switch in enumerate(made.switches)]
-    return found, tuple(sorted(_used(found, asked), key=lambda switch: switch.slope is None))
+    return found, tuple(sorted(_used(found, made.switches), key=lambda switch: switch.slope is None))
 
 
 def _used(equations: EquationsOfMotion, switches: Sequence[Switch]) -> list[Switch]:
     """Those that `equations` depend on: what loads on bodies depend on may cancel in the forces on speeds."""
-    reached = symbols([*sources(equations), *formed_of([row.jacobian for row in equations.rows])])
+    moving = [*equations.qdot, *sources(replace(equations, whens=()))]
+    reached = symbols([*moving, *formed_of([row.jacobian for row in equations.rows])])
+    asked = symbols([when.condition for when in equations.whens])
     found = []
     for switch in reversed(switches):  # each depends on others before it
-        if switch.mode in reached:
-            found.append(switch)
-            reached |= symbols([switch.side, switch.own, *(switch.edges or ())])
+        aside = switch.mode not in reached
+        if not aside or switch.mode in asked:
+            found.append(replace(switch, aside=aside))
+            (asked if aside else reached).update(symbols([switch.side, switch.own, *(switch.edges or ())]))
     return found[::-1]
 
 

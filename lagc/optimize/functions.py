@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.expr.derivative import gradient, tangent
@@ -156,21 +156,23 @@ def gradients(places: Places) -> Function:
 
 def reaches(places: Places) -> Function:
     """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
-    of its kind, c[k] or that of what it is added to; then the same of the rates of holonomic rows, and of
+    of its kind, c[k], or that of what it is added to; then the same of the rates of holonomic rows, and of
     their gradients."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
     given = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
     holonomic = [row for row in equations.rows if row.holonomic]
     others = [row for row in equations.rows if not row.holonomic]
-    size = _with_neighbours(graph, holonomic, dict(zip(equations.q, states)), given)
-    weights = {x: size[kind] for x, kind in zip((*equations.q, *equations.v), states)}
+    weights = {x: given[kind] for x, kind in zip((*equations.q, *equations.v), states)}
+    displaced = _displaced(graph, holonomic, {x: k for x, k in zip(equations.q, states) if k})
+    for x, place in displaced.items():
+        weights[x] = graph.binary("max", weights[x], place)
 
-    def of_slopes(slopes: Iterable[tuple[int, Node]]) -> list[Node]:
-        by_kind: dict[int, list[Node]] = {}
-        for i, slope in slopes:
-            by_kind.setdefault(states[i], []).append(graph.unary("abs", slope))
-        return [graph.sum(found) * size[k] for k, found in by_kind.items()]
+    def of_slopes(slopes: Iterable[tuple[Node, Node]]) -> list[Node]:
+        by_size: dict[Node, list[Node]] = {}
+        for x, slope in slopes:
+            by_size.setdefault(weights[x], []).append(graph.unary("abs", slope))
+        return [graph.sum(found) * size for size, found in by_size.items()]
 
     def changes(rows: Sequence[Row], nodes: Sequence[Node], leaves: Sequence[Node]) -> list[list[Node]]:
         """What each of `nodes`, of `rows`, changes by as `leaves` do, as sums."""
@@ -178,18 +180,20 @@ def reaches(places: Places) -> Function:
         if bounds is not None:
             return [[bound] for bound in bounds]
         if leaves is equations.v:
-            return [of_slopes((len(equations.q) + k, row.jacobian[k]) for k in sorted(row.jacobian))
-                    for row in rows]  # fmt: skip
-        place = {x: i for i, x in enumerate(leaves)}
-        found = (gradient(graph, {node: graph.one}, place) for node in nodes)
-        return [of_slopes((place[x], slope) for x, slope in slopes.items()) for slopes in found]
+            return [of_slopes((leaves[k], row.jacobian[k]) for k in sorted(row.jacobian)) for row in rows]
+        found = (gradient(graph, {node: graph.one}, leaves) for node in nodes)
+        return [of_slopes(slopes.items()) for slopes in found]
 
     def reach(sums: Sequence[Node], parts: Sequence[Node] = ()) -> Node:
         return graph.sum([*sums, *(graph.unary("abs", part) for part in parts), graph.const(_TINY)])
 
+    size = dict(given)
+    for x, kind in zip(equations.q, states):
+        if x in displaced:
+            size[kind] = graph.binary("max", size[kind], weights[x])
     pace = graph.zero  # at which the coordinates change by their sizes
     for kind, speed in rates(equations.q_units, equations.v_units).items():
-        one = size[speed] if kind == 0 else size[speed] / (size[kind] + _TINY)
+        one = given[speed] if kind == 0 else given[speed] / (size[kind] + _TINY)
         pace = graph.binary("max", pace, one)
     own = changes(holonomic, [row.residual for row in holonomic], equations.q)
     own += changes(others, [row.rate for row in others], equations.v)
@@ -204,24 +208,45 @@ def reaches(places: Places) -> Function:
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
 
 
-def _with_neighbours(
-    graph: Graph, rows: Sequence[Row], kind_of: Mapping[Node, int], given: Mapping[int, Node]
-) -> dict[int, Node]:
-    """The size of each kind: `given`, or that of what its coordinates are added to in `rows`, `z - l`.
-    Displacements from a place begin at zero, and their size is that of the place."""
-    found = dict(given)
-    for node in reachable(row.residual for row in rows):
-        if node.op != "add":
-            continue
-        parts = terms(graph, node)
-        bases = [part.args[0] if part.op == "scale" else part for part in parts]
-        moved = {kind_of[base]: abs(part.value) if part.op == "scale" else 1.0
-                 for part, base in zip(parts, bases) if kind_of.get(base, 0) > 0}  # fmt: skip
-        beside = [graph.unary("abs", part) for part, base in zip(parts, bases) if base not in kind_of]
-        if beside:
-            for k, factor in moved.items():
-                found[k] = graph.binary("max", found[k], graph.scale(1 / factor, graph.sum(beside)))
+def _displaced(graph: Graph, rows: Sequence[Row], coordinates: Container[Node]) -> dict[Node, Node]:
+    """Of the coordinates that are displacements from places, `z - l`, how large those are in `rows`.
+    They may begin at zero, and their size is that of the place."""
+    found: dict[Node, Node] = {}
+    for node in _sums([row.residual for row in rows]):
+        parts = [(part, _lever(part, coordinates)) for part in terms(graph, node)]
+        place = graph.sum(graph.unary("abs", part) for part, lever in parts if lever is None)
+        for x, factor in (lever for _, lever in parts if lever and not place.is_zero):
+            size = place * graph.unary("abs", factor) / (factor * factor + _TINY)
+            found[x] = graph.binary("max", found[x], size) if x in found else size
     return found
+
+
+def _sums(nodes: Sequence[Node]) -> list[Node]:
+    """Sums in `nodes`, without those that are parts of one other alone."""
+    below = reachable(nodes)
+    users: dict[Node, list[Node]] = {}
+    for node in below:
+        for a in node.args:
+            users.setdefault(a, []).append(node)
+    return [x for x in below if x.op == "add" and [a.op for a in users.get(x, ())] != ["add"]]
+
+
+def _lever(part: Node, coordinates: Container[Node]) -> tuple[Node, Node] | None:
+    """The coordinate that a part of a sum is proportional to, and what it is times that: parameters, sines and
+    cosines, which count as 1."""
+    factor, part = (part.value, part.args[0]) if part.op == "scale" else (1.0, part)
+    graph = part.graph
+    powers = dict(zip(part.args, part.value)) if part.op == "mul" else {part: 1}
+    moved = [x for x, power in powers.items() if x in coordinates]
+    if len(moved) != 1 or powers[moved[0]] != 1:
+        return None
+    lever = graph.const(factor)
+    for x, power in powers.items():
+        if x is not moved[0] and not (x.op in ("sin", "cos") and power > 0):
+            if any(a.value.kind != "parameter" for a in symbols([x])):
+                return None
+            lever = lever * graph.power(x, power)
+    return moved[0], lever
 
 
 def energies(places: Places) -> Function:

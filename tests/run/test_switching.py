@@ -203,3 +203,51 @@ def test_switches_that_change_some_last_places_apart(places: int) -> None:
         assert run.status == "ok" and len(run.events) == 4, run.message
         for place in (run["x"], run["y"]):
             assert place[-1] == pytest.approx(1.0 + math.pi / 100.0 - 1.5, rel=50.0 * rtol)
+
+
+@pytest.mark.parametrize("p, k", [(0.0, 1.0), (4.0, 0.25)])
+@pytest.mark.parametrize("branch", ["1/2*1 [N]*x^2/p", "1 [N]*p*(1 - cos(x/p))"])
+def test_a_branch_may_be_there_for_what_a_parameter_is_not(branch: str, p: float, k: float) -> None:
+    """Where p is 0 the branch that divides by it is not taken: small oscillations by k."""
+    text = f"""model M
+  parameter Length p = {p};
+  coordinate Length x(start = 1 [um]);
+  body b = Particle(mass = 1, at = {{x, 0, 0}});
+  potential V = if p > 0 then {branch} else 1/2*1 [N/m]*x^2;
+end M;
+"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=2, accuracy=1e-9)
+    assert run.status == "ok", run.message
+    assert run["x"][-1] == pytest.approx(1e-6 * math.cos(2 * math.sqrt(k)), abs=1e-14)
+
+
+def test_a_switch_in_what_rates_are_made_of() -> None:
+    """w = (1 + max(0, y)^2) y' = 2: y from -1 to 0 in half a second, then y + y^3/3 = 2 t - 1."""
+    text = """model M
+  coordinate Length x(start = 1), y(start = -1);
+  speed Velocity w = (1 + max(0, y/(1 [m]))^2)*der(y);
+  body b = Particle(mass = 1, at = {x, 0, 0});
+  constraint r: w = 2 [m/s];
+  output Length yy = y;
+end M;
+"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=2, accuracy=1e-9)
+    assert run.status == "ok", run.message
+    y = run["yy"][-1]
+    assert y + y**3 / 3 == pytest.approx(3.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("force", ["", "force f = (if x > u then 1 [N] else 4.72 [N])*world.y at b;"])
+def test_a_switch_in_a_force_that_does_nothing_is_no_event(force: str) -> None:
+    text = f"""model M
+  parameter Length u = 0.5;
+  coordinate Length x(start = 0.1, rate = 1);
+  body b = Particle(mass = 1, at = {{x, 0, 0}});
+  {force}
+  when x > u then mark("m"); end when;
+end M;
+"""
+    model = lagc.loads(text).compile(backend="numpy")
+    assert model.interface.switches_aside == (1,)
+    run = model.simulate(stop=1, accuracy=1e-8)
+    assert len(run.events) == 1
