@@ -243,7 +243,7 @@ def _constant(switch: Switch, ways: Sequence[Node]) -> bool:
     if not all([x.op in _ANALYTIC for x in reachable([switch.side])]):
         return False
     for seed in range(_POINTS):
-        point = Point(seed)
+        point = Point(seed, roots=False)  # of a root a sign would be drawn
         try:
             here = point.values([switch.side])
             point.place({y: point.draw() for y in ways})
