@@ -187,7 +187,6 @@ class _Sweep:
             found[node] = None
         return list(found)
 
-
     def _is_narrow(self, node: Node) -> bool:
         """Whether it need have no value, or no slope, for all values of its arguments.  A parameter has one
         value in all branches; 0 it may be where a branch is not taken for that."""

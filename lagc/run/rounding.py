@@ -54,7 +54,7 @@ def quick_look(system: System, trajectory: Trajectory, groups: Sizes) -> Quick:
     plain = [rates_at(own, times[k], states[k]) for own, k in zip(on, where)]
     at = [times[k] for k in where], [_shifted(states[k], k) for k in where]
     least = _least(system)
-    worst, span = [inf if trajectory.fallbacks else 0.0] * system.nx, abs(times[-1] - times[0])
+    worst, span = [0.0] * system.nx, abs(times[-1] - times[0])
     way = [ULP * generic(i) * a for i, a in enumerate(states[0])]
     for k, one, up, down in zip(where, plain, rounded_rates(on, *at, 1), rounded_rates(on, *at, -1)):
         if one is None or up is None or down is None:
@@ -73,7 +73,10 @@ def _least(system: System) -> float:
 
 
 def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
-    """How far rounding moves the states at most, relative to their sizes, where differences do not grow."""
+    """How far rounding moves the states at most, relative to their sizes, where differences do not grow; infinite
+    where factors had to hold for any rank, as what those do a few states do not tell."""
+    if trajectory.fallbacks:
+        return inf
     span = abs(trajectory.times[-1] - trajectory.times[0])
     worst = max((changes[i] / size for group, size in groups if size > 0.0 for i in group), default=0.0)
     return UNSEEN * worst * span + jolted(system, trajectory, groups)

@@ -3,11 +3,13 @@ the model without these coordinates."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
 from typing import Any
 
+import mpmath as mp
 import pytest
 
 import lagc
@@ -175,3 +177,49 @@ def test_a_remembered_run_says_the_same(tmp_path: Path, monkeypatch: pytest.Monk
     first, again = (model.simulate(2.0, accuracy=1e-6, points=11) for _ in range(2))
     assert again.cost.integrations == 1 < first.cost.integrations
     assert (again.status, again.notes, again.states) == (first.status, first.notes, first.states)
+
+
+def test_a_platform_on_three_parallel_rods_does_not_turn() -> None:
+    """Its centre moves on a circle, as a pendulum of that length; one rod more than would do bears load."""
+    length, tilt = 1.0, math.asin(0.3)
+    text = """model Platform
+  coordinate Length x(start = 0.3 [m]), z;
+  coordinate Angle a;
+  point C = {x, 0, z - 1 [m]};
+  frame F = rotate_y(world, a);
+  body p = Solid(mass = 5 [kg], inertia = {1, 1, 1}, frame = F, com = C);
+  for i in 1:3 loop
+    constraint rod[i]: norm(C + (i - 2)*0.4 [m]*F.x - {(i - 2)*0.4 [m], 0, 0}) = 1 [m];
+  end for;
+  Gravity field(g = 9.81);
+end Platform;
+"""
+    stop = 3.0
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=stop, accuracy=1e-9)
+    assert run.status == "ok", run.message
+    assert any("rounding only" in note and "`a`" in note for note in run.notes)
+    k = math.sin(tilt / 2)
+    quarter = float(mp.ellipk(k * k))
+    sine = k * float(mp.ellipfun("sn", quarter + stop * math.sqrt(9.81 / length), k=k))
+    assert run["x"][-1] == pytest.approx(length * math.sin(2 * math.asin(sine)), abs=1e-9)
+
+
+def test_a_table_slides_on_four_legs() -> None:
+    """Towards a spring at x = 1 m, as a harmonic oscillator does."""
+    text = """model Table
+  coordinate Length x(start = 0.2 [m]), y, z;
+  coordinate Angle yaw, pitch, roll;
+  frame C = rotate_x(rotate_y(rotate_z(world, yaw), pitch), roll);
+  point G = {x, y, z + 0.5 [m]};
+  body t = Solid(mass = 8 [kg], inertia = {0.5, 0.6, 0.7}, frame = C, com = G);
+  constraint l1: (G + 0.4 [m]*C.x + 0.3 [m]*C.y - 0.5 [m]*C.z).z = 0;
+  constraint l2: (G - 0.4 [m]*C.x + 0.3 [m]*C.y - 0.5 [m]*C.z).z = 0;
+  constraint l3: (G + 0.4 [m]*C.x - 0.3 [m]*C.y - 0.5 [m]*C.z).z = 0;
+  constraint l4: (G - 0.4 [m]*C.x - 0.3 [m]*C.y - 0.5 [m]*C.z).z = 0;
+  potential s = 0.5*50 [N/m]*((x - 1 [m])^2 + y^2);
+  Gravity field;
+end Table;
+"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=2.0, accuracy=1e-9)
+    assert run.status == "ok", run.message
+    assert run["x"][-1] == pytest.approx(1.0 - 0.8 * math.cos(2.0 * math.sqrt(50 / 8)), abs=1e-9)
