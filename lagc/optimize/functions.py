@@ -232,8 +232,8 @@ def _sums(nodes: Sequence[Node]) -> list[Node]:
 
 
 def _lever(part: Node, coordinates: Container[Node]) -> tuple[Node, Node] | None:
-    """The coordinate that a part of a sum is proportional to, and what it is times that: parameters, sines and
-    cosines, which count as 1."""
+    """The coordinate that a part of a sum is proportional to, and the rest of it, of parameters; sines and
+    cosines count as 1."""
     factor, part = (part.value, part.args[0]) if part.op == "scale" else (1.0, part)
     graph = part.graph
     powers = dict(zip(part.args, part.value)) if part.op == "mul" else {part: 1}

@@ -73,8 +73,8 @@ def _least(system: System) -> float:
 
 
 def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: Sequence[float]) -> float:
-    """How far rounding moves the states at most, relative to their sizes, where differences do not grow; infinite
-    where factors had to hold for any rank, as what those do a few states do not tell."""
+    """How far rounding moves the states at most, relative to their sizes, where differences do not grow.
+    Infinite where factors had to hold for any rank: a few states do not tell what those do."""
     if trajectory.fallbacks:
         return inf
     span = abs(trajectory.times[-1] - trajectory.times[0])
