@@ -14,8 +14,9 @@ from lagc.optimize.prune import sources
 from lagc.records import replace
 
 LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
-LARGEST_MANY = 2_000_000  # the same where work grows with the model, or far less than that of a dense one
-DENSE = 10  # times the operations of a straight solve: with fewer, a dense one is preferred
+LARGEST_GROWING = 2_000_000  # the same where work grows with the model
+LARGEST_SPARSE = 250_000  # the same beside a dense solve, a loop: C compilers take minutes for more
+DENSE = 10  # times its operations a straight solve saves, where it is longer than LARGEST
 SPARSE = 100  # operations for each unknown that are straight, however many unknowns
 _MOST_SPEEDS = 20
 _MOST_UNKNOWNS = 100  # speeds and multipliers: beyond, a dense solve is as long as some hundred straight ones
@@ -53,9 +54,9 @@ def _plan(system: Lifted) -> Elimination | None:
 def _most(structure: Structure) -> int:
     """Operations of a straight solve; a dense one, of n^3/3, is a loop, of little code."""
     if structure.definitions:
-        return LARGEST_MANY
+        return LARGEST_GROWING
     dense = structure.size**3 // 3
-    return max(LARGEST, SPARSE * structure.size, min(LARGEST_MANY, dense // DENSE))
+    return max(LARGEST, SPARSE * structure.size, min(LARGEST_SPARSE, dense // DENSE))
 
 
 def _forms(equations: EquationsOfMotion) -> Iterator[Lifted]:

@@ -127,9 +127,8 @@ def _alike(o: Operation, kinds: Sequence[str]) -> Operation:
 
 def moves_itself(function: Function) -> bool:
     """Whether an entry that it stores is one that another store may have changed by then."""
-    written = {array for array, _ in function.outputs}
-    values = [function.operations[store.value].payload for store in function.stores]
-    return any([isinstance(value, tuple) and value[0] in written for value in values])
+    written = {(store.array, store.index) for store in function.stores}
+    return any([function.operations[store.value].payload in written for store in function.stores])
 
 
 class _Repeated(NamedTuple):

@@ -93,5 +93,6 @@ def test_an_entry_that_is_read_and_changed_keeps_a_function_straight(monkeypatch
     monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
     monkeypatch.setattr("lagc.optimize.rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
     f = sorted_leaves(repeated_function(1, "f"))
-    assert rolled(f).runs
-    assert not rolled(replace(f, outputs=(("x", 64),))).runs
+    for behind, has_runs in ((0, False), (60, True)):  # of 60 entries that are read
+        stores = tuple([replace(store, array="x", index=store.index + behind) for store in f.stores])
+        assert bool(rolled(replace(f, outputs=(("x", 124),), stores=stores)).runs) == has_runs

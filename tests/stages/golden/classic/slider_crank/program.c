@@ -407,29 +407,30 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 /* reach of each constraint row */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
+    const lagc_real size0 = c[0];
     const lagc_real phi_ = x[0];
     const lagc_real psi_ = x[1];
     lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
     const lagc_real r_ = p->r;
-    const lagc_real t0 = sc0[1] * r_;
+    const lagc_real t0 = sc0[0] * r_;
     const lagc_real l = p->l;
-    const lagc_real t1 = sc0[3] * l;
+    const lagc_real t1 = sc0[2] * l;
     const lagc_real t2 = fabs(t0) + fabs(t1);
-    const lagc_real t3 = lagc_max(c[1], t2) + 1e-300;
-    const lagc_real size0 = c[0];
-    const lagc_real t4 = r_ * sc0[0];
-    const lagc_real t5 = l * sc0[2];
-    const lagc_real t6 = fabs(t4) + fabs(t5);
-    const lagc_real t7 = t3 + size0 * t6;
-    const lagc_real t8 = 1e-300 + t2 * size0;
+    const lagc_real size1 = c[1];
+    const lagc_real t3 = r_ * sc0[1];
+    const lagc_real t4 = l * sc0[3];
+    const lagc_real t5 = fabs(t3) + fabs(t4);
+    const lagc_real t6 = lagc_max(size1, t5);
+    const lagc_real t7 = size0 * t2 + (t6 + 1e-300);
+    const lagc_real t8 = 1e-300 + size0 * t5;
     const lagc_real t9 = lagc_max(t7, t8) * 1e-06;
     s[0] = lagc_max(t7, t9);
     s[1] = lagc_max(t8, t9);
     const lagc_real size2 = c[2];
     const lagc_real size3 = c[3];
-    const lagc_real t10 = lagc_max(lagc_max(0.0, size2), size3 / t3);
-    const lagc_real t11 = t6 * size2 + (size3 + (fabs(t0 * t10) + (fabs(t1 * t10) + (1e-300 + fabs(t10 * x[2])))));
-    const lagc_real t12 = t2 * size2 + (fabs(t4 * t10) + (1e-300 + fabs(t5 * t10)));
+    const lagc_real t10 = lagc_max(lagc_max(0.0, size2), size3 / (1e-300 + lagc_max(size1, t6)));
+    const lagc_real t11 = t2 * size2 + (size3 + (fabs(t3 * t10) + (fabs(t4 * t10) + (1e-300 + fabs(t10 * x[2])))));
+    const lagc_real t12 = t5 * size2 + (fabs(t0 * t10) + (1e-300 + fabs(t1 * t10)));
     const lagc_real t13 = 1e-06 * lagc_max(t11, t12);
     s[2] = lagc_max(t11, t13);
     s[3] = lagc_max(t12, t13);
