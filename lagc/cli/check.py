@@ -63,7 +63,7 @@ def look_at(name: str, options: argparse.Namespace) -> Checked:
     try:
         source = library.read(name)
     except Refused as refused:
-        return checking.Checked(list(refused.faults), ())
+        return checking.Checked(list(refused.faults), checking.STAGES)
     given = quantities(options.parameters, "-p")
     choice = compiler.Choice(model=options.model, scene=options.scene, parameters=given)
     try:

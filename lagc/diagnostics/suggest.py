@@ -47,7 +47,8 @@ NEAREST = 50  # of them, by their letters, that are compared
 def closest(name: str, known: Iterable[str]) -> str | None:
     """The one of `known` that is most like `name`, or None where none is like it.
 
-    Letter case and `_` count little: `Theta0` finds `theta_0`; so do parts of a path: `u.damp.c` finds `u.c`.
+    Letter case and `_` count little: `Theta0` finds `theta_0`; so do parts of a path: `u.damp.c` finds `u.c`,
+    before `c`.
     """
     candidates = tuple(dict.fromkeys(known))[:MOST]
     return _closest(name, candidates) if candidates and len(name) <= LONGEST else None
@@ -63,9 +64,10 @@ def _closest(name: str, known: Sequence[str]) -> str | None:
     if same:
         return same[0]
     parts = name.split(".")
-    pathwise = [c for c in known if _leaves_out(c.split("."), parts) or _leaves_out(parts, c.split("."))]
+    paths = {c: c.split(".") for c in known}
+    pathwise = [c for c, path in paths.items() if _leaves_out(path, parts) or _leaves_out(parts, path)]
     if pathwise:
-        return pathwise[0]
+        return min(pathwise, key=lambda c: abs(len(paths[c]) - len(parts)))
     near = _nearest(name, known)
     found = difflib.get_close_matches(name, near, n=1, cutoff=0.6)
     if found:

@@ -28,6 +28,7 @@ GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
 NO_BODY = "a body is a `Particle(...)` or a `Solid(...)`"
 STANDARD = 9.81  # m/s2, where a model says nothing else
 
+_SAME = 12  # digits after the point of directions that are one
 _DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
 _PARAMETERS = {
     "Particle": (("mass", "at"), 2),
@@ -177,11 +178,18 @@ def declare_gravity(context: Context, entry: Entry) -> Value:
             body = context.value(other, other.span)
             assert isinstance(body, nouns.Body)
             total = total - body.mass * g * dot(direction, body.position)
-            first = context.fields.setdefault((other.path, direction), entry)
-            if first is not entry:
-                context.warnings.setdefault((first.span, entry.span), _twice(first, entry, other))
+            _note_field(context, entry, other, direction)
     entry.nouns.append(nouns.Potential(entry.path, total, entry.span, entry.effect))
     return Thing(entry)
+
+
+def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:
+    """Warn of one that pulls at a body the same way as another, but for rounding."""
+    way = tuple([round(x.value, _SAME) if x.op == "const" else x for x in direction])
+    first = context.fields.setdefault((body.path, way), entry)
+    pair = (first.span, entry.span)
+    if first is not entry and pair not in context.warnings:
+        context.warnings[pair] = _twice(first, entry, body)
 
 
 def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
@@ -189,7 +197,7 @@ def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
         "LAG0229",
         f"`{first.path}` and `{entry.path}` both pull at `{body.path}`, the same way",
         entry.span,
-        remedy="gravity acts on bodies of instances, too: leave one out",
+        remedy="gravity acts on all bodies, those of instances too: leave one out",
         severity="warning",
     )
 

@@ -72,7 +72,7 @@ class Context:
         self.conditions: list[tuple[tree.Condition, Environment]] = []
         self.whens: list[tuple[tree.When, Environment, str | None]] = []
         self.curves: dict[str, Table] = {}  # by name
-        self.fields: dict[tuple[str, Vector], Entry] = {}  # of gravity, by body and direction
+        self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # of gravity, by body and direction
         self.built_in: list[str] = []  # parameters that a run cannot change
         self.faults: list[Fault] = []
         self.warnings: dict[tuple[Span, Span], Fault] = {}  # one of each pair of places

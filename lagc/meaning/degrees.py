@@ -15,9 +15,10 @@ _MANY = 10  # radians: more than a turn and a half, and in degrees a usual angle
 
 def whole_radians(file: tree.Tree) -> list[Fault]:
     """Warnings: whole numbers of many radians, written without a unit, that a file gives to its angles."""
-    models = {d.name: [*_own(d.body)] for d in _within(file.declarations) if isinstance(d, _NAMED)}
+    named = [(d.name, [*_own(d.body)]) for d in _within(file.declarations) if isinstance(d, _NAMED)]
+    models = dict(named)  # by what is extended: of models of one name in several packages the last
     found: list[Fault] = []
-    for own in (list(_own(file.declarations)), *models.values()):
+    for own in (list(_own(file.declarations)), *(body for _, body in named)):
         many = [(name, fault) for d in own for name, value in _given(d) if (fault := _whole(name, value))]
         angles = _angles(own, models) if many else ()
         found += [fault for name, fault in many if name in angles]
@@ -66,11 +67,12 @@ def _given(d: tree.Declaration) -> Iterator[tuple[str, tree.Expression | None]]:
 
 def _whole(name: str, value: tree.Expression | None) -> Fault | None:
     number = value.operand if isinstance(value, tree.Unary) else value
+    sign = "-" if isinstance(value, tree.Unary) and value.op == "-" else ""
     if not isinstance(number, tree.Number) or number.value < _MANY or not number.value.is_integer():
         return None
     return Fault(
         "LAG0618",
-        f"`{name}` is {number.text} radians",
+        f"`{name}` is {sign}{number.text} radians",
         number.span,
         remedy=f"if degrees are meant, write `{number.text} [deg]`, else `{number.text} [rad]`",
         severity="warning",

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 HARMLESS = 0.25  # of the accuracy asked: of less rounding than that a bound is enough
 COARSE, FINE = 1e-5, 1e-6  # the tolerances of the pilots
 RETRY = 1e-9  # the tolerance that is tried where a coarser one fails
+COARSER = 9.0  # times the tolerance: runs that differ by enough
 ATTEMPTS = 5  # at a finer tolerance after the first estimate missed the target
 # Of the time, the longest step at the tolerance COARSE: of any motion; where the rates depend on time itself
 # between changes.
@@ -58,7 +59,7 @@ class Verified:
     rounding: float = 0.0
     drift: float = 0.0
     balance: Balance | None = None
-    beside: Trajectory | None = None  # the finest of those at ten times the tolerance or more
+    beside: Trajectory | None = None  # the finest of those far coarser, else the next
     still: dict[int, float] = field(default_factory=dict)  # see `lagc.run.still`
 
 
@@ -314,7 +315,7 @@ class _Search:
         if len(tols) > 1:
             assert self.along is not None
             found.rounding, found.drift = self.rounding(), self.drift()
-            apart = next((tol for tol in tols if tol > 9.0 * tols[0]), tols[1])  # runs that differ by enough
+            apart = next((tol for tol in tols if tol > COARSER * tols[0]), tols[1])
             found.balance, found.beside = self.balance, self.runs[apart]
             if found.estimated > self.accuracy:
                 finest, interface = self.runs[tols[0]], self.system.interface

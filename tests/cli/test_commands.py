@@ -61,6 +61,11 @@ def test_check_tells_every_fault_with_its_place(tmp_path: Path, capsys: Capture)
     assert (fault["line"], fault["column"], fault["severity"]) == (3, 42, "error")
 
 
+def test_check_has_reached_nothing_of_a_file_that_is_not_there(tmp_path: Path, capsys: Capture) -> None:
+    assert main(["check", str(tmp_path / "none.lag"), "--json"]) == 2
+    assert len(json.loads(capsys.readouterr().out)["unseen"]) == 4
+
+
 @pytest.mark.parametrize(
     ("line", "unseen"),
     [

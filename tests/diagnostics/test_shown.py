@@ -194,7 +194,8 @@ def test_colours_are_only_added() -> None:
     [
         ("thet", ["theta", "phi"], "theta"), ("Theta0", ["phi", "theta_0"], "theta_0"), ("x", ["phi"], None),
         ("lenght", ["length", "weight"], "length"), ("a" * 100, ["a" * 99], None), ("x", [], None),
-        ("u.damp.c", ["u.m", "u.c", "v.c"], "u.c"), ("c", ["m", "u.c"], "u.c"), ("u.c", ["v.c.u"], None),
+        ("u.damp.c", ["u.m", "u.c", "v.c"], "u.c"), ("c", ["m", "u.c"], "u.c"),
+        ("u.damp.c", ["c", "u.c"], "u.c"), ("u.c", ["v.c.u"], None),
     ],
 )  # fmt: skip
 def test_the_name_that_was_meant(name: str, known: list[str], found: str | None) -> None:

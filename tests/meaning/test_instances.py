@@ -466,6 +466,7 @@ end Ball;
         ("Ball b[40];\n  Gravity all;", [("b[1].own", "all")]),
         ("extends Ball;\n  Ball b;", [("own", "b.own")]),
         ("Ball a;\n  Gravity wind(g = 1, direction = {1, 0, 0});", []),
+        ("Ball a;\n  Gravity all(direction = {0, 0, -0.3});", [("a.own", "all")]),
         ("Ball a;\n  Gravity one, two;", [("a.own", "one"), ("a.own", "two")]),
         ("Ball a;\n  effect more\n    Gravity all;\n  end more;", [("a.own", "all")]),
     ],

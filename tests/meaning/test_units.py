@@ -141,6 +141,16 @@ def test_whole_numbers_of_many_radians_are_asked_after(written: str, warned: lis
     assert [text[f.span.start : f.span.end] for f in found if f.span] == warned
 
 
+def test_models_of_one_name_are_each_looked_at() -> None:
+    text = "".join(
+        f"package {package} model A coordinate Angle a(start = {start}); body b = Particle(mass = 1, "
+        f"at = {{sin(a)*1 [m], 0, 0}}); end A; end {package};\n"
+        for package, start in (("P", 30), ("Q", -40))
+    )
+    found = check(Source("m.lag", text), Choice())
+    assert [f.message for f in found] == ["`a` is 30 radians", "`a` is -40 radians"]
+
+
 def test_an_angle_is_one_of_its_model_and_of_those_that_extend_it() -> None:
     text = """model Counted
   parameter Real n = 20;
