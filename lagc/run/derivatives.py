@@ -30,6 +30,16 @@ TINY = 1e-60  # beside a state at which a derivative has no value, as that of no
 DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
 
 
+class _Shake:
+    """Gives numbers other last places, by chance."""
+
+    def __init__(self, seed: int) -> None:
+        self.chance = random.Random(seed)
+
+    def __call__(self, values: Sequence[float]) -> list[float]:
+        return [value * (1.0 + self.chance.choice((-1, 1)) * LAST) for value in values]
+
+
 class Point:
     """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
     motion there or those that are given.  `clean`: an entry that changes by as much as it is where all that
@@ -48,20 +58,39 @@ class Point:
     ):
         self.system, self.t, self.x, self.modes = system, t, list(x), modes
         if a is None or lam is None:
-            rates, own = [0.0] * system.nx, [0.0] * system.nc
-            if self._rhs(system, t, x, rates, own) in FAILED:
+            rates, own = self._rates_at(system, t, x)
+            if rates is None:
                 raise ArithmeticError(f"the motion is not determined at t = {t:g}")
+            if clean:
+                rates, own = (np.where(self._is_rounding(found, k), 0.0, found).tolist()
+                              for k, found in enumerate((rates, own)))  # fmt: skip
             a, lam = rates[system.nq :] if a is None else a, own if lam is None else lam
         self.a, self.lam, self.clean = list(a), list(lam), clean
         self._groups: dict[str, Array] = {}
         self._motion: dict[str, Array] = {}
 
-    def _rhs(
-        self, system: NumpySystem, t: float, x: Sequence[float], xdot: list[float], lam: list[float]
-    ) -> int:
+    def _rates_at(
+        self, system: NumpySystem, t: float, x: Sequence[float]
+    ) -> tuple[list[float] | None, list[float]]:
+        """xdot, None where the motion is not determined, and the multipliers."""
+        xdot, lam = [0.0] * system.nx, [0.0] * system.nc
         if self.modes is None:
-            return system.rhs(t, x, xdot, lam)
-        return system.rhs_on(self.modes, t, x, xdot, lam)
+            status = system.rhs(t, x, xdot, lam)
+        else:
+            status = system.rhs_on(self.modes, t, x, xdot, lam)
+        return (None if status in FAILED else xdot), lam
+
+    def _is_rounding(self, values: Sequence[float], which: int) -> Array:
+        """Which of the rates (0) or multipliers (1) are rounding: where last places change, they change as
+        much as they are."""
+        here = np.array(values)
+        found = np.zeros(len(here), dtype=bool)
+        for system, t, x in self._shaken[:FEW]:
+            rates, lam = self._rates_at(system, t, x)
+            if rates is not None:
+                there = np.array((rates, lam)[which][: len(here)])
+                found |= np.abs(there - here) > SHARE * np.abs(here)
+        return found
 
     @cached_property
     def stack(self) -> Array:
@@ -102,30 +131,20 @@ class Point:
         return entries
 
     def rounding_rates(self) -> Array:
-        """Which of the rates of q and v are rounding: where last places change, they change as much as they
-        are."""
-        system, n = self.system, self.system.nq + self.system.nv
-        here, lam = np.array([*self.value("qdot"), *self.a]), [0.0] * system.nc
-        found = np.zeros(n, dtype=bool)
-        for other in self.beside[:FEW]:
-            rates = [0.0] * system.nx
-            if self._rhs(other.system, other.t, other.x, rates, lam) not in FAILED:
-                found |= np.abs(rates[:n] - here) > SHARE * np.abs(here)
-        return found
+        """Which of the rates of q and v are rounding."""
+        return self._is_rounding([*self.value("qdot"), *self.a], 0)
+
+    @cached_property
+    def _shaken(self) -> list[tuple[NumpySystem, float, list[float]]]:
+        """Parameters, time and state with other last places."""
+        shake, bind, p = _Shake(0), self.system.model.bind, self.system.parameters
+        return [(bind(shake(p)), shake([self.t])[0], shake(self.x)) for _ in range(ENOUGH)]
 
     @cached_property
     def beside(self) -> list[Point]:
         """All with other last places."""
-        chance = random.Random(0)
-
-        def beside(values: Sequence[float]) -> list[float]:
-            return [value * (1.0 + chance.choice((-1, 1)) * LAST) for value in values]
-
-        others = [self.system.model.bind(beside(self.system.parameters)) for _ in range(ENOUGH)]
-        return [
-            Point(s, beside([self.t])[0], beside(self.x), beside(self.a), beside(self.lam), modes=self.modes)
-            for s in others
-        ]
+        shake = _Shake(1)
+        return [Point(s, t, x, shake(self.a), shake(self.lam), modes=self.modes) for s, t, x in self._shaken]
 
     def partial(self, part: str, group: str) -> Array:
         """Of one part of the stack, where a and lam are held."""

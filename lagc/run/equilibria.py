@@ -173,18 +173,25 @@ class _Search:
         z = (1.0 - share) * np.array([*one.x, *one.lam]) + share * np.array([*other.x, *other.lam])
         for first in self.system.quaternions:
             z[first : first + 4] /= np.linalg.norm(z[first : first + 4]) or 1.0
+        return self._balances(z)
+
+    def _rounded(self, z: Array) -> Array:
+        """The same with 0 for what is nothing beside the sizes, where that is an equilibrium as well: where
+        rows are singular steps end as far from one as the roots of rounding."""
+        n = self.system.nq + self.system.nv
+        for close in (SAME, CLOSE):
+            found = np.where(np.abs(z) <= close * np.concatenate([self.sizes, z[n:] * 0.0]), 0.0, z)
+            if self._balances(found):
+                return found
+        return z
+
+    def _balances(self, z: Array) -> bool:
+        """Whether it is an equilibrium with some multipliers, which are put into it."""
         try:
             self._balance(z)
             return self._met(z)
         except (ArithmeticError, np.linalg.LinAlgError):
             return False
-
-    def _rounded(self, z: Array) -> Array:
-        """The same with 0 for what is nothing beside the sizes, where that is an equilibrium as well."""
-        n = self.system.nq + self.system.nv
-        found = np.where(np.abs(z) <= CLOSE * np.concatenate([self.sizes, z[n:] * 0.0]), 0.0, z)
-        self._balance(found)
-        return found if self._met(found) else z
 
     def _balance(self, z: Array) -> None:
         """The multipliers that leave the least of the forces, in place."""

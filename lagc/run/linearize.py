@@ -20,6 +20,7 @@ import numpy as np
 
 from lagc.records import dataclass, replace
 from lagc.run.derivatives import ROUNDING, Array, Point, largest_beside, rounded
+from lagc.run.halted import is_halted
 from lagc.run.independent import independent
 from lagc.run.least import is_least
 from lagc.run.problem import OK, Options
@@ -32,6 +33,7 @@ STILL = 1e-9  # of what moves the state by its size: rates of an equilibrium
 FURTHER = 0.3  # of the size of a state: how far a motion is followed
 CLOSELY, MANY = 1e-10, 1000  # its tolerance and steps
 AT_REST = 1e-8  # of what a mode moves: coordinates that it leaves where they are
+HALTED = "some motions that constraints allow there to first order go no further; they have eigenvalues, too"
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ class Linear:
     notes: tuple[str, ...] = ()  # where it is one of those of several sides
     least: bool = False  # it is an equilibrium at which energy, which is kept, has a strict minimum
     free: int = 0  # of an equilibrium: directions in which it seems to be one of many
+    halted: bool = False  # some of the motions that constraints allow there are ones to first order only
     turning: bool = False  # A is another as the motion goes on, though what changes acts on nothing else now
 
     def __repr__(self) -> str:
@@ -148,6 +151,8 @@ class Linear:
         say nothing."""
         if self.momentary or not self.states:
             return None
+        if self.halted:
+            return "undecided: constraints are singular there"
         growth = max(self._own.values.real, default=0.0)
         if growth > 0.0:
             return "unstable"
@@ -264,6 +269,9 @@ def _linearized(
     lost = _without_value(c, d)
     c[lost], d[lost] = np.nan, np.nan
     notes = [f"the output `{interface.outputs[k].name}` has no derivatives there" for k in lost]
+    halted = is_halted(point, chosen, size_of_states(system))
+    if halted:
+        notes.append(HALTED)
     moving = changing[chosen.indices].tolist()
     scales = _scales(point, chosen.indices, a)
     pace, far = np.linalg.norm(a * scales / scales[:, None]), _far(point)
@@ -271,7 +279,7 @@ def _linearized(
     least = not any(moving) and _keeps_energy(system, chosen.indices, a) and is_least(point, chosen, a)
     return Linear(system, t, point.x, point.lam, chosen.indices, chosen.motions, a, b, c, d, scales, moving,
                   _differs(point, time, 0.0 * far), not _differs(point, time, far), tuple(notes),
-                  least=least)  # fmt: skip
+                  least=least and not halted, halted=halted)  # fmt: skip
 
 
 def _without_value(*tables: Array) -> list[int]:
@@ -341,9 +349,7 @@ def _turns(now: Linear) -> bool:
     later = _linearized(system, end, run.x[: len(now.x)])
     if later.indices != now.indices:
         return False
-    kept = now._acting[0]
-    if later._acting[0] != kept:
-        return True
+    kept = sorted({*now._acting[0], *later._acting[0]})
     one, two = (m.A[np.ix_(kept, kept)] * now.scales[kept] / now.scales[kept][:, None] for m in (now, later))
     apart = np.abs(two - one).max(initial=0.0)
     return bool(apart > CLOSELY**0.5 * np.abs(one).max(initial=0.0))

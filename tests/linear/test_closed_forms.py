@@ -501,3 +501,77 @@ def test_the_cusp_of_a_curve_is_no_equilibrium() -> None:
     assert found.x[0] == pytest.approx(0.0, abs=1e-9)
     with pytest.raises(ArithmeticError, match="no inertia"):
         lagc.load("classic/spherical_pendulum_angles").compile(backend="numpy").equilibria()
+
+
+PANELS = """model Panels "of crossed rods, hinged above one another"
+  structural Integer n = 1;
+  coordinate Length x[2*n], y[2*n], z[2*n];
+  point A[0] = {0, 0, 0};
+  point B[0] = {1, 0, 0} [m];
+  for i in 1:n loop
+    point A[i] = {x[i], y[i], z[i] - i*1 [m]};
+    point B[i] = {1 [m] + x[i+n], y[i+n], z[i+n] - i*1 [m]};
+    body a[i] = Particle(mass = 1 [kg], at = A[i]);
+    body b[i] = Particle(mass = 1 [kg], at = B[i]);
+    constraint l[i]: norm(A[i] - A[i-1]) = 1 [m];
+    constraint r[i]: norm(B[i] - B[i-1]) = 1 [m];
+    constraint h[i]: norm(A[i] - B[i]) = 1 [m];
+    constraint d1[i]: norm(B[i] - A[i-1]) = sqrt(2)*1 [m];
+    constraint d2[i]: norm(A[i] - B[i-1]) = sqrt(2)*1 [m];
+  end for;
+  Gravity field(g = 9.81, direction = {0, 0, -1});
+end Panels;
+"""
+
+
+@pytest.mark.parametrize("n", (1, 2))
+def test_a_panel_is_no_pair_of_pendulums(n: int) -> None:
+    """Its rods allow it to be twisted to first order, and no further: a pendulum has the frequency sqrt(g/d),
+    a double one of panels sqrt((2 -+ sqrt(2)) g/d); what else there is belongs to twists."""
+    all_found = lagc.loads(PANELS).compile(parameters={"n": n}, backend="numpy").equilibria()
+    assert len(all_found) == 2**n
+    for linear in all_found:
+        assert linear.still and linear.halted and linear.notes
+        assert "undecided" in (linear.stability or "")
+    hanging = [abs(z) for z in all_found[0].eigenvalues]
+    for square in [1.0] if n == 1 else [2.0 - sqrt(2.0), 2.0 + sqrt(2.0)]:
+        assert min(abs(z - sqrt(square * G)) for z in hanging) < 1e-6
+
+
+def test_rows_that_are_redundant_everywhere_halt_nothing() -> None:
+    text = """model Platform
+  coordinate Length x, z;
+  coordinate Angle a;
+  point C = {x, 0, z - 1 [m]};
+  frame F = rotate_y(world, a);
+  body p = Solid(mass = 5 [kg], inertia = {1, 1, 1}, frame = F, com = C);
+  for i in 1:3 loop
+    constraint rod[i]: norm(C + (i - 2)*0.4 [m]*F.x - {(i - 2)*0.4 [m], 0, 0}) = 1 [m];
+  end for;
+  Gravity field(g = 9.81, direction = {0, 0, -1});
+end Platform;
+"""
+    linear = lagc.loads(text).compile(backend="numpy").equilibria()[0]
+    assert not linear.halted and linear.stability != "unstable"
+    assert_spectrum(linear, [1j * sqrt(G), -1j * sqrt(G)])
+
+
+@pytest.mark.parametrize(("up", "phi"), [("-", 0.1), ("", 2.9)])
+def test_rounding_at_half_a_turn_acts_on_nothing(up: str, phi: float) -> None:
+    """A bob on a skate: its angle may be measured from below or from above."""
+    text = f"""model Skate
+  coordinate Length x, y;
+  coordinate Angle th, phi(start = {phi});
+  parameter Mass m = 3 [kg], mp = 0.5 [kg];
+  parameter Length l = 0.7 [m];
+  frame F = rotate_z(world, th);
+  body cart = Solid(mass = m, inertia = {{1, 1, 2}}, frame = F, com = {{x, y, 0}});
+  body bob = Particle(mass = mp, at = {{x, y, 0}} + l*(sin(phi)*F.x {up or "+"} cos(phi)*F.z));
+  constraint knife: dot(velocity(cart), F.y) = 0;
+  Gravity field;
+  dissipation fr = 0.15 [N.s/m]*dot(velocity(cart), F.x)^2;
+end Skate;
+"""
+    linear = lagc.loads(text).compile(backend="numpy").equilibria()[0]
+    assert linear.stability == "asymptotically stable"
+    assert set(linear.idle) == {"x", "y", "th", "der(th)"}
