@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault
 from lagc.expr.derivative import seeds
@@ -20,6 +21,9 @@ from lagc.mechanics.jacobian import added
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 from lagc.mechanics.whens import when_equations
+
+if TYPE_CHECKING:
+    from lagc.mechanics.redundancy import Dropped
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -74,10 +78,10 @@ def derive(model: Model) -> EquationsOfMotion:
             )
         ),
         whens=when_equations(states),
-        outputs=output_equations(states, parts, acting, free, totals, [label for label, _ in dropped]),
+        outputs=output_equations(states, parts, acting, free, totals, [x.label for x in dropped]),
         rates=states.rates,
-        dropped=tuple([reason for _, reason in dropped]),
-        warnings=(*model.warnings, *cuts, *_warnings(states, kept, contributions)),
+        dropped=tuple([x.reason for x in dropped]),
+        warnings=(*model.warnings, *cuts, *_warnings(states, kept, contributions), *_shared(states, dropped)),
     )
 
 
@@ -91,8 +95,8 @@ def _cuts(states: States) -> tuple[Fault, ...]:
     return refuse_breaks(states, breaking)
 
 
-def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]]]:
-    """The rows of the constraints that stay, and label and reason of those left out."""
+def _constrained(states: States) -> tuple[list[Classified], list[Dropped]]:
+    """The rows of the constraints that stay, and those left out."""
     found = classify(states)
     if not found:
         return [], []
@@ -103,6 +107,15 @@ def _constrained(states: States) -> tuple[list[Classified], list[tuple[str, str]
     refuse_touching(states, rows)
     kept, dropped = drop_redundant(states, rows)
     return kept, idle + dropped
+
+
+def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
+    """Warnings of reactions that are one of many."""
+    if not dropped:
+        return ()
+    from lagc.mechanics.redundancy import shared_reactions
+
+    return shared_reactions(states, dropped)
 
 
 def _warnings(

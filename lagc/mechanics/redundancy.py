@@ -10,11 +10,13 @@ depend on others but can never hold with them are refused.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
 from lagc.expr.operators import CHOICE, CORNER, STEP, smooth_as
-from lagc.expr.walk import reachable
+from lagc.expr.walk import reachable, symbols
+from lagc.meaning.model import Output
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.magnitude import VANISHES, magnitudes
@@ -37,10 +39,16 @@ class Redundant:
     others: tuple[int, ...]
 
 
-def drop_idle(
-    states: States, classified: Sequence[Classified]
-) -> tuple[list[Classified], list[tuple[str, str]]]:
-    """The rows that hold a coordinate or speed, and label and reason of others, which are proved to hold
+class Dropped(NamedTuple):
+    """A row that is left out: its label, those of the rows that it follows from, and the reason."""
+
+    label: str
+    others: tuple[str, ...]
+    reason: str
+
+
+def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Classified], list[Dropped]]:
+    """The rows that hold a coordinate or speed, and others, which are proved to hold
     always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
     the parameters are: that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
 
@@ -56,7 +64,30 @@ def drop_idle(
     faults = [_motionless(row) for row in idle if _sided([row.residual]) or not judge.vanish([row.residual])]
     if faults:
         raise Refused(faults)
-    return [x for x in classified if x.row.jacobian], [(row.label, _reason(row, ())) for row in idle]
+    return [x for x in classified if x.row.jacobian], [_dropped(row, ()) for row in idle]
+
+
+def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
+    """Warnings: LAG0428 of outputs that ask for reactions which rows share, one of them left out."""
+    found = []
+    for output in states.model.outputs:
+        asked = {x.record.owner for x in symbols([output.expression]) if x.record.kind == "multiplier"}
+        for row in dropped:
+            if row.others and not asked.isdisjoint({row.label, *row.others}):
+                found.append(_shared(output, row))
+                break
+    return tuple(found)
+
+
+def _shared(output: Output, row: Dropped) -> Fault:
+    rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
+    return Fault(
+        "LAG0428",
+        f"`{output.name}` is one of many: {rows} share a reaction, of which `{row.label}` is given nothing",
+        output.span,
+        remedy="what they do together is determined: leave one of these rows out",
+        severity="warning",
+    )
 
 
 def _sided(nodes: Iterable[Node]) -> bool:
@@ -76,8 +107,8 @@ def _motionless(row: Row) -> Fault:
 
 def drop_redundant(
     states: States, classified: Sequence[Classified]
-) -> tuple[list[Classified], list[tuple[str, str]]]:
-    """The rows that stay, and label and reason of those that do not.
+) -> tuple[list[Classified], list[Dropped]]:
+    """The rows that stay, and those that do not.
 
     Raises Refused: LAG0410 rows that can never hold together.
     """
@@ -89,7 +120,7 @@ def drop_redundant(
     made_of = [[classified[k].row for k in r.others] for r in found]
     contradicts = _contradicts(states, independent, [classified[r.row].row for r in found], made_of)
     faults: list[Fault] = []
-    dropped: dict[int, str] = {}
+    dropped: dict[int, Dropped] = {}
     for redundant, contradiction in zip(found, contradicts):
         x = classified[redundant.row]
         others = [classified[k] for k in redundant.others]
@@ -102,11 +133,11 @@ def drop_redundant(
 
             if not follows(states, x.row, independent):
                 continue
-            dropped[redundant.row] = _reason(x.row, [y.row for y in others])
+            dropped[redundant.row] = _dropped(x.row, [y.row for y in others])
     if faults:
         raise Refused(faults)
     kept = [x for k, x in enumerate(classified) if k not in dropped]
-    return kept, [(classified[k].row.label, reason) for k, reason in dropped.items()]
+    return kept, list(dropped.values())
 
 
 def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
@@ -204,10 +235,9 @@ def _hold(
     return found
 
 
-def _reason(row: Row, others: Sequence[Row]) -> str:
-    if not others:
-        return f"row `{row.label}` is left out: it holds whatever the motion"
-    return f"row `{row.label}` is left out: it follows from {_labels(others)}"
+def _dropped(row: Row, others: Sequence[Row]) -> Dropped:
+    why = f"it follows from {_labels(others)}" if others else "it holds whatever the motion"
+    return Dropped(row.label, tuple([y.label for y in others]), f"row `{row.label}` is left out: {why}")
 
 
 def _contradiction(x: Classified, others: Sequence[Classified]) -> Fault:

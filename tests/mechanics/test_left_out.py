@@ -64,3 +64,27 @@ def test_a_row_stays_that_another_is_a_part_of_on_one_branch() -> None:
 def test_what_is_the_same_is_left_out(second: str) -> None:
     equations = lagc.loads(TEXT.format(first=HELD, second=second)).compile(backend="numpy").equations
     assert equations.dropped == ("row `b` is left out: it follows from `a`",)
+
+
+WAGON = """model Wagon
+  coordinate Length x(start = 0.2 [m]), y;
+  coordinate Angle a;
+  frame F = rotate_z(world, a);
+  point C = {{x, y, 0}};
+  body w = Solid(mass = 10 [kg], inertia = {{1, 1, 1}}, frame = F, com = C + 0.1 [m]*F.x);
+  constraint front: dot(velocity(w, at = C + 1 [m]*F.x), F.y) = 0;
+  constraint mid: dot(velocity(w, at = C), F.y) = 0;
+  constraint rear: dot(velocity(w, at = C - 1 [m]*F.x), F.y) = 0;
+  constraint aside: der(x) = 0.1 [m/s];
+  output Force N = {asked};
+end Wagon;
+"""
+
+
+@pytest.mark.parametrize(
+    ("asked", "shared"),
+    [("reaction(front)", True), ("reaction(rear)", True), ("reaction(aside)", False), ("0*1 [N]", False)],
+)
+def test_reactions_that_rows_share_are_told_of(asked: str, shared: bool) -> None:
+    found = lagc.loads(WAGON.format(asked=asked)).check()
+    assert [fault.code for fault in found] == ["LAG0428"] * shared

@@ -191,4 +191,14 @@ ENTRIES: dict[str, Entry] = {
         _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(der(x), 0); end when;\n"),
         _on_particle("  speed Velocity u = 2*der(x);\n  when x > 1 [m] then reinit(u, 0); end when;\n"),
     ),
+    "LAG0428": Entry(
+        "a reaction that is one of many",
+        "Rows of which one follows from the others hold the motion together; how they share what that takes "
+        "is not determined.  The row that follows is left out, and its reaction is 0.",
+        _on_particle(
+            "  constraint one: der(x) = 0;\n  constraint two: 2*der(x) = 0;\n"
+            "  output Force f = reaction(one);\n"
+        ),
+        _on_particle("  constraint one: der(x) = 0;\n  output Force f = reaction(one);\n"),
+    ),
 }
