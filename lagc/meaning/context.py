@@ -13,6 +13,7 @@ from lagc.meaning.clock import Clock
 from lagc.meaning.model import Frame, Table
 from lagc.meaning.namespace import Importer
 from lagc.meaning.scope import LARGEST, Entry, Environment
+from lagc.meaning.uses import Uses
 from lagc.meaning.values import Poisoned, Value, Wrong
 from lagc.records import dataclass, replace
 
@@ -48,7 +49,7 @@ class Context:
     def __init__(
         self,
         importer: Importer,
-        uses: frozenset[str],
+        uses: Uses,
         declare: Callable[[Context, Entry], Value],
         how: Mapping[type, Callable[..., Value]],
     ):

@@ -110,7 +110,7 @@ class Builder:
         return None
 
     def _uses(self, name: str) -> bool:
-        return name in self.context.uses or self.instance.path + name in self.context.uses
+        return self.context.uses.has_beside(self.instance.path, name)
 
     def _enter(self, kind: str, name: str, d: tree.Declaration, source: Source, home: Home) -> Entry:
         self.context.grow(source.span)

@@ -30,9 +30,9 @@ from lagc.meaning.scene import (
     read_rest,
     read_values,
     scenes_of,
-    used,
 )
 from lagc.meaning.scope import Environment, Instance
+from lagc.meaning.uses import Uses
 from lagc.meaning.values import Wrong
 
 RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
@@ -61,7 +61,7 @@ def resolve(
     importer = Importer(file.source, tuple(roots or ()))
     space = Namespace(file.declarations, None, importer)
     importer.look_at(file.declarations, space)
-    context = Context(importer, frozenset(), declare, HOW)
+    context = Context(importer, Uses(), declare, HOW)
     try:
         declaration, where = choose_model(file, space, model)
         setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
@@ -210,7 +210,10 @@ def _model(
         if isinstance(n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)
     ]
     effects = tuple(
-        [nouns.Effect(path, e.description or "", used(setting, path)) for path, e in context.effects.items()]
+        [
+            nouns.Effect(path, e.description or "", setting.uses.has(path))
+            for path, e in context.effects.items()
+        ]
     )
     left_out = [e.name for e in effects if not e.used]
     notes = setting.notes

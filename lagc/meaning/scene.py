@@ -13,6 +13,7 @@ from lagc.meaning.evaluate import integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.settings import Settings
+from lagc.meaning.uses import Uses, keys
 from lagc.meaning.values import Wrong
 from lagc.records import dataclass
 
@@ -29,9 +30,8 @@ class Setting:
     scene: tree.Scene | None
     name: str
     names: tuple[str, ...]
-    uses: frozenset[str]
+    uses: Uses
     notes: tuple[str, ...]
-    removed: tuple[str, ...] = ()  # effects that the command line leaves out
 
 
 def choose_model(
@@ -145,10 +145,9 @@ def choose_scene(
     both = [e for e in added if e in removed]
     if both:
         raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
-    uses = {n.name for n in scene.uses} if scene else set()
-    uses = (uses | set(added)) - set(removed)
+    named = frozenset([n.name for n in scene.uses] if scene else ())
     names = tuple(scenes) or ("default",)
-    return Setting(scene, wanted, names, frozenset(uses), tuple(notes), tuple(removed))
+    return Setting(scene, wanted, names, Uses(named, frozenset(added), frozenset(removed)), tuple(notes))
 
 
 def read_values(context: Context, setting: Setting, environment: Environment) -> None:
@@ -292,7 +291,7 @@ def _effects(name: str, context: Context) -> str:
 
 def check_effects(context: Context, setting: Setting) -> None:
     """Report every effect that is named and unknown, lacking, or excluded."""
-    known = {*context.effects, *(path.rpartition(".")[2] for path in context.effects)}
+    known = {key for path in context.effects for key in keys(path)}
     named = list(setting.scene.uses) if setting.scene else []
     named += [n for e in context.effects.values() for n in (*e.requires, *e.excludes)]
     named += [n for n, _ in context.mentioned]
@@ -302,13 +301,13 @@ def check_effects(context: Context, setting: Setting) -> None:
             context.report(
                 Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, _effects(name.name, context))
             )
-    for text in sorted({*setting.uses, *setting.removed} - known - written):
+    for text in sorted(setting.uses.all - known - written):
         context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, _effects(text, context)))
     for path, effect in context.effects.items():
-        if not used(setting, path):
+        if not setting.uses.has(path):
             continue
         for other in effect.requires:
-            if other.name in known and not _is_used(setting, path, other.name):
+            if other.name in known and not setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
                 context.report(
                     Wrong(
                         "LAG0213",
@@ -320,7 +319,7 @@ def check_effects(context: Context, setting: Setting) -> None:
                     )
                 )
         for other in effect.excludes:
-            if _is_used(setting, path, other.name):
+            if setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
                 context.report(
                     Wrong(
                         "LAG0213",
@@ -336,12 +335,4 @@ def check_effects(context: Context, setting: Setting) -> None:
 def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:
     """Where the scene names these effects."""
     names = setting.scene.uses if setting.scene else ()
-    return tuple((n.span, "used here") for n in names if n.name in {e.rpartition(".")[2] for e in effects})
-
-
-def used(setting: Setting, path: str) -> bool:
-    return path in setting.uses or path.rpartition(".")[2] in setting.uses
-
-
-def _is_used(setting: Setting, path: str, name: str) -> bool:
-    return name in setting.uses or path.rpartition(".")[0] + "." + name in setting.uses
+    return tuple((n.span, "used here") for n in names if n.name in {key for e in effects for key in keys(e)})

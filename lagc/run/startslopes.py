@@ -35,7 +35,7 @@ def start_slopes(
     """(nq + nv, directions) at the start x0, which was found where the run states `given`; how far each may
     be off where it is not exact; and why there is no derivative, of the directions that have none."""
     interface, n = system.interface, system.nq + system.nv
-    point = Point(system, 0.0, x0[:n], [0.0] * system.nv, [0.0] * system.nc)
+    point = Point(system, 0.0, x0[:n], [0.0] * system.nv, [0.0] * system.nc, clean=True)
     stated = [i for i, name in enumerate(system.interface.state_names) if name in given]
     found = np.zeros((n + len(interface.rate_names), len(directions)))
     doubts = np.zeros_like(found)

@@ -149,6 +149,44 @@ def test_effects_are_added_and_removed() -> None:
     assert [a.name for a in removed.actions] == ["field"]
 
 
+CARTS = """model Cart
+  coordinate Length x;
+  body b = Particle(mass = 1, at = {x, 0, 0});
+  effect spring
+    potential s = 1/2*3 [N/m]*x^2;
+  end spring;
+end Cart;
+model Train
+  Cart a[3], c;
+  scene all uses spring;
+  scene row uses a.spring;
+  scene last uses c.spring;
+end Train;
+"""
+
+
+@pytest.mark.parametrize(
+    ("scene", "more", "less", "used"),
+    [
+        ("all", (), (), ["a[1]", "a[2]", "a[3]", "c"]),
+        ("row", (), (), ["a[1]", "a[2]", "a[3]"]),
+        ("last", (), (), ["c"]),
+        ("all", (), ("a[1].spring",), ["a[2]", "a[3]", "c"]),
+        ("all", (), ("a.spring",), ["c"]),
+        ("row", (), ("spring",), []),
+        ("row", ("c.spring",), ("a[2].spring",), ["a[1]", "a[3]", "c"]),
+        ("last", ("a[3].spring",), ("spring",), ["a[3]"]),
+        ("all", ("a[3].spring",), ("a.spring",), ["a[3]", "c"]),
+    ],
+)
+def test_effects_are_named_one_by_one_and_together(
+    scene: str, more: tuple[str, ...], less: tuple[str, ...], used: list[str]
+) -> None:
+    model = read(CARTS, scene=scene, with_effects=more, without_effects=less)
+    assert [e.name for e in model.effects if e.used] == [f"{name}.spring" for name in used]
+    assert [a.name for a in model.actions] == [f"{name}.s" for name in used]
+
+
 @pytest.mark.parametrize(
     "choice, code",
     [

@@ -427,3 +427,34 @@ def test_what_has_no_value_anywhere_is_doubted_in_silence() -> None:
             pytest.approx([1e-6]),
             pytest.approx([5e-6]),
         ]
+
+
+PANEL = """model Panel "of crossed rods, hung at a corner; nothing moves beside its places at the start"
+  parameter Length d = 1 [m];
+  coordinate Length x[4], z[4];
+  point A = {x[1], 0, z[1]};
+  point B = {d + x[2], 0, z[2]};
+  point C = {d + x[3], 0, z[3] - d};
+  point D = {x[4], 0, z[4] - d};
+  body a = Particle(mass = 1 [kg], at = A);
+  body b = Particle(mass = 1 [kg], at = B);
+  body c = Particle(mass = 1 [kg], at = C);
+  body e = Particle(mass = 1 [kg], at = D);
+  constraint pin: A = {0, 0, 0};
+  constraint ab: norm(A - B) = d;
+  constraint bc: norm(B - C) = d;
+  constraint cd: norm(C - D) = d;
+  constraint da: norm(D - A) = d;
+  constraint ac: norm(A - C) = sqrt(2)*d;
+  constraint bd: norm(B - D) = sqrt(2)*d;
+  Gravity field;
+end Panel;
+"""
+
+
+def test_a_start_that_meets_redundant_rows_for_all_values_has_a_slope() -> None:
+    """x = d f(t sqrt(g/d)), and so dx/dd = (x - t v/2)/d."""
+    run = lagc.loads(PANEL).compile(backend="numpy").simulate(1.0, accuracy=1e-9, points=6, sensitivity="d")
+    assert run.status == "ok", run.message
+    expected = run["x[4]"] - np.asarray(run.t) * run["der(x[4])"] / 2.0
+    close(run.sensitivity("x[4]", "d"), expected, 1e-8)
