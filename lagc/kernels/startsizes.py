@@ -167,6 +167,16 @@ def common_sizes(w: StartWork) -> None:
             w.common[unit[i]] = fabs(w.home[i])
 
 
+def share_sizes(w: StartWork) -> None:
+    """w.common of units of which all is zero: the largest that the conditions tell.  One size for all: steps of
+    least norm would go farthest where they do least."""
+    for i in range(NU):
+        w.now[i] = w.common[i]
+    for i in range(NU):
+        if w.now[unit[i]] == 0.0 and w.reach[i] < MOST_WEIGHT and w.reach[i] > w.common[unit[i]]:
+            w.common[unit[i]] = w.reach[i]
+
+
 def usual(i: int, largest: Vec[NU], w: StartWork) -> Real:
     """The size of an unknown: its own, where it was stated; that of others of its unit; what the conditions
     allow; that of a parameter of its unit; 1."""
@@ -214,6 +224,7 @@ def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     blur(p, t, w.home, w.home, w)
     common_sizes(w)
     stretch(w)
+    share_sizes(w)
     for i in range(NU):
         w.now[i] = usual(i, largest, w)
     even_out(w)
