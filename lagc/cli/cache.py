@@ -13,6 +13,7 @@ from lagc.cache import upkeep
 from lagc.cli.exits import DONE, REFUSED
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_json, show
+from lagc.printable import one_line
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -82,7 +83,7 @@ def text(facts: dict[str, Any], quiet: bool) -> list[str]:
     if not quiet:
         number, total = (sum(row[what] for row in kinds.values()) for what in ("entries", "bytes"))
         most = f", at most {size(facts['limit'])}" if "limit" in facts else ""
-        lines.append(f"{facts['folder']}: {number} entries, {size(total)}{most}")
+        lines.append(f"{one_line(facts['folder'])}: {number} entries, {size(total)}{most}")
         lines += [f"  {kind:9} {row['entries']:6} {size(row['bytes']):>9}" for kind, row in kinds.items()]
         if facts.get("unfinished"):
             lines.append(f"  {'unfinished':9} {facts['unfinished']:5}")

@@ -88,10 +88,12 @@ def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
     return path == wanted
 
 
-def kept(path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...]) -> str | None:
+def kept(
+    path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
+) -> str | None:
     """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
-    folder or in that of temporary files, and say so; the name of what was written.  What waits for others
-    is given up where a signal comes."""
+    folder or in that of temporary files, of the `usual` ending where it has none, and say so; the name of what
+    was written.  What waits for others is given up where a signal comes."""
     from lagc.saving import may_wait, shortened
 
     waiting = may_wait(path)
@@ -108,7 +110,7 @@ def kept(path: str, write: Callable[[str], object], failures: tuple[type[Excepti
     import tempfile
 
     stem, ending = os.path.splitext(os.path.basename(path))
-    name = f"{shortened(stem)}-{os.urandom(4).hex()}{ending or '.csv'}"
+    name = f"{shortened(stem)}-{os.urandom(4).hex()}{ending or usual}"
     for folder in (os.getcwd, tempfile.gettempdir):
         try:
             other = os.path.join(folder(), name)

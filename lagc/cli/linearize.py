@@ -153,7 +153,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         data = _content(found, facts, options.output)
         from lagc.saving import write
 
-        path = kept(options.output, lambda name: write(name, data), (OSError,))
+        path = kept(options.output, lambda name: write(name, data), (OSError,), ".json")
         written = path == options.output
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)

@@ -101,6 +101,11 @@ class Parser(argparse.ArgumentParser):
     def print_help(self, file: object = None) -> None:
         show(self.format_help())
 
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> object:
+        if action.option_strings and "--" in arg_strings:  # which would be taken for no argument
+            raise argparse.ArgumentError(action, "`--` is no value")
+        return super()._get_values(action, arg_strings)
+
     def error(self, message: str) -> NoReturn:
         raise Usage(f"{message}; `{self.prog} --help` says more")
 

@@ -91,7 +91,7 @@ def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
 def demand(p: Params, s: State, t1: Real, o: Options) -> Status:
     """What a call that goes to t1 demands: OK; else INVALID or NOT_FINITE, and who is to blame."""
     culprit = bad_option(o)
-    if culprit < 0 and not (fabs(t1) < inf and fabs(s.t) < inf):
+    if culprit < 0 and not (fabs(t1) < inf and fabs(s.t) < inf and fabs(t1 - s.t) < inf):
         culprit = BAD_TIME
     if COMPLETE:
         if culprit < 0:

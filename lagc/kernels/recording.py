@@ -144,6 +144,14 @@ def in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
     return True
 
 
+def goes_on(times: Vec[Any], n: Length, done: Length, direction: Real) -> bool:
+    """Whether the next of times is where one may be, of a grid that was looked at before."""
+    if done == n:
+        return True
+    there = times[done]
+    return (there - times[done - 1]) * direction >= 0.0 and (times[n - 1] - there) * direction >= 0.0
+
+
 @public
 def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: Rows[NX], done: Cell[Length],
            budget: Count, w: Work) -> Status:  # fmt: skip
@@ -152,14 +160,15 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     steps (0: no limit) it returns INTERRUPTED; call it again to go on.  Where n is 0, times and states may
     be NULL."""
     t1 = times[n - 1] if n > 0 else s.t
-    direction = 1.0 if t1 >= s.t else -1.0
+    direction = 1.0 if t1 > s.t or (t1 == s.t and s.t >= s.t_old) else -1.0
     status = demand(p, s, t1, o)
     if status != OK:
         return status
     if budget < 0:
         s.culprit = BAD_BUDGET
         return INVALID
-    if done[0] > n or (done[0] == 0 and not in_order(s, times, n, direction)):
+    known = done[0] > 0 and done[0] <= n and goes_on(times, n, done[0], direction)
+    if not known and (done[0] > 0 or not in_order(s, times, n, direction)):
         s.culprit = BAD_TIME
         return INVALID
     enter(s, w)
@@ -175,6 +184,10 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
             if status == OK:
                 status = ended
         if status != OK or done[0] == n:
+            break
+        if s.t == t1:  # and what is left of times is beyond
+            s.culprit = BAD_TIME
+            status = INVALID
             break
         if budget > 0 and count == budget:
             status = INTERRUPTED

@@ -168,8 +168,8 @@ def common_sizes(w: StartWork) -> None:
 
 
 def share_sizes(w: StartWork) -> None:
-    """w.common of units of which all is zero: the largest that the conditions tell.  One size for all: steps of
-    least norm would go farthest where they do least."""
+    """w.common of units of which all is zero: the largest that the conditions tell.  One size for all: steps
+    of least norm would go farthest where they do least."""
     for i in range(NU):
         w.now[i] = w.common[i]
     for i in range(NU):

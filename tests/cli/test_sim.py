@@ -236,6 +236,9 @@ def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
         ([PENDULUM, "-o", "/no/such/folder/x.csv"], 2, "no folder"),
         ([PENDULUM, "--plot", "x.xyz"], 2, "the ending says the format"),
         ([PENDULUM, "--nonsense"], 2, "--nonsense"),
+        ([PENDULUM, "--stop=--"], 2, "`--` is no value"),
+        ([PENDULUM, "--plot=--"], 2, "`--` is no value"),
+        ([PENDULUM, "-o=--"], 2, "`--` is no value"),
         ([PENDULUM, "another"], 2, "another"),
     ],
 )

@@ -160,6 +160,21 @@ int main(void)
     times[0] = -1.0;
     told("grid", @_record(&p, &s, &o, times, 3, states, &done, 0, &w));
     told("good", @_record(&p, &s, &o, NULL, 0, NULL, &done, 0, &w));
+    anew(); /* another grid than that which was begun */
+    times[0] = s.t;
+    times[1] = 0.2;
+    if (@_record(&p, &s, &o, times, 3, states, &done, 1, &w) != @@_INTERRUPTED || done != 1)
+        return 1;
+    before = s;
+    times[1] = 1e20;
+    told("grid", @_record(&p, &s, &o, times, 3, states, &done, 0, &w));
+    times[1] = 0.5 * times[0];
+    told("grid", @_record(&p, &s, &o, times, 3, states, &done, 0, &w));
+    anew(); /* farther than there are numbers */
+    s.t = 1e308;
+    before = s;
+    told("now", @_step(&p, &s, -1e308, &o, &w));
+    told("now", @_advance(&p, &s, -1e308, &o, &w));
     for (i = -3; i < 14; i++)
         printf("text %s\\n", @_status_text(i));
     return 0;
