@@ -92,8 +92,8 @@ def kept(
     path: str, write: Callable[[str], object], failures: tuple[type[Exception], ...], usual: str = ".csv"
 ) -> str | None:
     """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
-    folder or in that of temporary files, of the `usual` ending where it has none, and say so; the name of what
-    was written.  What waits for others is given up where a signal comes."""
+    folder or in that of temporary files, of the `usual` ending where it has none, and say so; the name of
+    what was written.  What waits for others is given up where a signal comes."""
     from lagc.saving import may_wait, shortened
 
     waiting = may_wait(path)
