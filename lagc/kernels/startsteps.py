@@ -15,6 +15,7 @@ from lagc.kernels.words import Params, Real, Size, Vec
 
 NEWTON_STEPS = 60
 LATE = 8  # steps in which what is missed halves, or the iteration ends
+ALONG = 8  # rows, of which a step straightens one bend after the other: one more
 WHOLE = 0.6  # the same, where only the longest step is tried
 EXACTLY = 2  # the last turn, at which rows are taken entry by entry
 SHORTEST = 1.0 / 16384.0  # part of a step that is tried at last
@@ -187,11 +188,12 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
         blur(p, t, y, w.weights, w)
     left = 1.0
     longest = 1.0
-    for n in range(NEWTON_STEPS):
+    more = (end - first) // ALONG
+    for n in range(NEWTON_STEPS + more):
         if not (EXACT < missed and missed < inf):
             polish(p, t, y, first, end, w)
             return
-        if n > 0 and n % LATE == 0:
+        if n > 0 and n % (LATE + more) == 0:
             if longest == 1.0 and not left < 0.5:
                 return
             left = 1.0

@@ -118,11 +118,11 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 def _conflict(start: Start) -> Fault:
     missed, held = list(map(str, start.missed)), list(start.held)
-    message = f"no start meets all conditions: {'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
+    message = f"no start was found that meets all conditions: {'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
     if held:
         verb = "is" if len(held) == 1 else "are"
         message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
-    remedy = "let one of these conditions go" if len(missed) > 1 else None
+    remedy = "state values nearer to a start, or let one of these conditions go" if len(missed) > 1 else None
     if held:
         remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
     return Fault("LAG0610", message, remedy=remedy)

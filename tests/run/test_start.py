@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from math import sqrt
 
+import numpy as np
 import pytest
 
+import lagc
 from lagc.run.begin import consistent_start
 from lagc.run.conditions import least_norm
 from lagc.run.problem import Vector
@@ -104,3 +106,34 @@ def test_quaternions_are_normalised() -> None:
     start = consistent_start(Spun((2.0, 0.0, 2.0, 0.0, 1.0, 0.0, 0.0)))
     assert start.x[:4] == pytest.approx([sqrt(0.5), 0.0, sqrt(0.5), 0.0], abs=1e-15)
     assert {c.name for c in start.changes} == {"o.w", "o.y"}
+
+
+ROPE = """model Rope "hung up at both ends; of its shape nothing is stated"
+  structural Integer n = 10;
+  parameter Length L = 2 [m], D = 1.2 [m];
+  coordinate Length x[n], z[n];
+  point P[0] = {0, 0, 0};
+  point P[n+1] = {D, 0, 0};
+  for i in 1:n loop
+    point P[i] = {D*i/(n+1) + x[i], 0, z[i] - 3*D*(i/(n+1))*(1 - i/(n+1))};
+    body b[i] = Particle(mass = 1 [kg], at = P[i]);
+  end for;
+  for i in 0:n loop
+    constraint s[i]: norm(P[i+1] - P[i]) = L/(n+1);
+  end for;
+  Gravity g;
+end Rope;
+"""
+
+
+@pytest.mark.parametrize("n", (15, 60))
+def test_displacements_that_are_all_zero_have_one_size(n: int) -> None:
+    """The guess is up to a tenth of the length away from a start, which steps of least norm lead to; those of
+    uneven sizes do not."""
+    run = lagc.loads(ROPE).compile(parameters={"n": n}, backend="numpy").simulate(1e-9, rtol=1e-6)
+    k = np.arange(1, n + 1) / (n + 1)
+    x = np.array([run[f"x[{i}]"][0] for i in range(1, n + 1)])
+    z = np.array([run[f"z[{i}]"][0] for i in range(1, n + 1)])
+    assert max(abs(x).max(), abs(z).max()) < 0.5
+    points = np.array([[0.0, 0.0], *zip(1.2 * k + x, z - 3.6 * k * (1 - k)), [1.2, 0.0]])
+    assert np.hypot(*np.diff(points, axis=0).T) == pytest.approx(2.0 / (n + 1), rel=1e-9)

@@ -40,7 +40,7 @@ ENTRIES: dict[str, Entry] = {
         "given to `model.compile(parameters=...)`, before `bind`, `simulate` or `rhs`.",
     ),
     "LAG0610": Entry(
-        "no start meets all conditions",
+        "no start was found that meets all conditions",
         "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
         "`startFixed`, `rateFixed`) have no common solution near the start values.  Those that contradict "
         "each other are named, and no other: any fewer have a start.  Let one of them go, "
