@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
@@ -81,10 +81,11 @@ def _of_body(body: Body, name: str) -> Value:
     return vector_value(body.position, M)
 
 
-def _of_reaction(value: Value) -> str | None:
+def _of_reaction(value: Value, numbers: Sequence[int]) -> str | None:
     """Rows are called `roll[1]` in reports."""
     if isinstance(value, Thing) and value.entry.kind == "constraint":
-        return f"the force of a row is an element of all: `reaction({value.entry.name})[1]`"
+        written = ", ".join(map(str, numbers))
+        return f"the force of a row is an element of all: `reaction({value.entry.name})[{written}]`"
     return None
 
 
@@ -128,7 +129,7 @@ def element(context: Context, base: Value, numbers: list[int], e: tree.Index) ->
     value: Value = base
     for number, index in zip(numbers, e.indices):
         if not isinstance(value, Array):
-            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span, _of_reaction(value))
+            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span, _of_reaction(value, numbers))
         if not 1 <= number <= len(value.elements):
             raise Wrong(
                 "LAG0207",

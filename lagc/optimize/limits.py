@@ -45,7 +45,7 @@ def _inertias(model: Model) -> Iterator[Limit]:
                 b, c = moments[k - 2], moments[k - 1]
                 room = (b + c) * FLAT - a
                 if not any(_part(room) is _part(x) for x in moments):  # that it is not negative is asked
-                    name = f"what moment of inertia {k + 1} of {body.name} is less than the sum of the others"
+                    name = f"the sum of the other moments of inertia of {body.name} less number {k + 1}"
                     yield Limit(name, room, "kg.m2", 0.0, inf, body.span)
 
 

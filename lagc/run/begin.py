@@ -118,7 +118,8 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 def _conflict(start: Start) -> Fault:
     missed, held = list(map(str, start.missed)), list(start.held)
-    message = f"no start was found that meets all conditions: {'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
+    named = f"{'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
+    message = f"no start was found that meets all conditions: {named}"
     if held:
         verb = "is" if len(held) == 1 else "are"
         message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
