@@ -159,7 +159,7 @@ def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind
         closed = holonomic or not row.linear or row.label in integrable.open
         answer: bool | None = None if closed else row.label in integrable.rows
         if holonomic:
-            why = "it holds no rate"
+            why = "it is about positions"
         elif not row.linear:
             why = "it is not affine in the rates"
         elif row.label in integrable.open:

@@ -10,7 +10,7 @@ from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
-from lagc.meaning.model import Lagrangian
+from lagc.meaning.model import UNSTATED, Lagrangian
 from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
 from lagc.optimize.program import Interface, Program
@@ -121,6 +121,7 @@ def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
     values = {p.symbol: p.value for p in equations.model.parameters if p.value is not None}
     described = {c.name: c.description for c in equations.model.coordinates}
     parts = {i + k for i in equations.quaternions for k in range(4)}
+    searched = bool(equations.rows or equations.initial_conditions)
     found: list[Facts] = []
     for i, (name, unit, start) in enumerate(zip(equations.q_names, equations.q_units, equations.starts_q)):
         found.append({
@@ -129,6 +130,7 @@ def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
             "unit": unit,
             "start": _start(start, values),
             "fixed": start.fixed,
+            "found": searched and start.stated.level == UNSTATED,
             "description": described.get(name, ""),
         })  # fmt: skip
     return found
@@ -230,7 +232,8 @@ def _named(fact: Facts) -> str:
 def _coordinate_line(fact: Facts) -> str:
     line = str(fact["name"]) + (f" [{fact['unit']}]" if fact["unit"] else "")
     if fact["start"] is not None:
-        line += f" starts at {quantity(fact['start'], fact['unit'])}{', held' if fact['fixed'] else ''}"
+        starts = "is looked for from" if fact["found"] else "starts at"
+        line += f" {starts} {quantity(fact['start'], fact['unit'])}{', held' if fact['fixed'] else ''}"
     if fact["kind"] != "scalar":
         line += f", {fact['kind']}"
     return line + (f": {fact['description']}" if fact["description"] else "")
