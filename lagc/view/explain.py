@@ -10,6 +10,7 @@ from lagc.diagnostics.report import as_json
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
+from lagc.expr.walk import symbols
 from lagc.meaning.model import UNSTATED, Lagrangian
 from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
@@ -121,16 +122,18 @@ def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
     values = {p.symbol: p.value for p in equations.model.parameters if p.value is not None}
     described = {c.name: c.description for c in equations.model.coordinates}
     parts = {i + k for i in equations.quaternions for k in range(4)}
-    searched = bool(equations.rows or equations.initial_conditions)
+    held = [row.residual for row in equations.rows if row.holonomic]
+    searched = symbols([*held, *(residual for residual, _ in equations.initial_conditions)])
     found: list[Facts] = []
-    for i, (name, unit, start) in enumerate(zip(equations.q_names, equations.q_units, equations.starts_q)):
+    for i, (q, start) in enumerate(zip(equations.q, equations.starts_q)):
+        name, unit = equations.q_names[i], equations.q_units[i]
         found.append({
             "name": name,
             "kind": "part of a unit quaternion" if i in parts else "scalar",
             "unit": unit,
             "start": _start(start, values),
             "fixed": start.fixed,
-            "found": searched and start.stated.level == UNSTATED,
+            "found": q in searched and start.stated.level == UNSTATED,
             "description": described.get(name, ""),
         })  # fmt: skip
     return found
