@@ -179,10 +179,12 @@ class Differentiable:
                     reasons.append(str(error))
         if reasons and not linear:
             raise ArithmeticError(reasons[0])
-        if reasons:
-            note = f"{len(reasons)} of {len(found)} found have no linear model: {reasons[0]}"
-            linear[0] = replace(linear[0], notes=(*linear[0].notes, note))
-        return linear
+        notes = [f"{len(reasons)} of {len(found)} found have no linear model: {r}" for r in reasons[:1]]
+        still = [one for one in linear if one.still] or linear  # else all change with time
+        if len(still) < len(linear):
+            left_out = f"{len(linear) - len(still)} of {len(found)} found are left out"
+            notes.append(f"{left_out}: forces balance there, but rows determine no rest")
+        return [replace(still[0], notes=(*still[0].notes, *notes)), *still[1:]] if notes else still
 
     def _at(
         self,
