@@ -84,10 +84,10 @@ class Unit:
 class UnknownUnit(ValueError):
     """A unit text that says nothing: `reason` in the user's words, `close` a known symbol like it."""
 
-    def __init__(self, reason: str, close: str | None = None):
+    def __init__(self, reason: str, close: str | None = None, remedy: str | None = None):
         super().__init__(reason)
         self.reason = reason
-        self.remedy = None if close is None else f"did you mean `{close}`?"
+        self.remedy = remedy if close is None else f"did you mean `{close}`?"
 
 
 # symbol -> (num, den, power of pi, dimension); these take prefixes
@@ -116,12 +116,16 @@ _PREFIXES = {
     "h": (100, 1), "d": (1, 10), "c": (1, 100), "m": (1, 1000), "u": (1, 10**6), "µ": (1, 10**6),
     "n": (1, 10**9), "p": (1, 10**12),
 }  # fmt: skip
+_BROKEN = re.compile(r"\^\s*(\((?![+-]?\d+\))|[+-]?\d*\.\d)")  # an exponent that is no whole number
 _TOKEN = re.compile(r"\s*(?:([A-Za-zµ%]+|1)(?:\^?([+-]?\d{1,2})|\^\(([+-]?\d{1,2})\))?|([./*()]))", re.ASCII)
 
 
 @lru_cache(maxsize=512)
 def unit(text: str) -> Unit:
     """The meaning of a unit text.  Raises UnknownUnit."""
+    if _BROKEN.search(text):
+        remedy = "raise a number to that power: `k*(x/(1 [m]))^1.5`, with k in newtons"
+        raise UnknownUnit(f"`{text}` is not a unit: exponents are whole numbers", remedy=remedy)
     tokens = _tokens(text)
     position, result = _product(tokens, 0, text)
     if position != len(tokens):

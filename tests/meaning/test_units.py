@@ -170,3 +170,15 @@ end Turned;
 """
     (fault,) = check(Source("m.lag", text), Choice())
     assert fault.code == "LAG0618" and fault.message == "`n` is 45 radians"
+
+
+@pytest.mark.parametrize("text", ["N/m^1.5", "N/m^(3/2)", "m^-0.5", "kg/m^(0.5)"])
+def test_exponents_of_units_are_whole(text: str) -> None:
+    """As those of Hertz' stiffness are not: a way out is told."""
+    with pytest.raises(UnknownUnit) as refused:
+        unit(text)
+    assert "whole" in refused.value.reason and "^1.5" in (refused.value.remedy or "")
+
+
+def test_exponents_may_stand_in_parentheses() -> None:
+    assert unit("m^(-2)") == unit("m-2") == unit("1/m2") and unit("m^2.kg") == unit("kg.m2")
