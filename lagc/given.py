@@ -70,7 +70,10 @@ def _quantity(name: str, value: Value) -> float | Quantity:
 def real(name: str, value: object) -> float:
     """Text is read as strictly as on the command line.  Raises ValueError, or TypeError."""
     if isinstance(value, SupportsFloat):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # of an integer
+            raise ValueError(f"`{name}` is a larger number than there are") from None
     found = number(value) if isinstance(value, str) else None
     if found is None:
         kind = ValueError if isinstance(value, str) else TypeError

@@ -27,6 +27,7 @@ ALLOWED = 60.0  # s of a stage whatever the model
 GRACE = 5.0  # s that something may take to come to an end where its results are kept
 SOON = 1e-3  # s to the next ring where one comes at a bad moment
 LONGEST = 86400.0  # s to the next ring: any timer can count that
+LARGEST = 1e300  # of a limit: more is none
 COMMON = 4e9  # bytes that every machine can address
 
 Progress = Callable[[float], None]
@@ -34,6 +35,11 @@ Progress = Callable[[float], None]
 
 class Exhausted(KeyboardInterrupt):
     """The time is up.  All that keeps results when it is interrupted keeps them now."""
+
+
+def _within(limit: float | None) -> float | None:
+    """As a float; an integer may be larger."""
+    return inf if limit is not None and limit > LARGEST else limit
 
 
 class Limits:
@@ -47,7 +53,7 @@ class Limits:
     def __init__(self, time: float | None = None, memory: float | None = None, careful: bool = False):
         if any(limit is not None and not limit > 0.0 for limit in (time, memory)):
             raise ValueError("a limit is positive")
-        self.time, self.memory, self.careful = time, memory, careful
+        self.time, self.memory, self.careful = _within(time), _within(memory), careful
         self.end = inf
         self.limit = ""  # what ends then, in words
         self.doing = "the work"

@@ -34,6 +34,8 @@ def run(options: argparse.Namespace) -> int:
         return explain(options.explain)
     if not options.files:
         raise Usage("which file? `lagc check FILE...`")
+    if options.files.count("-") > 1:
+        raise Usage("standard input, `-`, is read once")
     from lagc.checking import STAGES
 
     faults: list[Fault] = []

@@ -72,3 +72,17 @@ def test_no_condition_and_too_many_points(pendulum: Any) -> None:
         pendulum.simulate(until="")
     with pytest.raises(Refused, match="LAG0804"):
         pendulum.simulate(points=10**12)
+
+
+def test_integers_may_be_larger_than_numbers_are(pendulum: Any) -> None:
+    large, x = 10**400, pendulum.start()
+    for call in (
+        lambda: pendulum.rhs(large, x),
+        lambda: pendulum.rhs(0.0, [large, 0.0]),
+        lambda: pendulum.jacobian("rates", "state", t=large),
+        lambda: pendulum.linearize(large),
+    ):
+        with pytest.raises(ValueError, match="larger number"):
+            call()
+    with lagc.Limits(time=large, memory=large):
+        assert pendulum.simulate(stop=0.1, points=2).status == "ok"

@@ -86,6 +86,11 @@ def test_check_says_which_stages_were_not_reached(
     assert ("looked at once there are none" in capsys.readouterr().out) == bool(unseen)
 
 
+def test_standard_input_is_read_once(capsys: Capture) -> None:
+    assert main(["check", "-", "-"]) == 2
+    assert "once" in capsys.readouterr().err
+
+
 def test_check_of_a_missing_file_is_wrong_usage(capsys: Capture) -> None:
     assert main(["check", "nofile.lag"]) == 2
     assert main(["check"]) == 2
