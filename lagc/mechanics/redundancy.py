@@ -68,12 +68,14 @@ def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Cl
 
 
 def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
-    """Warnings: LAG0428 of outputs that ask for reactions which rows share, one of them left out."""
+    """Warnings: LAG0428 of outputs that ask for reactions which rows share, one of them left out.  Of a row
+    that another one repeats the reaction is that of both."""
     found = []
     for output in states.model.outputs:
         asked = {x.record.owner for x in symbols([output.expression]) if x.record.kind == "multiplier"}
         for row in dropped:
-            if row.others and not asked.isdisjoint({row.label, *row.others}):
+            others = row.others if len(row.others) > 1 else ()
+            if row.others and not asked.isdisjoint({row.label, *others}):
                 found.append(_shared(output, row))
                 break
     return tuple(found)

@@ -197,7 +197,7 @@ ENTRIES: dict[str, Entry] = {
         "is not determined.  The row that follows is left out, and its reaction is 0.",
         _on_particle(
             "  constraint one: der(x) = 0;\n  constraint two: 2*der(x) = 0;\n"
-            "  output Force f = reaction(one);\n"
+            "  output Force f = reaction(two);\n"
         ),
         _on_particle("  constraint one: der(x) = 0;\n  output Force f = reaction(one);\n"),
     ),
