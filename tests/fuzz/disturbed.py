@@ -29,7 +29,7 @@ ERRORS = [
     errno.ELOOP,
 ]
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL, signal.SIGQUIT, signal.SIGPIPE]
-ENDS = {0, 1, 2, 3, 74, 130, *(128 + s for s in SIGNALS)}
+ENDS = {0, 1, 2, 3, 4, 74, 130, *(128 + s for s in SIGNALS)}
 MODEL = """\
 model M
 parameter Length l = 0.5 [m];
@@ -169,6 +169,7 @@ class Disturber:
     def stumbles(self, disturbance: Disturbance) -> Iterator[str]:
         """What went wrong."""
         command = disturbance.command
+        lasting = "lasting" in disturbance.by  # what can no more be removed is left
         whole, _, _ = self._whole(command, disturbance.warm)
         folder = self._folder(command, disturbance.warm)
         before = _files(folder)
@@ -184,7 +185,7 @@ class Disturber:
                 continue
             if after.get(name) != before.get(name) and not same(name, after.get(name), whole.get(name)):
                 if name.startswith((".", "tmp/")) or "lagc-tmp" in name:
-                    if done.returncode != -signal.SIGKILL and done.returncode != -signal.SIGQUIT:
+                    if done.returncode not in (-signal.SIGKILL, -signal.SIGQUIT) and not lasting:
                         yield f"{name} is left behind, exit code {done.returncode}"
                 elif not any(
                     same(name, after.get(name), data) for data in whole.values()
