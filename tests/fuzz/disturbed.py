@@ -98,7 +98,10 @@ class Disturber:
             )
         at = chance.randint(1, max(calls, 1))
         if kind == "call":
-            how = f"{chance.choice(['error', 'lasting'])} {chance.choice(ERRORS)}"
+            how, number = chance.choice(["error", "lasting"]), chance.choice(ERRORS)
+            if number == errno.EINTR:  # which Python answers by the same call again
+                how = "error"
+            how = f"{how} {number}"
             return Disturbance(command, kind, how, at, warm)
         return Disturbance(command, "call", f"signal {int(chance.choice(SIGNALS))}", at, warm)
 
