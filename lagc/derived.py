@@ -156,8 +156,9 @@ class Differentiable:
     ) -> list[Linear]:
         """The linear models about the equilibria at t = 0 that are found from the start and from so many
         random postures: the first is that which is found from the start, if one is, the others are in order
-        of their potential energy; of families of equilibria one each.  Some may have no linear model, which
-        a note of the first says; raises ArithmeticError where none has."""
+        of their potential energy; of families of equilibria one each.  Some may have no linear model, or
+        be no rest as rows are solved, which a note of the first says; raises ArithmeticError where none has
+        a linear model."""
         from lagc.limits import stage
         from lagc.records import replace
         from lagc.run import equilibria

@@ -164,7 +164,7 @@ def reaches(places: Places) -> Function:
     holonomic = [row for row in equations.rows if row.holonomic]
     others = [row for row in equations.rows if not row.holonomic]
     weights = {x: given[kind] for x, kind in zip((*equations.q, *equations.v), states)}
-    displaced = _displaced(graph, holonomic, {x: k for x, k in zip(equations.q, states) if k})
+    displaced = _displaced(graph, holonomic, {x for x, k in zip(equations.q, states) if k})
     for x, place in displaced.items():
         weights[x] = graph.binary("max", weights[x], place)
 

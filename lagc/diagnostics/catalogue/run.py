@@ -42,9 +42,9 @@ ENTRIES: dict[str, Entry] = {
     "LAG0610": Entry(
         "no start was found that meets all conditions",
         "The constraints, their rates, the `initial` section and the values that are fixed (`fixed`, "
-        "`startFixed`, `rateFixed`) have no common solution near the start values.  Those that contradict "
-        "each other are named, and no other: any fewer have a start.  Let one of them go, "
-        "or, where there should be a solution, begin nearer to it.",
+        "`startFixed`, `rateFixed`) have no common solution that is found from the start values.  Those that "
+        "are named have none together, and any fewer have.  Let one of them go where they contradict each "
+        "other; where there should be a solution, begin nearer to it.",
     ),
     "LAG0611": Entry(
         "a start value is not a finite number",
