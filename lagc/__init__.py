@@ -10,9 +10,9 @@ The names below are loaded when they are first used, so that `import lagc` costs
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from lagc.version import __version__
+
+TYPE_CHECKING = False  # as `typing` has it, which takes as long to load as all else here
 
 __all__ = ["CompiledModel", "Limits", "ModelFile", "Refused", "__version__", "load", "loads"]
 

@@ -98,6 +98,13 @@ def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> Non
         files.open(path, fresh).write(data)
 
 
+def no_folder(path: str) -> str:
+    """What keeps `path` from being a folder: the file that has its name, or that of one above it; else empty."""
+    while path and not os.path.lexists(path):
+        path = os.path.dirname(path)
+    return "" if not path or os.path.isdir(path) else path
+
+
 @contextmanager
 def folder(path: str) -> Iterator[None]:
     """The folder `path`, and those above it, made where absent; those that were made go again where the block
@@ -257,7 +264,7 @@ def _unwaiting(path: str) -> int:
         try:
             number = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
         except OSError as error:
-            if error.errno != errno.ENXIO:
+            if error.errno != errno.ENXIO or not stat.S_ISFIFO(os.stat(path).st_mode):
                 raise
             if monotonic() > end:
                 raise OSError(errno.ENXIO, "nobody reads it", path) from None

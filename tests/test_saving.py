@@ -298,6 +298,19 @@ def test_a_pipe_waits_for_its_reader_but_not_for_ever(
 
 
 @pipes
+def test_a_device_that_is_not_there_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As `/dev/tty` without a terminal; nobody will come."""
+
+    def none(*_: object) -> int:
+        raise OSError(errno.ENXIO, os.strerror(errno.ENXIO))
+
+    monkeypatch.setattr(saving, "READER", float("inf"))
+    monkeypatch.setattr(os, "open", none)
+    with pytest.raises(OSError, match=os.strerror(errno.ENXIO)):
+        saving.write(os.devnull, NEW)
+
+
+@pipes
 def test_a_pipe_whose_reader_reads_nothing_is_given_up_by_an_interrupt(tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

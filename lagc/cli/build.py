@@ -13,7 +13,7 @@ from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.cli.spare import spare
-from lagc.saving import Files, folder
+from lagc.saving import Files, folder, no_folder
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +37,8 @@ def run(options: argparse.Namespace) -> int:
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")
+    if file := no_folder(options.output):
+        raise Usage(f"`{file}` is no folder: name the one that receives the code")
     compilation = compiler.Compilation(library.read(options.file), choice_of(options))
     program = compiler.delivered(compilation, options.derivatives)
     files = compiler.render(program, options.target, real=options.real)

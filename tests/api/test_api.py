@@ -222,6 +222,9 @@ def test_a_file_that_cannot_be_written_says_why(pendulum: lagc.CompiledModel, tm
     for name in ("x.h5", "x.mat", "x", "no/such/x.csv"):
         with pytest.raises(CannotSave):
             run.save(str(tmp_path / name))
+    with pytest.raises(CannotSave) as refused:
+        run.save(str(tmp_path / "\x1b[2J" / "x.csv"))
+    assert str(refused.value).isprintable()
 
 
 def test_a_notebook_shows_equations_and_plots(pendulum: lagc.CompiledModel) -> None:

@@ -135,6 +135,20 @@ def test_a_built_module_needs_no_lagc(pendulum: str, tmp_path: Path, capsys: Cap
     assert done.stdout.startswith("[0.0, -9.4")  # -g/l sin(0.5) = -9.406
 
 
+@pytest.mark.parametrize("where", ["taken", "taken/below/it", "./taken"])
+def test_build_into_a_file_is_wrong_usage_before_anything_is_compiled(
+    where: str, pendulum: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    from lagc import compiler
+
+    monkeypatch.setattr(compiler, "Compilation", None)
+    monkeypatch.chdir(tmp_path)
+    Path("taken").write_text("kept")
+    assert main(["build", pendulum, "-o", where]) == 2
+    assert "`" + where.removesuffix("/below/it") + "` is no folder" in capsys.readouterr().err
+    assert Path("taken").read_text() == "kept"
+
+
 @pytest.mark.parametrize(
     "words", [["-p", "zz=1"], ["--scene", "nowhere"], ["-o", "/dev/null/x"], ["--target", "ada"]]
 )

@@ -8,6 +8,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
+from lagc.printable import printable
 from lagc.saving import is_straight, obstacle, output
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ FORMATS = {".csv": "csv", ".npz": "npz", ".parquet": "parquet"}
 
 class CannotSave(Exception):
     """The file cannot be written; the message says why."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 def check_path(path: str) -> str:
