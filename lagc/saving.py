@@ -99,7 +99,7 @@ def write(path: str, data: bytes, sync: bool = True, fresh: bool = False) -> Non
 
 
 def no_folder(path: str) -> str:
-    """What keeps `path` from being a folder: the file that has its name, or that of one above it; else empty."""
+    """What keeps `path` from being a folder: the file of its name, or of one above it; else empty."""
     while path and not os.path.lexists(path):
         path = os.path.dirname(path)
     return "" if not path or os.path.isdir(path) else path
