@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from scipy.integrate import solve_ivp
 
 import lagc
 
@@ -165,3 +166,41 @@ def test_a_start_on_a_change_that_moves_nothing_has_them(force: str, more: str, 
         ]
         known = (two[1] - two[0]) / 2e-4
         assert run.sensitivity("x", "start(x)")[-1] == pytest.approx(known, abs=1e-6)
+
+
+@pytest.mark.parametrize("exponent", [1.5, 2.0, 2.5, 3.5])
+@pytest.mark.parametrize("stiff", [3.16, 316.0])
+def test_behind_the_kink_of_a_contact(exponent: float, stiff: float) -> None:
+    """Hertz' contact is bent as z^1.5 where it begins, and what the stiffness changes departs there from zero
+    as t^(n + 2): every step that begins there is as wrong by its own size.  SciPy, on the equations of the
+    variations, from the contact on."""
+    n, m, g, d, h = exponent, 0.01, 9.81, 1e-3, 3e-6
+    text = f"""model Hertz
+      parameter Force k = {stiff};
+      coordinate Length z(start = {h});
+      body b = Particle(mass = {m}, at = {{0, 0, z}});
+      Gravity field(g = {g}, direction = {{0, 0, -1}});
+      potential contact = k*{d} [m]/{n + 1}*max(-z/({d} [m]), 0)^{n + 1};
+    end Hertz;"""
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        z, v, z_k, v_k, z_h, v_h = y
+        deep = max(-z / d, 0.0)
+        slope = -n * stiff / m / d * deep ** (n - 1)
+        return [v, stiff / m * deep**n - g, v_k, deep**n / m + slope * z_k, v_h, slope * z_h]
+
+    met = np.sqrt(2.0 * h / g)
+    stop = 2e-3
+    sizes = np.array([1e-5, 1e-2, 1e-8, 1e-5, 1.0, 1e2])
+    exact = solve_ivp(rates, (met, stop), [0.0, -g * met, 0.0, 0.0, 1.0, 0.0], method="DOP853",
+                      rtol=1e-13, atol=1e-13 * sizes).y[:, -1]  # fmt: skip
+    asked = ["k", "start(z)"]
+    for accuracy in (1e-5, 1e-8):
+        run = (
+            lagc.loads(text)
+            .compile(backend="numpy")
+            .simulate(stop, points=2, accuracy=accuracy, sensitivity=asked)
+        )
+        assert run.status == "ok", run.message
+        found = [run.sensitivity(what, by)[-1] for by in asked for what in ("z", "der(z)")]
+        assert np.abs(np.array(found) / exact[2:] - 1.0).max() < 10.0 * accuracy
