@@ -11,7 +11,7 @@ from lagc.kernels.method import has_parts, last, method_error, method_listened, 
 from lagc.kernels.projection import nudge, tangents
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
-from lagc.kernels.sizes import NH, NKIND, NP, NPREPARED, NQ, NV, NX, TWO
+from lagc.kernels.sizes import NC, NH, NKIND, NP, NPREPARED, NQ, NV, NX, TWO
 from lagc.kernels.statuses import failed
 from lagc.kernels.tables import kind
 from lagc.kernels.weights import weigh_errors
@@ -109,7 +109,11 @@ def all_but_dependent(p: Params, s: State, h: Real, w: Work) -> bool:
         if left[kind[i]] > w.reached[kind[i]]:
             w.play[i] = left[kind[i]] / fabs(h)
     for k in range(NKIND):
-        reach = 1.0 if k == 0 and w.reached[k] > 1.0 else w.reached[k]
+        reach = w.reached[k]
+        if w.reaches[NC + NH + k] > reach:
+            reach = w.reaches[NC + NH + k]
+        if k == 0 and reach > 1.0:
+            reach = 1.0
         if left[k] > reach:
             continue
         if left[k] * moved[k] > CROSSING * reach * reach or left[k] > APART * reach:

@@ -30,6 +30,13 @@ def method_error(method: int, h: Real, s: State, w: Work) -> Real:
     return 0.0
 
 
+def method_doubts(method: int, h: Real, s: State, off: Vec[NX]) -> None:
+    for m in static(METHODS):
+        if len(m.ERROR) > 0:
+            if method == m.NUMBER:
+                m.doubts(h, s, off)
+
+
 def has_parts(method: int) -> bool:
     """Whether the error is made of two estimates."""
     for m in static(METHODS):

@@ -67,6 +67,13 @@ def error(h: Real, s: State, w: Work) -> Real:
     return sqrt(first / n) if first < inf else inf
 
 
+def doubts(h: Real, s: State, off: Vec[NX]) -> None:
+    """How far the new state may be off, as the first estimate tells."""
+    if len(ERROR) > 0:
+        for i in range(NQ + NV):
+            off[i] = fabs(h * combination(ERROR[0], s.k, i))
+
+
 def error_parts(s: State, w: Work) -> None:
     """The two estimates as vectors, in w.parts."""
     if NH > 0:

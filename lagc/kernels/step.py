@@ -28,7 +28,7 @@ from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, 
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN, NX
 from lagc.kernels.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.weights import first_step, weigh_errors
+from lagc.kernels.weights import first_step, foresee, weigh_errors
 from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
@@ -272,6 +272,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
+            foresee(s, o, a.h, w)
             if NMODE > 0:
                 if not starts_anew(p, s, t1, o, a, w):
                     retreat(a, o)

@@ -7,7 +7,7 @@ from math import fabs, sqrt
 from lagc.kernels.control import raised
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import TINY
-from lagc.kernels.method import beta, exponent
+from lagc.kernels.method import beta, exponent, method_doubts
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NKIND, NQ, NV, NX
@@ -56,6 +56,24 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
             size = fabs(s.y[i]) if fabs(s.y[i]) > 1.0 else 1.0
         weight = atol + rtol * size + blur * (s.noise[i] + w.play[i])
         w.weights[i] = weight if weight > TINY else TINY
+
+
+def foresee(s: State, o: Options, h: Real, w: Work) -> None:
+    """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
+    it tells that to half: by a power that no method follows they are as wrong in every shorter step, by what
+    they reach themselves."""
+    off = vector(NX)
+    for i in range(NX):
+        off[i] = 0.0
+    method_doubts(o.method, h, s, off)
+    doubts = vector(NKIND)
+    for k in range(NKIND):
+        doubts[k] = 0.0
+    enlarge(off, doubts)
+    for k in range(NKIND):
+        size = w.reached[k]
+        if s.sizes[k] <= o.rtol * size and 2.0 * doubts[k] < size and size - size == 0.0:
+            s.sizes[k] = size
 
 
 def turning(p: Params, s: State, h: Real, direction: Real, rates: Vec[NKIND], largest: Real, w: Work) -> Real:

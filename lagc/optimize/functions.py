@@ -157,7 +157,7 @@ def gradients(places: Places) -> Function:
 def reaches(places: Places) -> Function:
     """What each row changes by when every coordinate (speed, for a velocity row) changes by the size
     of its kind, c[k], or that of what it is added to; then the same of the rates of holonomic rows, and of
-    their gradients."""
+    their gradients; then the sizes of the kinds, with those of what their coordinates are added to."""
     graph, equations = places.graph, places.equations
     states = kinds(equations.q_units, equations.v_units)
     given = {k: graph.symbol("size", str(k)) for k in range(max(states) + 1)}
@@ -204,6 +204,7 @@ def reaches(places: Places) -> Function:
         parts += [part * pace for part in terms(graph, row.residual)]
         of_rates.append(reach(sums, parts))
     found += _beside_others(places, holonomic, of_rates)
+    found += (size[k] for k in sorted(size))
     more = replace(places, arrays={**places.arrays, **{node: ("c", k) for k, node in given.items()}})
     return made(more, "reaches", (*STATE, "c"), (("s", found),), "reach of each constraint row")
 

@@ -336,8 +336,9 @@ class Program:
       gamma_sizes (p,t,x)         -> s[nc]      size of the terms of each row's gamma
       gradient_sizes (p,t,x)      -> s[nc]      size of the terms of each row's gradient
       gradients   (p,t,x)         -> s[nc]      size of each row's gradient      nc > 0, no `system`
-      reaches     (p,t,x,c)       -> s[nc+nh]   change of each row, and of each holonomic row's rate,
-                                     for states that change by the size c of their kind
+      reaches     (p,t,x,c)       -> s[nc+nh+nkind] change of each row, and of each holonomic row's rate,
+                                     for states that change by the size c of their kind; then these,
+                                     with those of what displacements are added to
       energies    (p,t,x)         -> e[3]       kinetic, potential, energy of the balance
       power       (p,t,x,a,lam)   -> e[1]       d(energy)/dt            where not identically zero
       outputs     (p,t,x,e,a,lam) -> y[ny]      e: of `energies`, where they are read

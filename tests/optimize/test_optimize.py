@@ -193,7 +193,8 @@ def test_scales_are_the_sizes_of_the_terms() -> None:
     assert scale == pytest.approx(0.5 + 0.5, rel=1e-14)
     given = {"p": p, "t": [0.0], "x": [0.3, 0.4, 0.0, 0.0], "c": [3.0, 5.0]}
     found = ask(program, "reaches", given)["s"]
-    assert found == pytest.approx([3.0 * (0.6 + 0.8), 5.0 * (0.6 + 0.8) + 5.0 * (0.5 + 0.5)], rel=1e-14)
+    rows = [3.0 * (0.6 + 0.8), 5.0 * (0.6 + 0.8) + 5.0 * (0.5 + 0.5)]
+    assert found == pytest.approx([*rows, 3.0, 5.0], rel=1e-14)
 
 
 def test_conditions_of_the_start_and_their_derivatives() -> None:

@@ -107,11 +107,11 @@ def pendulum(
 
     def reaches(p: Any, t: Any, x: Any, c: Any) -> Any:
         slopes = [abs(k) * abs(x[0]) + abs(k) * abs(x[1]) for k in copies]
-        return ([*(s * c[0] for s in slopes), *(s * c[1] for s in slopes)],)
+        return ([*(s * c[0] for s in slopes), *(s * c[1] for s in slopes), c[0], c[1]],)
 
     functions = [
         trace("system", PTX, (("qdot", 2), ("M", 3), ("r", 2), ("G", 2 * nc), ("gamma", nc)), system),
-        trace("reaches", (*PTX, "c"), (("s", 2 * nc),), reaches),
+        trace("reaches", (*PTX, "c"), (("s", 2 * nc + 2),), reaches),
         trace("position", PTX, (("phi", nc),), phi),
         trace("velocity", PTX, (("psi", nc),), psi),
         trace("gamma_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
@@ -214,7 +214,7 @@ def body_on_a_pivot() -> Program:
         trace("gamma_sizes", PTX, (("s", 3),), lambda p, t, x: ((0.0, 0.0, 0.0),)),
         trace("gradient_sizes", PTX, (("s", 3),), lambda p, t, x: ((0.0, 0.0, 0.0),)),
         trace("scales", PTX, (("s", 3),), lambda p, t, x: ((1.0, 1.0, 1.0),)),
-        trace("reaches", (*PTX, "c"), (("s", 6),), lambda p, t, x, c: ((*(c[0],) * 3, *(c[1],) * 3),)),
+        trace("reaches", (*PTX, "c"), (("s", 8),), lambda p, t, x, c: ((*(c[0],) * 4, *(c[1],) * 4),)),
         trace("displace", (*PTX, "d"), (("dq", 7),), displace),
         trace("energies", PTX, (("e", 3),), energies),
         trace("power", PTX, (("e", 1),), lambda p, t, x: ((-(p[0] * p[1] * x[9]),),)),

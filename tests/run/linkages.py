@@ -48,7 +48,7 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
 
     def reaches(p: Any, t: Any, x: Any, c: Any) -> Any:
         slopes = [2.0 * (abs(d[0]) + abs(d[1])) for r in rods for d in (along(x, r, 0),)]
-        return ([*(s * c[0] for s in slopes), *(s * c[1] for s in slopes)],)
+        return ([*(s * c[0] for s in slopes), *(s * c[1] for s in slopes), c[0], c[1]],)
 
     def energies(p: Any, t: Any, x: Any) -> Any:
         kinetic: Any = 0.0
@@ -67,7 +67,7 @@ def points(name: str, count: int, rods: Sequence[Rod], start: Sequence[float]) -
         trace("gamma_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
         trace("gradient_sizes", PTX, (("s", nc),), lambda p, t, x: ([0.0] * nc,)),
         trace("scales", PTX, (("s", nc),), lambda p, t, x: ([r[2] * r[2] for r in rods],)),
-        trace("reaches", (*PTX, "c"), (("s", 2 * nc),), reaches),
+        trace("reaches", (*PTX, "c"), (("s", 2 * nc + 2),), reaches),
         trace("energies", PTX, (("e", 3),), energies),
         trace("start", ("p",), (("x", 2 * n),), lambda p: (list(start),)),
     ]

@@ -116,3 +116,69 @@ def test_what_one_is_displaced_from_is_nothing_to_others(tie: str) -> None:
     run = lagc.loads(BESIDE % tie).compile(backend="numpy").simulate(stop=20, accuracy=ACCURACY)
     assert run.status == "ok", run.message
     assert max(abs(run["x"] ** 2 + run["y"] ** 2 - 1e-6)) <= 1e-15 * 1e-6
+
+
+@pytest.mark.parametrize("backend", ("numpy", "c"))
+def test_what_only_rounding_moves_beside_a_displacement_does_not_shorten_steps(backend: str) -> None:
+    """A particle has its place by two displacements along an axis that turns freely: nothing turns it."""
+    text = RAIL.replace("  Gravity", "  coordinate Angle th(start = 0.5);\n"
+                        "  body w = Solid(mass = 1, inertia = {1, 1, 1}, frame = rotate_y(world, th),"
+                        " com = {0, 0, 0});\n"
+                        "  Gravity") % (1.0, "{l + x*cos(th), 0, y + x*sin(th)}")  # fmt: skip
+    run = lagc.loads(text).compile(backend=backend).simulate(stop=1 / math.sqrt(9.81), accuracy=ACCURACY)
+    assert run.status == "ok" and run.cost.steps < 1000, run.message
+    assert abs(run["th"] - 0.5).max() <= 1e-15
+    quarter, k = float(mp.ellipk(0.5)), math.sqrt(0.5)
+    height = -math.cos(2 * math.asin(k * float(mp.ellipfun("sn", quarter - 1, k=k))))
+    assert run["y"][-1] + run["x"][-1] * math.sin(0.5) == pytest.approx(height, abs=10 * ACCURACY)
+
+
+TRUSS = """model Truss
+  coordinate Length x1, z1, x2, z2;
+  coordinate Angle th(start = 0.3);
+  body a = Particle(mass = 1, at = {1 [m] + x1, 0, z1});
+  body b = Particle(mass = 1, at = {1 [m] + x2, 0, 1 [m] + z2});
+  body p = Particle(mass = 1, at = {5 [m] + 1 [m]*sin(th), 0, -1 [m]*cos(th)});
+  constraint r1: norm(position(a)) = 1 [m];
+  constraint r2: norm(position(a) - {0, 0, 1} [m]) = sqrt(2)*1 [m];
+  constraint r3: norm(position(b) - {0, 0, 1} [m]) = 1 [m];
+  constraint r4: norm(position(b) - position(a)) = 1 [m];
+  force f = {0 [N], 0 [N], -1 [N]*sin(3*time/(1 [s]))} at b;
+  Gravity g;
+  output Force rod = reaction(r4);
+end Truss;
+"""
+
+
+def test_a_truss_at_rest_under_a_load_in_time_beside_what_moves() -> None:
+    run = lagc.loads(TRUSS).compile(backend="numpy").simulate(stop=3, accuracy=ACCURACY)
+    assert run.status == "ok", run.message
+    assert max(abs(run[name]).max() for name in ("x1", "z1", "x2", "z2")) <= 1e-15
+    alone = """model Alone
+      coordinate Angle th(start = 0.3);
+      body p = Particle(mass = 1, at = {1 [m]*sin(th), 0, -1 [m]*cos(th)});
+      Gravity g;
+    end Alone;"""
+    other = lagc.loads(alone).compile(backend="numpy").simulate(stop=3, accuracy=ACCURACY)
+    assert run["th"][-1] == pytest.approx(other["th"][-1], abs=2 * ACCURACY)
+    # the rods that bear the node: r3 is level, so r4, upright, carries its weight and the load
+    assert abs(run["rod"]) == pytest.approx([9.81 + math.sin(3 * t) for t in run.t], abs=1e-6)
+
+
+@pytest.mark.parametrize("power", (1.5, 2.0, 3.0, 4.0))
+def test_what_departs_from_zero_by_a_high_power(power: float) -> None:
+    """angle = t^2/2, x'' = angle^power: x = t^n/(2^power n (n - 1)), n = 2 power + 2, from zero, where every
+    first step is as wrong by its own size."""
+    text = f"""model Late
+      coordinate Length x;
+      coordinate Angle a;
+      body cart = Particle(mass = 1, at = {{x, 0, 0}});
+      body wheel = Solid(mass = 1, inertia = {{1, 1, 1}}, frame = rotate_z(world, a), com = {{0, 0, 0}});
+      torque drive = {{0, 0, 1 [N.m]}} on wheel;
+      force late = {{1 [N]*max(a, 0)^{power}, 0, 0}} at cart;
+    end Late;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(stop=2, accuracy=ACCURACY)
+    assert run.status == "ok" and run.cost.steps < 1000, run.message
+    n = 2 * power + 2
+    exact = [t**n / (2**power * n * (n - 1)) for t in run.t]
+    assert run["x"] == pytest.approx(exact, abs=ACCURACY * exact[-1])

@@ -266,7 +266,12 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 /* reach of each constraint row */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
-    s[0] = c[2] + 1e-300;
+    const lagc_real size2 = c[2];
+    s[3] = size2;
+    s[0] = size2 + 1e-300;
+    s[1] = c[0];
+    s[2] = c[1];
+    s[4] = c[3];
     (void)(p);
     (void)(t);
     (void)(x);

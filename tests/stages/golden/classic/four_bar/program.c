@@ -678,6 +678,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size0 = c[0];
+    s[4] = size0;
     const lagc_real q2 = x[1];
     const lagc_real q1 = x[0];
     lagc_real sc0[4]; lagc_sine_cosine_two(q2, q1, sc0);
@@ -711,6 +712,7 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real t21 = 1e-300 + size0 * (fabs(t0 * t9 - t7 * t8) + (t20 + fabs(t1 * t11 - t4 * t10)));
     s[1] = lagc_max(t21, lagc_max(t17, t21) * 1e-06);
     const lagc_real size1 = c[1];
+    s[5] = size1;
     const lagc_real t22 = l3 * t13;
     const lagc_real t23 = t15 + t22;
     const lagc_real t24 = t4 * l2;

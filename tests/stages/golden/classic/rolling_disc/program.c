@@ -663,6 +663,8 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 /* reach of each constraint row */
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
+    const lagc_real size0 = c[0];
+    s[4] = size0;
     const lagc_real lean = x[4];
     const lagc_real yaw = x[3];
     lagc_real sc0[4]; lagc_sine_cosine_two(lean, yaw, sc0);
@@ -672,19 +674,23 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     const lagc_real size1 = c[1];
     const lagc_real t2 = r_ * sc0[1];
     const lagc_real t3 = lagc_max(size1, fabs(t2));
-    s[0] = c[0] * t1 + (t3 + 1e-300);
+    s[0] = size0 * t1 + (t3 + 1e-300);
     const lagc_real size3 = c[3];
+    s[7] = size3;
     const lagc_real t4 = sc0[2];
     const lagc_real t5 = sc0[3];
     const lagc_real size2 = c[2];
+    s[6] = size2;
     const lagc_real t6 = 1e-300 + size2;
     const lagc_real t7 = size3 * (fabs(t2 * t4) + (fabs(t0 * t5) + fabs(r_ * t5))) + t6;
     const lagc_real t8 = t6 + size3 * (fabs(t2 * t5) + (fabs(t0 * t4) + fabs(r_ * t4)));
     const lagc_real t9 = lagc_max(t7, t8) * 1e-06;
     s[1] = lagc_max(t7, t9);
     s[2] = lagc_max(t8, t9);
-    const lagc_real t10 = lagc_max(lagc_max(0.0, size2 / (1e-300 + lagc_max(size1, t3))), size3);
-    s[3] = t1 * size3 + (size2 + (fabs(x[2] * t10) + (1e-300 + fabs(t2 * t10))));
+    const lagc_real t10 = lagc_max(size1, t3);
+    s[5] = t10;
+    const lagc_real t11 = lagc_max(lagc_max(0.0, size2 / (1e-300 + t10)), size3);
+    s[3] = t1 * size3 + (size2 + (fabs(x[2] * t11) + (1e-300 + fabs(t2 * t11))));
     (void)(t);
 }
 

@@ -408,6 +408,7 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size0 = c[0];
+    s[4] = size0;
     const lagc_real phi_ = x[0];
     const lagc_real psi_ = x[1];
     lagc_real sc0[4]; lagc_sine_cosine_two(phi_, psi_, sc0);
@@ -427,13 +428,17 @@ static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *
     s[0] = lagc_max(t7, t9);
     s[1] = lagc_max(t8, t9);
     const lagc_real size2 = c[2];
+    s[6] = size2;
     const lagc_real size3 = c[3];
-    const lagc_real t10 = lagc_max(lagc_max(0.0, size2), size3 / (1e-300 + lagc_max(size1, t6)));
-    const lagc_real t11 = t2 * size2 + (size3 + (fabs(t3 * t10) + (fabs(t4 * t10) + (1e-300 + fabs(t10 * x[2])))));
-    const lagc_real t12 = t5 * size2 + (fabs(t0 * t10) + (1e-300 + fabs(t1 * t10)));
-    const lagc_real t13 = 1e-06 * lagc_max(t11, t12);
-    s[2] = lagc_max(t11, t13);
-    s[3] = lagc_max(t12, t13);
+    s[7] = size3;
+    const lagc_real t10 = lagc_max(size1, t6);
+    s[5] = t10;
+    const lagc_real t11 = lagc_max(lagc_max(0.0, size2), size3 / (1e-300 + t10));
+    const lagc_real t12 = t2 * size2 + (size3 + (fabs(t3 * t11) + (fabs(t4 * t11) + (1e-300 + fabs(t11 * x[2])))));
+    const lagc_real t13 = t5 * size2 + (fabs(t0 * t11) + (1e-300 + fabs(t1 * t11)));
+    const lagc_real t14 = 1e-06 * lagc_max(t12, t13);
+    s[2] = lagc_max(t12, t14);
+    s[3] = lagc_max(t13, t14);
     (void)(t);
 }
 

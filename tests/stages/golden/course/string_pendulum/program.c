@@ -235,14 +235,17 @@ static void lagc_fn_gradient_sizes(const lagc_params *p, lagc_real t, const lagc
 static void lagc_fn_reaches(const lagc_params *p, lagc_real t, const lagc_real *x, const lagc_real *c, lagc_real *s)
 {
     const lagc_real size1 = c[1];
+    s[3] = size1;
     const lagc_real x_ = x[0];
     const lagc_real z = x[1];
     const lagc_real t0 = sqrt(x_ * x_ + z * z);
     const lagc_real t1 = fabs(x_ / t0) + fabs(z / t0);
     s[0] = size1 * t1 + 1e-300;
     const lagc_real size2 = c[2];
+    s[4] = size2;
     const lagc_real t2 = lagc_max(0.0, size2 / (size1 + 1e-300));
     s[1] = t1 * size2 + (fabs(t2 * p->l) + (1e-300 + fabs(t0 * t2)));
+    s[2] = c[0];
     (void)(t);
 }
 
