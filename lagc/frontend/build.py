@@ -213,7 +213,15 @@ class Builder(Expressions):
         return c[1], self._text(c[0])
 
     def names(self, c: Children, span: Span) -> tuple[tree.Name, ...]:
-        return tuple(tree.Name(".".join(_names(p)), self._span(p[0]).to(self._span(p[-1]))) for p in c)
+        return tuple(c)
+
+    def place(self, c: Children, span: Span) -> tree.Name:
+        """`cars[2].drag`, as paths of elements are written."""
+        parts = (name.text + (element or "") for name, element in zip(c[::2], c[1::2]))
+        return tree.Name(".".join(parts), span)
+
+    def element(self, c: Children, span: Span) -> str:
+        return f"[{','.join(number.text for number in c)}]"
 
     def path(self, c: Children, span: Span) -> tuple[Token, ...]:
         return tuple(c)

@@ -101,6 +101,10 @@ class Expressions:
     def vector(self, c: Children, span: Span) -> tree.Vector:
         return tree.Vector(tuple(element for element in c if element is not None), span)
 
+    def family(self, c: Children, span: Span) -> tree.Family:
+        element, variable, values = c
+        return tree.Family(element, variable.text, values, span)
+
     def number(self, c: Children, span: Span) -> tree.Number:
         text = c[0].text
         value = float(text)

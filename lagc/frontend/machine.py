@@ -162,7 +162,7 @@ class Machine:
                 return False
         if terminal == "END" and not self._closes():
             return True
-        if terminal in _BLOCKS and self.tokens[self.position - 1].text != "end":
+        if terminal in _BLOCKS and self._begins_block():
             if self._left_open(terminal):
                 return True
             self.blocks.append(Block(token, self.tokens[self.position + 1], len(self.states)))
@@ -217,6 +217,11 @@ class Machine:
     def _is_sign(self) -> bool:
         before = self.tokens[self.position - 1]
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
+
+    def _begins_block(self) -> bool:
+        """Whether this word does, and neither ends one nor stands in braces, `{i^2 for i in 1:n}`."""
+        within = "RBRACE" in self.tables.actions[self.states[-1]]
+        return not within and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 

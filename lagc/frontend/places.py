@@ -40,6 +40,13 @@ _IN_LOOPS = frozenset({
     "frame", "point", "body", "joint", "friction", "potential", "kinetic", "lagrangian", "dissipation",
     "force", "torque", "constraint", "initial", "for", "when", "instance",
 })  # fmt: skip
+_BY_INDEX = {  # how an array that stands outside of a loop has a value for each element
+    "parameter": " = {... for i in 1:n}",
+    "output": " = {... for i in 1:n}",
+    "coordinate": "(start = {... for i in 1:n})",
+    "speed": " = {... for i in 1:n}",
+    "input": "",
+}
 _SHOWN = {
     "file": "at the top of a file",
     "package": "in a package",
@@ -130,8 +137,8 @@ def _check(kind: str, span: Span, container: str, misplaced: set[str], faults: l
     begin = Span(span.source, span.start, min(span.end, span.start + len(kind)))
     shown = "an instance" if kind == "instance" else f"`{kind}`"
     good = [_SHOWN[place] for place in _SHOWN if place in places]
-    if container == "for" and places == _MECHANICS:
-        remedy = f"declare it outside, with subscripts: `{kind} Type name[n]`"
+    if container == "for" and kind in _BY_INDEX:
+        remedy = f"declare all outside: `{kind} Type name[n]{_BY_INDEX[kind]};`"
     else:
         remedy = f"it belongs {' or '.join(good)}"
     if kind == "instance" and container == "scene":

@@ -45,13 +45,13 @@ class Spacing:
         made: list[Piece] = []
         waiting = list(comments)
         brackets: list[str] = []
-        ranged = self.tokens[position].terminal == "FOR"
+        ranged = False
         for number in range(position, stop):
             token = self.tokens[number]
             while waiting and waiting[0].start < token.start:
                 made.append(_comment(waiting.pop(0)))
-            if token.terminal == "LOOP":
-                ranged = False
+            if token.terminal in ("FOR", "LOOP", "RBRACE"):
+                ranged = token.terminal == "FOR"
             if token.text in _CLOSING and token.kind == SYMBOL:
                 brackets.pop()
             tight = ranged or "[" in brackets

@@ -136,6 +136,16 @@ class Vector:
 
 
 @dataclass(frozen=True, slots=True)
+class Family:
+    """`{x[i]^2 for i in 1:n}`: one element for each value."""
+
+    element: Expression
+    variable: str
+    range: Expression
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
 class Range:
     """`1:n` or `1:2:n`."""
 
@@ -158,6 +168,7 @@ Expression: TypeAlias = (
     | Binary
     | Conditional
     | Vector
+    | Family
     | Range
 )
 

@@ -206,12 +206,27 @@ def _conditional(context: Context, e: tree.Conditional, environment: Environment
 
 
 def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value:
-    elements = all_values(context, e.elements, environment)
-    for value, given in zip(elements, e.elements):
+    return _array(all_values(context, e.elements, environment), e.elements)
+
+
+def _family(context: Context, e: tree.Family, environment: Environment) -> Value:
+    def of(number: int) -> Value:
+        context.grow(e.span)
+        value = Scalar(context.graph.const(number), None if number == 0 else NONE)
+        return evaluate(context, e.element, environment.bind({e.variable: value}))
+
+    numbers = integers(context, e.range, environment)
+    if not numbers:
+        raise Wrong("LAG0208", "this range holds no number, and an array an element at least", e.range.span)
+    return _array(each(context, of, numbers), [e.element] * len(numbers))
+
+
+def _array(elements: Sequence[Value], written: Sequence[tree.Expression]) -> Array:
+    for value, given in zip(elements, written):
         flat(value, given.span, "an element of a vector")
         if shape(value) != shape(elements[0]):
             raise Wrong("LAG0306", "the elements of an array are all of one shape", given.span)
-    _one_dimension(elements, e.elements)
+    _one_dimension(elements, written)
     return Array(tuple(elements))
 
 
@@ -241,4 +256,5 @@ HOW: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
     tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: call, tree.Unary: _unary,
     tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
+    tree.Family: _family,
 }  # fmt: skip

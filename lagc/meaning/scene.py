@@ -283,7 +283,8 @@ def read_command(context: Context, parameters: Numbers | None, starts: Numbers |
 def _effects(name: str, context: Context) -> str:
     """What to do about an effect that there is not."""
     if not context.effects:
-        return f"the model has no effects; one is declared by `effect {name} ... end {name};`"
+        own = name.rpartition(".")[2].partition("[")[0]
+        return f"the model has no effects; one is declared by `effect {own} ... end {own};`"
     listed = ", ".join(f"`{path}`" for path in [*context.effects][:MOST_LISTED])
     known = [*context.effects, *(path.rpartition(".")[2] for path in context.effects)]
     return did_you_mean(name, known) or f"the model has {listed}"

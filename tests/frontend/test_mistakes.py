@@ -98,7 +98,7 @@ MISTAKES = [
     ("body = Particle();", "body", "LAG0132", "body name"),
     ("start x = 3;", "start", "LAG0120", "scene"),
     ("requires a;", "requires", "LAG0120", "effect"),
-    ("for i in 1:n loop coordinate Angle a; end for;", "coordinate", "LAG0120", "subscripts"),
+    ("for i in 1:n loop coordinate Angle a; end for;", "coordinate", "LAG0120", "outside"),
     ("effect e effect f potential V = 1; end f; end e;", "effect f", "LAG0120", "model"),
     ("scene s coordinate Angle a; end s;", "coordinate", "LAG0120", "model"),
     ("parameter Mass m = 1 [kg];;", ";", "LAG0124", "delete"),

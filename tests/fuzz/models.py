@@ -101,6 +101,7 @@ class _Model:
         self.file, self.chance, self.writer, self.small = file, file.chance, writer, small
         self.name = name(file.chance, file.names, file.nasty)
         self.scenes: list[str] = []
+        self.effects: list[str] = []  # those of instances too, as scenes name them
 
     def text(self, partial: str, parts: list[tuple[str, _Model]], base: tuple[str, _Model] | None) -> str:
         writer, chance = self.writer, self.chance
@@ -115,12 +116,13 @@ class _Model:
         for path, part in parts:
             self._instance(path, part)
         self._several(writer.speed, [0, 0, 0, 0, 1])
-        effects = [] if self.small else self._effects()
+        effects = [] if self.small and chance.random() < 0.7 else self._effects()
         writer.effects = [e for e, _ in effects]
+        self.effects += writer.effects
         self._several(writer.constraint, [0, 0, 0, 0, 1, 1, 2])
         self._several(writer.action, [0, 1] if self.small else [0, 1, 2, 3])
         self._several(writer.output, [0] if self.small else [0, 1, 2, 3])
-        self.scenes = [] if self.small else self._scenes([e for e, _ in effects])
+        self.scenes = [] if self.small else self._scenes(self.effects)
         items = [*writer.items, *(text for _, text in effects), *self.scenes]
         if chance.random() < 0.3:
             chance.shuffle(items)
@@ -155,6 +157,7 @@ class _Model:
         for kind in ("parameters", "coordinates", "speeds", "rows"):
             getattr(self.writer, kind).extend((prefix + own, d) for own, d in getattr(part.writer, kind))
         self.writer.actions.extend(prefix + own for own in part.writer.actions)
+        self.effects.extend(prefix + own for own in part.effects)
 
     def _modifications(self, part: _Model) -> str:
         writer, chance = self.writer, self.chance

@@ -10,7 +10,7 @@ import pytest
 
 from lagc import compiler
 from lagc.compiler import Choice
-from lagc.diagnostics.faults import Source, Span
+from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.frontend import tree
 from lagc.frontend.parse import parse
 from lagc.meaning.variants import Variant, variants
@@ -122,3 +122,23 @@ def test_what_nothing_depends_on_is_pruned_and_said() -> None:
     for line in ("effect `tilt` is left out", "parameter `unused` reaches nothing"):
         assert line in said
     assert "`spare` is dropped: nothing depends on it" in said
+
+
+def test_a_scene_names_the_effect_of_one_element() -> None:
+    text = """model Car
+      coordinate Length x(rate = 1);
+      body b = Particle(mass = 1, at = {x, 0, 0});
+      effect drag force f = -1 [N.s/m]*velocity(b) at b; end drag;
+    end Car;
+    model Row
+      structural Integer n = 3;
+      Car r[n], grid[2, 2];
+      scene one uses r[2].drag;
+      scene two uses r[1].drag, grid[2, 1].drag;
+      scene none uses r[4].drag;
+    end Row;"""
+    for scene, dragged in (("one", {"r[2].f"}), ("two", {"r[1].f", "grid[2,1].f"})):
+        model = compiler.resolve(parse(Source("row.lag", text)), Choice(scene=scene, model="Row"))
+        assert {f.name for f in model.actions} == dragged
+    with pytest.raises(Refused, match=r"there is no effect `r\[4\].drag`"):
+        compiler.resolve(parse(Source("row.lag", text)), Choice(scene="none", model="Row"))

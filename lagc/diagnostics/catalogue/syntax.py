@@ -138,7 +138,8 @@ ENTRIES: dict[str, Entry] = {
         "`start` and `simulate` stand in a scene, `requires` and `excludes` in an effect; effects "
         "and scenes in a "
         "model; models and packages at the top of a file or in a package. A loop holds what has subscripts: "
-        "frames, points, bodies, forces, constraints and so on.",
+        "frames, points, bodies, forces, constraints and so on; an array of coordinates, "
+        "parameters or outputs stands outside of it, with values by number, `{... for i in 1:n}`.",
         "start theta = 30 [deg];",
         "scene lab\n  start theta = 30 [deg];\nend lab;",
     ),
