@@ -60,20 +60,27 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
 
 def foresee(s: State, o: Options, h: Real, w: Work) -> None:
     """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
-    it tells that to half: by a power that no method follows they are as wrong in every shorter step, by what
-    they reach themselves."""
+    it tells that to half and is good enough for all that moves already: by a power that no method follows
+    they are as wrong in every shorter step, by what they reach themselves."""
     off = vector(NX)
     for i in range(NX):
         off[i] = 0.0
     method_doubts(o.method, h, s, off)
+    moving = False
+    for i in range(NQ + NV):
+        if s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
+            moving = True
+            if not off[i] <= w.weights[i]:
+                return
+    if not moving:
+        return
     doubts = vector(NKIND)
     for k in range(NKIND):
         doubts[k] = 0.0
     enlarge(off, doubts)
     for k in range(NKIND):
-        size = w.reached[k]
-        if s.sizes[k] <= o.rtol * size and 2.0 * doubts[k] < size and size - size == 0.0:
-            s.sizes[k] = size
+        if s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
+            s.sizes[k] = w.reached[k]
 
 
 def turning(p: Params, s: State, h: Real, direction: Real, rates: Vec[NKIND], largest: Real, w: Work) -> Real:

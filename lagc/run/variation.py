@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
 FAINT = 1e-14  # of the terms of its rates: what of S is rounding
+STEEPEST = (
+    20.0  # power of the time by which S departs from zero: the change over a step, by its rates at its end
+)
 SAME = 1e-6  # of the time of a run: where two of its integrations end
 
 Progress = Callable[[float], None]
@@ -170,7 +173,7 @@ class Variation:
             errors = self.table.error_of(table, h)
             faint = FAINT * (terms + self._tied(last.point, new))
             faint += h * self._largest(np.abs(first.by_state) @ (self.faint + faint)[self.kind])
-            grown = np.maximum(grown, self._known(new, errors))
+            grown = np.maximum(grown, self._known(new, errors, terms))
             error = _norm(errors, (self._scale(np.maximum(terms, grown), new) + faint)[self.kind])
             part = 0.9 * error ** (-1.0 / self.table.order) if error > 0.0 else inf
             if error <= 1.0:
@@ -193,12 +196,12 @@ class Variation:
         sizes = np.maximum(self.sizes, terms)
         return self.options.rtol * np.where(sizes > 0.0, sizes, self._largest(new))
 
-    def _known(self, new: Array, errors: Array) -> Array:
-        """How large S is at the end of a step, of each kind, where it is known to half of that.  What departs
-        from zero by a power that no method follows, as behind the kink of Hertz' contact, is as wrong in
-        every short step, by its own size then: it is judged by what it comes to."""
+    def _known(self, new: Array, errors: Array, terms: Array) -> Array:
+        """How large S is at the end of a step, of each kind, where it is known to half of that and grows as
+        a power does.  What departs from zero by one that no method follows, as behind the kink of Hertz'
+        contact, is as wrong in every short step, by its own size then: it is judged by what it comes to."""
         sizes = self._largest(new)
-        return np.where(2.0 * self._largest(errors) < sizes, sizes, 0.0)
+        return np.where((2.0 * self._largest(errors) < sizes) & (terms <= STEEPEST * sizes), sizes, 0.0)
 
     def _stages(self, s: Any, now: Array) -> tuple[Array, Array, Slopes, Slopes]:
         """S behind the last step, on the constraints, and its rates at the stages and there; the equations of
