@@ -19,6 +19,7 @@ from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import plain
 from lagc.optimize.limits import bounded
 from lagc.optimize.massless import with_pivots
+from lagc.optimize.pieces import in_pieces
 from lagc.optimize.poles import poles
 from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Program
@@ -60,7 +61,10 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
         own = _factored(along, solver, False) if solver and not equations.rows else []
         made.update((f.name, preparation.separated(f)) for f in (*own, *differentiated.functions))
     found, read = preparation.finished(made)
-    found = {name: rolled(function, often=name in OFTEN) for name, function in found.items()}
+    found = {
+        name: in_pieces(function) if name == "conditions" else rolled(function, often=name in OFTEN)
+        for name, function in found.items()
+    }
     return Program(
         interface(
             equations,

@@ -69,7 +69,8 @@ class Run:
 class Function:
     """A straight-line function.  `comments` maps an operation or store position to the
     formula or source line that starts there.  Where it is long, and what it does comes again and again, its
-    leaves come first, and `runs` are all that is behind them: see `rolling`."""
+    leaves come first, and `runs` are all that is behind them: see `rolling`.  Where its longest loops may go
+    through some repetitions alone, `pieces` tells which of these depends on each entry of x, -1 for none."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s
@@ -80,6 +81,7 @@ class Function:
     comments: dict[int, str] = field(default_factory=dict)
     cleared: tuple[str, ...] = ()  # outputs that are zero but for what is stored
     runs: tuple[Run, ...] = ()
+    pieces: tuple[int, ...] = ()
 
     @property
     def spelled(self) -> str:
@@ -240,6 +242,7 @@ class Interface:
     read: tuple[int, ...] = ()  # the parameters that it reads: copies of them are the last of these
     part_ends: tuple[int, ...] = ()  # where in J those by sums too of each condition, then each sum, end
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
+    pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries

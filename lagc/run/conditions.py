@@ -18,7 +18,8 @@ MET = 8  # points whose conditions are remembered: the search comes back to them
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
 
 
-Evaluate: TypeAlias = Callable[[float, Sequence[float]], tuple[list[float], list[float], list[float]]]
+Found: TypeAlias = tuple[list[float], list[float], list[float]]
+Evaluate: TypeAlias = Callable[[float, Sequence[float]], Found]
 
 
 class Conditions:
@@ -27,7 +28,9 @@ class Conditions:
     `evaluate(t, x)` gives c, J and sizes: residuals, derivatives row by row (row i ends at `ends[i]`, with
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
     parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
-    number of the unit of unknown i; `angles` are the coordinates that are angles.
+    number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
+    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, first, last, rows,
+    (c, J, sizes))` fills in what belongs to some of them.
     """
 
     def __init__(
@@ -43,6 +46,8 @@ class Conditions:
         measures: Callable[[], tuple[list[float], list[float]]],
         parameters: Sequence[float] = (),
         elsewhere: Callable[[Sequence[float]], Evaluate] | None = None,
+        pieces: Sequence[int] = (),
+        some: Callable[..., None] | None = None,
     ):
         self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
         self.units, self.angles = tuple(units), tuple(angles)
@@ -51,6 +56,9 @@ class Conditions:
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.evaluate, self.measures = evaluate, measures
         self.parameters, self.elsewhere = list(parameters), elsewhere
+        self.pieces, self.some = tuple(pieces), some
+        self._last: tuple[float, array[float]] | None = None  # where `_found` is
+        self._found: Found = [], [], []
         self._met = lru_cache(MET)(self._evaluated)
         self.lock = RLock()
 
@@ -75,9 +83,11 @@ class Conditions:
     def _conditions(self, p: list[float], t: float, y: list[float], c: list[float], jacobian: list[float],
                     sizes: list[float]) -> None:  # fmt: skip
         changed = self.elsewhere is not None and p is not self.parameters
-        found = self._met(
-            array("d", p).tobytes() if changed else b"", t, array("d", y[: self.nq + self.nv]).tobytes()
-        )
+        x = array("d", y[: self.nq + self.nv])
+        if self.pieces and not changed:
+            found = self._in_pieces(t, x)
+        else:
+            found = self._met(array("d", p).tobytes() if changed else b"", t, x.tobytes())
         c[: self.own], jacobian[: len(found[1])], sizes[: self.own] = found
 
     def _evaluated(self, p: bytes, t: float, x: bytes) -> tuple[list[float], list[float], list[float]]:
@@ -87,9 +97,50 @@ class Conditions:
             evaluate = self.elsewhere(array("d", p).tolist())
         return evaluate(t, array("d", x).tolist())
 
+    def _in_pieces(self, t: float, x: array[float]) -> Found:
+        """All that is known of the last place, but for the pieces that change from there to x."""
+        assert self.some is not None
+        last, self._last = self._last, None
+        if last is None or last[0] != t:
+            self._found = self.evaluate(t, x.tolist())
+        elif last[1].tobytes() != x.tobytes():
+            touched = [
+                self.pieces[k]
+                for begin, end in ((0, self.nq), (self.nq, self.nq + self.nv))
+                for k in _between(last[1], x, begin, min(end, len(self.pieces)))
+                if self.pieces[k] >= 0
+            ]
+            first, end = (min(touched), max(touched) + 1) if touched else (0, 0)
+            rows = [i for n in (-1, *range(first, end)) for i in self.rows_of.get(n, ())]
+            self.some(t, x, first, end, rows, self._found)
+        self._last = t, x
+        return self._found
+
+    @once
+    def rows_of(self) -> dict[int, list[int]]:
+        """The rows of each piece; -1: those in which other unknowns take part, or none."""
+        found: dict[int, list[int]] = {}
+        known = len(self.pieces)
+        for i in range(self.own):
+            own = {self.pieces[k] if k < known else -1 for k in self.columns_of(i)} or {-1}
+            for n in own:
+                found.setdefault(n, []).append(i)
+        return found
+
     def _measures(self, p: list[float], rates: list[float], largest: list[float]) -> None:
         s, most = self.measures()
         rates[: len(s)], largest[: len(most)] = s, most
+
+
+def _between(one: array[float], other: array[float], begin: int, end: int) -> range:
+    """From the first to the last of the numbers begin..end-1 that differ, -0.0 from 0.0 too."""
+    a, b = one[begin:end].tobytes(), other[begin:end].tobytes()
+    if a == b:
+        return range(0)
+    apart = int.from_bytes(a, "little") ^ int.from_bytes(b, "little")
+    return range(
+        begin + ((apart & -apart).bit_length() - 1) // 64, begin + (apart.bit_length() - 1) // 64 + 1
+    )
 
 
 class Consistency:
@@ -180,10 +231,15 @@ def least_norm(rows: Sequence[Sequence[float]], right: Sequence[float], dependen
     exec(code((False,) * len(SWITCHES)), kernels)
     m, n = len(rows), len(rows[0])
     filled = [[j for j, value in enumerate(row) if value != 0.0] for row in rows]
+    line = list(dict.fromkeys([*(j for own in filled for j in own), *range(n)]))  # so that rows are narrow
+    place = {j: k for k, j in enumerate(line)}
+    ends = [(min(own), max(own) + 1) if own else (0, 0) for own in ([place[j] for j in f] for f in filled)]
     room = SimpleNamespace(
-        matrix=[list(row) for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
-        begins=[own[0] if own else 0 for own in filled], stops=[own[-1] + 1 if own else 0 for own in filled],
+        matrix=[[row[j] for j in line] for row in rows], rests=[[0.0] * n for _ in rows], right=list(right),
+        begins=[begin for begin, _ in ends], stops=[stop for _, stop in ends],
         firsts=[0] * (n + 1), longest=[0] * (2 * m), squares=[0.0] * m, step=[0.0] * n,
         **{name: [0] * m for name in ("lows", "highs", "sorted", "behind", "near", "chosen")},
     )  # fmt: skip
-    return room.step if kernels["least_norm"](room, m, n, dependent, 0.0) else []
+    if not kernels["least_norm"](room, m, n, dependent, 0.0):
+        return []
+    return [room.step[place[j]] for j in range(n)]

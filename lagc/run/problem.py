@@ -8,7 +8,7 @@ for the equation and its names.  Statuses, options and trajectories are those of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from lagc.kernels.statuses import (
     CHATTERING,
@@ -26,6 +26,9 @@ from lagc.kernels.statuses import (
 )
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
+
+if TYPE_CHECKING:
+    from array import array
 
 __all__ = [
     "CHATTERING",
@@ -135,6 +138,14 @@ class System(Protocol):
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         """c, J and sizes of a consistent start (see `Program`)."""
+        ...
+
+    def some_conditions(
+        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        found: tuple[list[float], list[float], list[float]]
+    ) -> None:  # fmt: skip
+        """Fills in what belongs to `rows` of the conditions, those of the pieces first..last-1
+        (`interface.pieces`)."""
         ...
 
     def limits(self) -> list[float]:

@@ -83,20 +83,27 @@ def function_text(
             body += lines(function, dialect, locals_)
             return _about(function) + _definition(f"lagc_fn_{function.spelled}", function, body)
         function = in_parts(function)
-    return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
+    forms = _forms(real, max(function.pieces, default=0) + 1)
+    return _about(function) + _divided(function, loops(function, dialect, forms, locals_), body)
 
 
-def _forms(real: Arithmetic) -> Forms:
+def _forms(real: Arithmetic, pieces: int = 1) -> Forms:
+    """Loops through all of several `pieces` go from `first` to `last` alone."""
+
     def table(name: str, values: Sequence[float]) -> list[str]:
         whole = all([isinstance(value, int) for value in values])
         texts = [str(value) if whole else real.literal(value) for value in values]
         entries = textwrap.wrap(", ".join(texts), 88)
         return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
 
+    def head(count: int, _: Sequence[tuple[str, str]]) -> str:
+        begin, end = ("first", "last") if count == pieces > 1 else (0, count)
+        return f"for (int i = {begin}; i < {end}; i++) {{"
+
     return Forms(
         room="lagc_real kept[{size}];", variable="lagc_real {name} = {value};",
         fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
-        head=lambda count, _: f"for (int i = 0; i < {count}; i++) {{", end="}",
+        head=head, end="}",
     )  # fmt: skip
 
 
@@ -109,13 +116,21 @@ def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str])
         if groups[-1] and len(groups[-1]) + len(block) > LONGEST:
             groups.append([])
         groups[-1] += block
-    name, more = f"lagc_fn_{function.spelled}", ", lagc_real *kept" if room else ""
+    name, own = f"lagc_fn_{function.spelled}", function.pieces
+    some = {"first": "int first", "last": "int last"} if own else {}
+    more = {**some, "kept": "lagc_real *kept"} if room else some
+    inner = f"{name}_some" if own else name
     if len(groups) == 1:
-        return _definition(name, function, [*room, *cleared, *groups[0]])
-    text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
-    arguments = ", ".join([*_order(function), *(["kept"] if room else [])])
-    calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
-    return "\n".join([*text, _definition(name, function, [*room, *cleared, *calls])])
+        text = [_definition(inner, function, [*room, *cleared, *groups[0]], some)]
+    else:
+        text = [_definition(f"{name}_{k}", function, group, more) for k, group in enumerate(groups, 1)]
+        arguments = ", ".join([*_order(function), *more])
+        calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
+        text.append(_definition(inner, function, [*room, *cleared, *calls], some))
+    if own:
+        call = f"{inner}({', '.join([*_order(function), '0', str(max(own) + 1)])});"
+        text.append(_definition(name, function, [call]))
+    return "\n".join(text)
 
 
 def _about(function: Function) -> str:
@@ -127,12 +142,14 @@ def _of_type(text: str, real: Arithmetic) -> str:
     return text if not text.isalnum() or text.startswith("lagc_") else real.call.format(text)
 
 
-def _definition(name: str, function: Function, body: list[str], more: str = "") -> str:
+def _definition(name: str, function: Function, body: list[str], more: Mapping[str, str] | None = None) -> str:
+    """`more`: further formal parameters, by their names."""
     code = re.sub(r"/\*.*?\*/", "", "\n".join(body), flags=re.DOTALL)
     words = set(re.findall(r"(?<!->)(?<!\w)[A-Za-z_]\w*", code))
-    unused = [f"(void)({word});" for word in [*_order(function), *more.split("*")[1:]] if word not in words]
+    unused = [f"(void)({word});" for word in [*_order(function), *(more or ())] if word not in words]
     lines_ = "".join(f"    {line}\n" for line in [*body, *unused])
-    return f"static void {name}({parameters(function)}{more})\n{{\n{lines_}}}\n"
+    formal = ", ".join([parameters(function), *(more or {}).values()])
+    return f"static void {name}({formal})\n{{\n{lines_}}}\n"
 
 
 def parameters(function: Function) -> str:

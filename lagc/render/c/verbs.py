@@ -50,6 +50,8 @@ def verbs(program: Program, real: Arithmetic = DOUBLE) -> list[Verb]:
         found += _system(interface)
     direct = {**_DIRECT, "conditions": _conditions(interface)}
     found += [verb for name, verb in direct.items() if name in functions]
+    if interface.pieces:
+        found.append(_SOME)
     if "outputs" in functions:
         found.append(_outputs(program))
     if "power" in functions:
@@ -115,6 +117,15 @@ def _conditions(interface: Interface) -> Verb:
         f" * not identically zero; sizes[{count}] of the terms.",
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
         f"    lagc_fn_conditions(p, t, x, c, J, sizes);\n{together}")  # fmt: skip
+
+
+_SOME = Verb(
+    "The same of the pieces first..last-1 alone, of which each depends on unknowns of its own; what\n"
+    " * belongs to others stays as it is.",
+    f"void lagc_some_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes,\n"
+    "                          int first, int last)",
+    "    lagc_fn_conditions_some(p, t, x, c, J, sizes, first, last);\n",
+)
 
 
 def _default_params(interface: Interface, real: Arithmetic) -> Verb:

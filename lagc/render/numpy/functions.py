@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from lagc.expr.operators import OPERATORS, spelling
@@ -53,6 +53,18 @@ def _head(count: int, running: Sequence[tuple[str, str]]) -> str:
 def _sequence(array: str, first: int, stride: int, count: int) -> str:
     end = first + stride * count
     return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
+
+
+def _some(whole: int) -> Callable[[int, Sequence[tuple[str, str]]], str]:
+    """Heads of loops of which those through all of this `whole` go from `first` to `last` alone."""
+
+    def head(count: int, running: Sequence[tuple[str, str]]) -> str:
+        if count != whole:
+            return _head(count, running)
+        names, sequences = zip(("i", f"range({count})"), *running)
+        return f"for {', '.join(names)} in zip({', '.join([f'{text}[first:last]' for text in sequences])}):"
+
+    return head
 
 
 _STRAIGHT = 10_000  # operations that take less time without loops
@@ -198,7 +210,7 @@ def _again(function, inputs, outputs):
     """Compute `function` as C does; lists in `outputs` are written."""
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
-    careful = type(function)(code.replace(co_consts=constants), _CAREFUL)
+    careful = type(function)(code.replace(co_consts=constants), _CAREFUL, None, function.__defaults__)
     values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
     careful(*values, *results)
@@ -255,12 +267,15 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     order = [*function.inputs, *(name for name in outputs if name not in function.inputs)]
     size = dict(function.outputs)
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
-    if function.runs and len(function.operations) > _STRAIGHT:
-        body += [line for part in loops(function, dialect, FORMS, {}) for line in part]
+    own = function.pieces
+    if own or (function.runs and len(function.operations) > _STRAIGHT):
+        forms = replace(FORMS, head=_some(max(own) + 1)) if own else FORMS
+        body += [line for part in loops(function, dialect, forms, {}) for line in part]
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
-    text = [f"def fn_{function.spelled}({', '.join(order)}):"]
+    more = [f"first=0, last={max(own) + 1}"] if own else []
+    text = [f"def fn_{function.spelled}({', '.join([*order, *more])}):"]
     if description:
         text.append(f'    """{description}"""')
     text.append("    try:")

@@ -5,11 +5,14 @@ from __future__ import annotations
 from _thread import _local
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from lagc.once import RLock
 from lagc.optimize.program import Interface
 from lagc.run.problem import System, Vector
+
+if TYPE_CHECKING:
+    from array import array
 
 Branch: TypeAlias = Any  # its modes, as a backend keeps them
 
@@ -124,6 +127,13 @@ class CompiledSystem(ABC):
         n = len(self.interface.condition_ends)
         c, jacobian, sizes = self._fill("conditions", (n, len(self.interface.condition_columns), n), t, x)
         return c, jacobian, sizes
+
+    @abstractmethod
+    def some_conditions(
+        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        found: tuple[list[float], list[float], list[float]]
+    ) -> None:  # fmt: skip
+        """See `System`."""
 
     def measures(self) -> tuple[list[float], list[float]]:
         rates, units = len(self.interface.rate_names), len(set(self.interface.start_units))

@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagc.kernels import METHODS, MOST_ACTS
 from lagc.once import once
@@ -15,6 +15,9 @@ from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.problem import OK, Options, Trajectory, Vector
+
+if TYPE_CHECKING:
+    from array import array
 
 
 class _Options(ctypes.Structure):
@@ -32,7 +35,9 @@ _RESULTS: dict[str, Any] = {
     **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
     **dict.fromkeys(("work_size", "state_size"), c_size_t),
     **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
-    **dict.fromkeys(("solve", "begin", "bind", "hold", "conditions", "measures", "limits"), None),
+    **dict.fromkeys(
+        ("solve", "begin", "bind", "hold", "conditions", "some_conditions", "measures", "limits"), None
+    ),
 }
 
 
@@ -249,6 +254,18 @@ class CSystem(CompiledSystem):
         values, desk = (c_double * length)(), self._at(x)
         desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
+
+    def some_conditions(
+        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        found: tuple[list[float], list[float], list[float]]
+    ) -> None:  # fmt: skip
+        c, jacobian, sizes = arrays = [(c_double * len(values))() for values in found]
+        state = (c_double * len(x)).from_buffer(x)
+        self.model.functions["some_conditions"](self._p, c_double(t), state, *arrays, first, last)
+        ends = self.interface.condition_ends
+        for i in rows:
+            entries = slice(ends[i - 1] if i else 0, ends[i])
+            found[0][i], found[1][entries], found[2][i] = c[i], jacobian[entries], sizes[i]
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [(c_double * max(length, 1))() for length in lengths]

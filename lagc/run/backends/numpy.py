@@ -10,12 +10,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from time import perf_counter
 from types import CodeType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lagc.once import once
 from lagc.optimize.program import Interface
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.problem import OK, Options, Trajectory, Vector
+
+if TYPE_CHECKING:
+    from array import array
 
 
 def compiled(sources: Mapping[str, str]) -> CodeType:
@@ -281,6 +284,12 @@ class NumpySystem(CompiledSystem):
         if self.interface.part_ends:
             self.model.module["put_together"](found[1])
         return found
+
+    def some_conditions(
+        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        found: tuple[list[float], list[float], list[float]]
+    ) -> None:  # fmt: skip
+        self.model.module["fn_conditions"](self._p, t, x, *found, first, last)
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [[0.0] * length for length in lengths]

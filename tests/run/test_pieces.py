@@ -1,0 +1,97 @@
+"""Conditions of a start that share no unknown are evaluated some at a time: to the bit as all together."""
+
+from __future__ import annotations
+
+import random
+from array import array
+
+import pytest
+
+import lagc
+from lagc.run.conditions import Conditions
+from lagc.run.consistency import conditions_of
+from lagc.run.problem import System
+
+pytestmark = pytest.mark.usefixtures("own_cache")
+
+BAR = """model FourBar
+  parameter Length a = 0.2, b = 1, c = 0.7, d = 1;
+  coordinate Angle p(start = 0.3, rate = 1), q(start = 0.5), s(start = 1);
+  point A = {a*cos(p), 0, a*sin(p)};
+  point B = A + {b*cos(q), 0, b*sin(q)};
+  body m1 = Particle(mass = 1, at = A);
+  body m2 = Particle(mass = 1, at = B);
+  constraint over: B.x = d + c*cos(s);
+  constraint up: B.z = c*sin(s);
+end FourBar;
+"""
+BARS = BAR + "model Bars structural Integer n = 30; FourBar f[n]; Gravity g; end Bars;"
+# beside others: a pendulum without a twin, which time moves, and rods of another number
+MIXED = (
+    BAR
+    + """model Mixed
+  structural Integer n = 30, m = 5;
+  FourBar f[n];
+  coordinate Length x[m](start = 0.5), z[m](each start = -0.5), u(start = 0.6), w(start = 0.8);
+  for i in 1:m loop
+    body b[i] = Particle(mass = 1, at = {x[i], 0, z[i]});
+    constraint rod[i]: norm(position(b[i])) = exp(0.1*i)*1 [m];
+  end for;
+  body own = Particle(mass = 1, at = {u, 0, w});
+  constraint driven: u^2 + w^2 = 1 [m2] + 0.1 [m2/s]*time;
+  Gravity g;
+end Mixed;"""
+)
+# each tied to the next one: no pieces
+TIED = (
+    BAR
+    + """model Tied
+  structural Integer n = 30;
+  FourBar f[n];
+  for i in 1:n-1 loop
+    constraint tie[i]: der(f[i].p) = 2*der(f[i+1].p);
+  end for;
+end Tied;"""
+)
+
+
+def system(text: str, backend: str) -> System:
+    return lagc.loads(text).compile(backend=backend).system
+
+
+@pytest.mark.parametrize("text", [BARS, MIXED], ids=["alike", "beside others"])
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_some_at_a_time_are_what_all_are(text: str, backend: str) -> None:
+    own = system(text, backend)
+    pieces = own.interface.pieces
+    assert set(pieces) - {-1} == {*range(30)}
+    conditions, chance = conditions_of(own), random.Random(1)
+    x = [chance.uniform(-1.0, 1.0) for _ in range(own.nq + own.nv)]
+    for turn in range(60):
+        for _ in range(chance.choice([0, 1, 1, 2, 3])):
+            x[chance.randrange(len(x))] = chance.choice([0.0, -0.0, 1e200, chance.uniform(-2.0, 2.0)])
+        t = 0.5 * (turn // 20)
+        found = conditions._in_pieces(t, array("d", x))
+        assert [array("d", a).tobytes() for a in found] == [
+            array("d", a).tobytes() for a in own.conditions(t, x)
+        ]
+
+
+def test_what_hangs_together_has_no_pieces() -> None:
+    assert not system(TIED, "numpy").interface.pieces
+    assert not system(BARS.replace("n = 30", "n = 2"), "numpy").interface.pieces
+
+
+@pytest.mark.parametrize("text", [BARS, MIXED], ids=["alike", "beside others"])
+def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    with_them = system(text, "numpy")
+    found = lagc.loads(text).compile(backend="numpy").start()
+    before = Conditions.__init__
+
+    def without(self: Conditions, *given: object, **named: object) -> None:
+        before(self, *given, **named)  # type: ignore[arg-type]
+        self.pieces = ()
+
+    monkeypatch.setattr(Conditions, "__init__", without)
+    assert with_them.interface.pieces
+    assert list(lagc.loads(text).compile(backend="numpy").start()) == list(found)
