@@ -197,8 +197,9 @@ class Point:
         quotients of those before, and cosines of numbers that are sines."""
         found = self._decimals.items()
         bases = [*found, *((1.0 / a, power(x, -1)) for a, x in found if a)]
-        pairs = [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]
-        for known, number in [*bases, *pairs] if len(bases) <= _MOST_DECIMALS else bases:
+        if len(bases) <= _MOST_DECIMALS:
+            bases += [(a * b, x * y) for n, (a, x) in enumerate(bases) for b, y in bases[: n + 1]]
+        for known, number in bases:
             quotient = value / known if known else 0.0  # a product may be beyond all numbers
             ratio = Fraction(quotient if math.isfinite(quotient) else 0.0).limit_denominator(100)
             if ratio and abs(float(ratio) * known - value) <= _ULPS * math.ulp(value):
