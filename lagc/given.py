@@ -64,7 +64,10 @@ def _quantity(name: str, value: Value) -> float | Quantity:
             return Quantity(real(name, written), unit)
         return real(name, value)
     except (TypeError, ValueError, OverflowError):
-        raise Refused([Fault("LAG0602", f"`{name}` must be a number, not {value!r}")]) from None
+        remedy = 'a number with its unit is a pair: `(30, "deg")`'
+        raise Refused(
+            [Fault("LAG0602", f"`{name}` must be a number, not {value!r}", remedy=remedy)]
+        ) from None
 
 
 def real(name: str, value: object) -> float:
