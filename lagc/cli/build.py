@@ -37,6 +37,8 @@ def run(options: argparse.Namespace) -> int:
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")
+    if not options.output:
+        raise Usage("-o names a folder, here it is empty")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: name the one that receives the code")
     compilation = compiler.Compilation(library.read(options.file), choice_of(options))

@@ -102,10 +102,21 @@ class _Layout:
         if tokens[position].terminal == "STRING":
             position += 1
         if kind == "SCENE" and tokens[position].terminal == "USES":
-            position += 2
+            position = self._behind_path(position + 1)
             while tokens[position].text == ",":
-                position += 2
+                position = self._behind_path(position + 1)
         return None if tokens[position].text == ";" else position
+
+    def _behind_path(self, position: int) -> int:
+        """Behind `cars[2].drag`, which begins there."""
+        tokens = self.lexed.tokens
+        position += 1
+        while tokens[position].text in (".", "["):
+            closing = tokens[position].text == "["
+            position += 2
+            while closing and tokens[position - 1].text != "]":
+                position += 1
+        return position
 
     def short_block_end(self, position: int) -> int | None:
         """Behind a block of one declaration that stands on one line and may stay there."""

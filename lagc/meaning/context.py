@@ -123,7 +123,9 @@ class Context:
         """One more declaration.  Raises Wrong where there are too many."""
         self.count += 1
         if self.count > LARGEST:
-            raise Wrong("LAG0218", f"the model has more than {LARGEST} declarations", span)
+            raise Wrong(
+                "LAG0218", f"the model has more than {LARGEST} declarations and values by number", span
+            )
 
     def value(self, entry: Entry, span: Span) -> Value:
         """The value of a declaration, found when it is first asked for.

@@ -13,7 +13,7 @@ from lagc.meaning.evaluate import integer
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.settings import Settings
-from lagc.meaning.uses import Uses, keys
+from lagc.meaning.uses import Uses, keys, without_subscripts
 from lagc.meaning.values import Wrong
 from lagc.records import dataclass
 
@@ -285,7 +285,14 @@ def _effects(name: str, context: Context) -> str:
     if not context.effects:
         own = name.rpartition(".")[2].partition("[")[0]
         return f"the model has no effects; one is declared by `effect {own} ... end {own};`"
-    listed = ", ".join(f"`{path}`" for path in [*context.effects][:MOST_LISTED])
+    alike = [
+        path
+        for path in context.effects
+        if "[" in name and without_subscripts(path) == without_subscripts(name)
+    ]
+    listed = ", ".join(f"`{path}`" for path in (alike or [*context.effects])[:MOST_LISTED])
+    if alike:
+        return f"the model has {listed}"
     known = [*context.effects, *(path.rpartition(".")[2] for path in context.effects)]
     return did_you_mean(name, known) or f"the model has {listed}"
 

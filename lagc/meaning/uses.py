@@ -40,5 +40,10 @@ class Uses:
 def keys(path: str) -> Iterator[str]:
     """What an effect may be called by, the closest first."""
     yield path
-    yield _SUBSCRIPT.sub("", path)
+    yield without_subscripts(path)
     yield path.rpartition(".")[2]
+
+
+def without_subscripts(path: str) -> str:
+    """What all elements of arrays are called together."""
+    return _SUBSCRIPT.sub("", path)

@@ -21,7 +21,7 @@ def _by_piece(function: Function) -> Function:
     needs none."""
     operations = function.operations
     parent = list(range(len(operations)))
-    moving = [isinstance(o.payload, tuple) and o.payload[0] == "x" for o in operations]
+    moving = [k >= 0 for k in _unknowns(function)]
 
     def root(k: int) -> int:
         while parent[k] != k:
@@ -48,25 +48,34 @@ def _by_piece(function: Function) -> Function:
 
 def _pieces(function: Function) -> tuple[int, ...]:
     """The repetition, of the loops that have most, that alone reads each entry of x, -1 where none does;
-    nothing where some are read by several, or where repetitions take what others have made."""
+    nothing where some are read by several, or where repetitions take what others have made, or what is made
+    of unknowns outside of these loops."""
     operations, count = function.operations, max([run.count for run in function.runs])
-    if count == 1:
+    if count == 1 or function.cleared:
         return ()
     number = [-1] * (len(operations) + len(function.stores))
     for run in function.runs:
         if run.count == count:
             number[run.first : run.end] = [n for n in range(count) for _ in range(run.period)]
-    unknowns = [
-        o.payload[1] if isinstance(o.payload, tuple) and o.payload[0] == "x" else -1 for o in operations
-    ]
+    unknowns = _unknowns(function)
+    moving = [k >= 0 for k in unknowns]
     items = [*(o.operands for o in operations), *((store.value,) for store in function.stores)]
     readers: dict[int, set[int]] = {}
-    for own, operands in zip(number, items):
+    for k, (own, operands) in enumerate(zip(number, items)):
+        if k < len(operations):
+            moving[k] = moving[k] or any([moving[a] for a in operands])
         for a in operands:
-            if operations[a].op not in LEAVES and number[a] not in (-1, own):
+            alike = number[a] == own or (number[a] < 0 and not moving[a])
+            if operations[a].op not in LEAVES and not alike:
                 return ()
             if own >= 0 and unknowns[a] >= 0:
                 readers.setdefault(unknowns[a], set()).add(own)
     if any([len(own) > 1 for own in readers.values()]):
         return ()
     return tuple([min(readers.get(k, (-1,))) for k in range(max(readers, default=-1) + 1)])
+
+
+def _unknowns(function: Function) -> list[int]:
+    """Which entry of x each operation loads, -1 for none."""
+    loaded = [o.payload if isinstance(o.payload, tuple) else ("", 0) for o in function.operations]
+    return [index if array == "x" else -1 for array, index in loaded]

@@ -29,8 +29,8 @@ class Conditions:
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
     parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
     number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
-    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, first, last, rows,
-    (c, J, sizes))` fills in what belongs to some of them.
+    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, first, last, (c, J,
+    sizes))` fills in what belongs to some of them.
     """
 
     def __init__(
@@ -111,21 +111,9 @@ class Conditions:
                 if self.pieces[k] >= 0
             ]
             first, end = (min(touched), max(touched) + 1) if touched else (0, 0)
-            rows = [i for n in (-1, *range(first, end)) for i in self.rows_of.get(n, ())]
-            self.some(t, x, first, end, rows, self._found)
+            self.some(t, x, first, end, self._found)
         self._last = t, x
         return self._found
-
-    @once
-    def rows_of(self) -> dict[int, list[int]]:
-        """The rows of each piece; -1: those in which other unknowns take part, or none."""
-        found: dict[int, list[int]] = {}
-        known = len(self.pieces)
-        for i in range(self.own):
-            own = {self.pieces[k] if k < known else -1 for k in self.columns_of(i)} or {-1}
-            for n in own:
-                found.setdefault(n, []).append(i)
-        return found
 
     def _measures(self, p: list[float], rates: list[float], largest: list[float]) -> None:
         s, most = self.measures()

@@ -141,11 +141,11 @@ class System(Protocol):
         ...
 
     def some_conditions(
-        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        self, t: float, x: array[float], first: int, last: int,
         found: tuple[list[float], list[float], list[float]]
     ) -> None:  # fmt: skip
-        """Fills in what belongs to `rows` of the conditions, those of the pieces first..last-1
-        (`interface.pieces`)."""
+        """Fills in what belongs to the pieces first..last-1 of the conditions (`interface.pieces`), and what
+        belongs to none."""
         ...
 
     def limits(self) -> list[float]:

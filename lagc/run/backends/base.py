@@ -130,7 +130,7 @@ class CompiledSystem(ABC):
 
     @abstractmethod
     def some_conditions(
-        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        self, t: float, x: array[float], first: int, last: int,
         found: tuple[list[float], list[float], list[float]]
     ) -> None:  # fmt: skip
         """See `System`."""

@@ -256,16 +256,16 @@ class CSystem(CompiledSystem):
         return values[:]
 
     def some_conditions(
-        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        self, t: float, x: array[float], first: int, last: int,
         found: tuple[list[float], list[float], list[float]]
     ) -> None:  # fmt: skip
-        c, jacobian, sizes = arrays = [(c_double * len(values))() for values in found]
-        state = (c_double * len(x)).from_buffer(x)
-        self.model.functions["some_conditions"](self._p, c_double(t), state, *arrays, first, last)
-        ends = self.interface.condition_ends
-        for i in rows:
-            entries = slice(ends[i - 1] if i else 0, ends[i])
-            found[0][i], found[1][entries], found[2][i] = c[i], jacobian[entries], sizes[i]
+        from array import array
+
+        room = [array("d", values) for values in found]
+        pointers = [(c_double * len(own)).from_buffer(own) for own in (x, *room)]
+        self.model.functions["some_conditions"](self._p, c_double(t), *pointers, first, last)
+        for values, own in zip(found, room):
+            values[:] = own
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [(c_double * max(length, 1))() for length in lengths]

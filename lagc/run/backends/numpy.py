@@ -286,10 +286,10 @@ class NumpySystem(CompiledSystem):
         return found
 
     def some_conditions(
-        self, t: float, x: array[float], first: int, last: int, rows: Sequence[int],
+        self, t: float, x: array[float], first: int, last: int,
         found: tuple[list[float], list[float], list[float]]
     ) -> None:  # fmt: skip
-        self.model.module["fn_conditions"](self._p, t, x, *found, first, last)
+        self.model.module["fn_conditions"](self._p, t, x.tolist(), *found, first, last)
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [[0.0] * length for length in lengths]
