@@ -7,7 +7,7 @@ from math import fabs, sqrt
 from lagc.kernels.control import raised
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import TINY
-from lagc.kernels.method import beta, exponent, method_doubts
+from lagc.kernels.method import beta, exponent, last, method_doubts
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NKIND, NQ, NV, NX
@@ -16,6 +16,7 @@ from lagc.kernels.tables import kind
 from lagc.kernels.words import Params, Real, Vec, vector
 
 BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
+STEEPEST = 20.0  # power of the time by which a kind departs from zero
 NEARER = 1e-5  # of it is the next
 
 
@@ -61,7 +62,8 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
 def foresee(s: State, o: Options, h: Real, w: Work) -> None:
     """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
     it tells that to half and is good enough for all that moves already: by a power that no method follows
-    they are as wrong in every shorter step, by what they reach themselves."""
+    they are as wrong in every shorter step, by what they reach themselves.  Where nothing moves yet all is to
+    grow as a power does, by its rates at the end: a step that is far too long for what is stiff explodes."""
     off = vector(NX)
     for i in range(NX):
         off[i] = 0.0
@@ -72,8 +74,9 @@ def foresee(s: State, o: Options, h: Real, w: Work) -> None:
             moving = True
             if not off[i] <= w.weights[i]:
                 return
-    if not moving:
-        return
+    for i in range(NQ + NV):
+        if not moving and fabs(h * s.k[last(o.method) - 1][i]) > STEEPEST * w.reached[kind[i]]:
+            return
     doubts = vector(NKIND)
     for k in range(NKIND):
         doubts[k] = 0.0
