@@ -83,13 +83,22 @@ class Operator:
     latex: str = ""
 
 
+LEAST = 2.0**-126  # the least normal number of any type of real
+
+
 def _sign(x: float) -> float:
     return (x > 0) - (x < 0)
 
 
 def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
+    from lagc.expr.walk import symbols
+
     dx = graph.mul(y, graph.pow(x, y - 1.0))
-    return (dx, graph.zero if y.is_const else graph.mul(node, graph.unary("log", x)))
+    if y.is_const:
+        return (dx, graph.zero)
+    if all([symbol.value.kind == "parameter" for symbol in symbols([y])]):
+        x = graph.binary("max", x, graph.const(LEAST))  # 0^p is 0, and has that slope by p
+    return (dx, graph.mul(node, graph.unary("log", x)))
 
 
 def _angle_slopes(graph: Any, node: Any, y: Any, x: Any) -> tuple[Any, ...]:

@@ -279,3 +279,12 @@ def test_made_up_models(declarations: list[list[str]], data: st.DataObject) -> N
     words = joined("model", "M", *declarations, "end", "M", ";")
     text = "".join(word + data.draw(GAPS) for word in words)
     check(text)
+
+
+def test_paths_in_uses_do_not_open_a_block() -> None:
+    text = (
+        "model M\n  scene a uses r[2].drag;\n  scene b uses r.drag, own, q[1, 2].x.y;\n"
+        "  scene c uses r[2].drag, air\n    simulate(stop = 1);\n  end c;\n"
+        "  parameter Real a[2] = {i^2 for i in 1:2 /* two */};\nend M;\n"
+    )
+    assert laid_out(text) == text

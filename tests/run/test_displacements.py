@@ -182,3 +182,23 @@ def test_what_departs_from_zero_by_a_high_power(power: float) -> None:
     n = 2 * power + 2
     exact = [t**n / (2**power * n * (n - 1)) for t in run.t]
     assert run["x"] == pytest.approx(exact, abs=ACCURACY * exact[-1])
+
+
+BUFFER = """model Buffer
+  parameter Time T = 0.6 [s];
+  coordinate Length x;
+  body a = Particle(mass = 1, at = {x, 0, 0});
+  force push = {1 [N]*max(0, (time - T)/(1 [s])), 0, 0} at a;
+  force spring = {-100 [N]*max(0, x/(1 [m])), 0, 0} at a;
+end Buffer;"""
+
+
+def test_what_rests_is_pushed_against_a_spring_of_one_side() -> None:
+    """x = (t - T - sin(10 (t - T))/10)/100: nothing moves until T, and then all by powers of the time."""
+    system = lagc.loads(BUFFER).compile(backend="numpy")
+    for begin in (0.05, 0.556, 0.6, 0.9, 1.05, 1.103, 1.2):
+        run = system.simulate(stop=1.5, parameters={"T": begin}, accuracy=1e-6)
+        assert run.status == "ok", (begin, run.message)
+        exact = [max(0.0, t - begin - math.sin(10.0 * (t - begin)) / 10.0) / 100.0 for t in run.t]
+        exact = [value if t > begin else 0.0 for t, value in zip(run.t, exact)]
+        assert run["x"] == pytest.approx(exact, abs=1e-6 * max(exact))

@@ -95,3 +95,41 @@ def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(Conditions, "__init__", without)
     assert with_them.interface.pieces
     assert list(lagc.loads(text).compile(backend="numpy").start()) == list(found)
+
+
+UNEVEN = """model Uneven
+  structural Integer n = 100;
+  coordinate Real a[n](each start = 0.7), b[n](each start = 0.2), c[n](each start = 0.3);
+  for i in 1:n loop
+    body p[i] = Particle(mass = 1, at = {a[i], b[i], c[i]}*1 [m]);
+    constraint x[i]: a[i]*b[i] = sqrt(c[i])*sin(c[i]) - 0.1;
+  end for;
+end Uneven;"""
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_loops_that_leave_some_out_are_no_pieces(backend: str) -> None:
+    """Of 100 rows alike the operations came out as a loop of 99, and the stores as one of 100."""
+    own = system(UNEVEN, backend)
+    if own.interface.pieces:
+        conditions, x = conditions_of(own), [0.7] * (own.nq + own.nv)
+        for k in range(len(x)):
+            x[k] = 0.4
+            found = conditions._in_pieces(0.0, array("d", x))
+            assert [list(a) for a in found] == [list(a) for a in own.conditions(0.0, x)]
+    one = lagc.loads(UNEVEN).compile(parameters={"n": 2}, backend=backend).start()
+    many = lagc.loads(UNEVEN).compile(backend=backend).start()
+    assert list(many[::100]) == list(one[::2])
+
+
+def test_where_arithmetic_raises_in_a_piece_it_is_as_in_c() -> None:
+    """log(c) at a guess below zero."""
+    text = UNEVEN.replace("sqrt(c[i])*sin(c[i]) - 0.1", "log(c[i])*cos(b[i])/sqrt(c[i] - 0.25)")
+    own = system(text, "numpy")
+    conditions, x = conditions_of(own), [0.7] * (own.nq + own.nv)
+    for k in (0, 250, 299):
+        x[k] = -1.0
+        found = conditions._in_pieces(0.0, array("d", x)) if own.interface.pieces else None
+        assert found is None or [array("d", a).tobytes() for a in found] == [
+            array("d", a).tobytes() for a in own.conditions(0.0, x)
+        ]

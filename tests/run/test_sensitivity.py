@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from math import exp, pi, sin, sqrt
+from math import exp, log, pi, sin, sqrt
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -458,3 +458,16 @@ def test_a_start_that_meets_redundant_rows_for_all_values_has_a_slope() -> None:
     assert run.status == "ok", run.message
     expected = run["x[4]"] - np.asarray(run.t) * run["der(x[4])"] / 2.0
     close(run.sensitivity("x[4]", "d"), expected, 1e-8)
+
+
+def test_an_exponent_has_a_slope_where_its_base_is_zero() -> None:
+    """y'' = t^p: y = t^(p + 2)/((p + 1)(p + 2)), from where the base is 0."""
+    text = """model Pow
+      parameter Real p = 3;
+      coordinate Length y;
+      body b = Particle(mass = 1, at = {0, y, 0});
+      force f = {0, 1 [N]*(time/(1 [s]))^p, 0} at b;
+    end Pow;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(2.0, points=2, sensitivity=["p"])
+    assert run.status == "ok", run.message
+    assert run.sensitivity("y", "p")[-1] == pytest.approx(-1.6 * (1 / 4 + 1 / 5 - log(2.0)), rel=1e-6)
