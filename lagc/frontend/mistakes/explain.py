@@ -47,6 +47,7 @@ _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
     words.missing_end_word,
     words.stray_end,
     signs.bare_unit,
+    words.family,
     signs.brackets,
     words.load_target,
     words.missing_word,

@@ -85,6 +85,19 @@ def brace_for_block(w: Where) -> Explained | None:
     return Explained(fault, Repair(w.begin, 1, ()))
 
 
+def family(w: Where) -> Explained | None:
+    """`sum(i^2 for i in 1:n)`, and `{i*j for i in 1:n, j in 1:m}`."""
+    if not w.brackets or w.new_line():
+        return None
+    behind = [t for t in w.tokens[w.begin : w.position] if t.start > w.brackets[-1].start]
+    again = w.token.text == "," and w.brackets[-1].text == "{" and any(t.text == "for" for t in behind)
+    if not again and w.token.text != "for":
+        return None
+    message = "values by number stand in braces of their own, `{i^2 for i in 1:n}`"
+    remedy = "for two numbers write `{{i*j for j in 1:m} for i in 1:n}`" if again else None
+    return Explained(Fault("LAG0110", message, w.span(w.token), remedy=remedy))
+
+
 def _loop_fault(w: Where) -> Fault:
     message = "a `loop` is missing: `for i in 1:n loop ... end for;`"
     return Fault("LAG0128", message, w.span(w.token))
