@@ -83,9 +83,6 @@ class Operator:
     latex: str = ""
 
 
-LEAST = 2.0**-126  # the least normal number of any type of real
-
-
 def _sign(x: float) -> float:
     return (x > 0) - (x < 0)
 
@@ -97,7 +94,7 @@ def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
     if y.is_const:
         return (dx, graph.zero)
     if all([symbol.value.kind == "parameter" for symbol in symbols([y])]):
-        x = graph.binary("max", x, graph.const(LEAST))  # 0^p is 0, and has that slope by p
+        x = graph.select(graph.binary("eq", node, graph.zero), graph.one, x)  # where 0^p is 0 its slope is
     return (dx, graph.mul(node, graph.unary("log", x)))
 
 

@@ -16,8 +16,8 @@ from lagc.kernels.tables import kind
 from lagc.kernels.words import Params, Real, Vec, vector
 
 BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
-STEEPEST = 20.0  # power of the time by which a kind departs from zero
 NEARER = 1e-5  # of it is the next
+STEEPEST = 20.0  # power of the time by which a kind departs from zero
 
 
 def departing(s: State, o: Options, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
@@ -74,9 +74,10 @@ def foresee(s: State, o: Options, h: Real, w: Work) -> None:
             moving = True
             if not off[i] <= w.weights[i]:
                 return
-    for i in range(NQ + NV):
-        if not moving and fabs(h * s.k[last(o.method) - 1][i]) > STEEPEST * w.reached[kind[i]]:
-            return
+    if not moving:
+        for i in range(NQ + NV):
+            if fabs(h * s.k[last(o.method) - 1][i]) > STEEPEST * w.reached[kind[i]]:
+                return
     doubts = vector(NKIND)
     for k in range(NKIND):
         doubts[k] = 0.0

@@ -285,13 +285,10 @@ def _effects(name: str, context: Context) -> str:
     if not context.effects:
         own = name.rpartition(".")[2].partition("[")[0]
         return f"the model has no effects; one is declared by `effect {own} ... end {own};`"
-    alike = [
-        path
-        for path in context.effects
-        if "[" in name and without_subscripts(path) == without_subscripts(name)
-    ]
-    listed = ", ".join(f"`{path}`" for path in (alike or [*context.effects])[:MOST_LISTED])
-    if alike:
+    whole = without_subscripts(name)
+    elements = [path for path in context.effects if whole != name and without_subscripts(path) == whole]
+    listed = ", ".join(f"`{path}`" for path in (elements or [*context.effects])[:MOST_LISTED])
+    if elements:
         return f"the model has {listed}"
     known = [*context.effects, *(path.rpartition(".")[2] for path in context.effects)]
     return did_you_mean(name, known) or f"the model has {listed}"

@@ -8,17 +8,20 @@ from lagc.optimize.program import LEAVES, Function
 from lagc.optimize.rolling import rolled
 from lagc.records import replace
 
+_LEAST = 3  # pieces, as many as make a loop
+
 
 def in_pieces(function: Function) -> Function:
     """`function` rolled; with its `pieces`, where there are such."""
-    found = rolled(_by_piece(function))
-    pieces = _pieces(found) if found.runs else ()
-    return replace(found, pieces=pieces) if pieces else rolled(function)
+    ordered = _by_piece(function)
+    found = rolled(ordered) if ordered else None
+    pieces = _pieces(found) if found and found.runs else ()
+    return replace(found, pieces=pieces) if found and pieces else rolled(function)
 
 
-def _by_piece(function: Function) -> Function:
+def _by_piece(function: Function) -> Function | None:
     """What belongs to one set of unknowns x that share no operation with others comes together, behind what
-    needs none."""
+    needs none; None where there are fewer than `_LEAST` such sets."""
     operations = function.operations
     parent = list(range(len(operations)))
     moving = [k >= 0 for k in _unknowns(function)]
@@ -41,6 +44,8 @@ def _by_piece(function: Function) -> Function:
     for k, o in enumerate(operations):
         if o.op not in LEAVES and moving[k]:
             found.setdefault(root(k), []).append(k)
+    if len(found) < _LEAST:
+        return None
     order += [k for _, own in sorted(found.items()) for k in own]
     stores = sorted(function.stores, key=lambda store: root(store.value) if moving[store.value] else -1)
     return reordered(replace(function, stores=tuple(stores)), order)
@@ -72,7 +77,8 @@ def _pieces(function: Function) -> tuple[int, ...]:
                 readers.setdefault(unknowns[a], set()).add(own)
     if any([len(own) > 1 for own in readers.values()]):
         return ()
-    return tuple([min(readers.get(k, (-1,))) for k in range(max(readers, default=-1) + 1)])
+    found = tuple([min(readers.get(k, (-1,))) for k in range(max(readers, default=-1) + 1)])
+    return found if max(found, default=-1) == count - 1 else ()  # printers know the loops by their count
 
 
 def _unknowns(function: Function) -> list[int]:

@@ -30,9 +30,7 @@ if TYPE_CHECKING:
 
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
 FAINT = 1e-14  # of the terms of its rates: what of S is rounding
-STEEPEST = (
-    20.0  # power of the time by which S departs from zero: the change over a step, by its rates at its end
-)
+STEEPEST = 20.0  # power of the time by which S departs from zero
 SAME = 1e-6  # of the time of a run: where two of its integrations end
 
 Progress = Callable[[float], None]

@@ -471,3 +471,14 @@ def test_an_exponent_has_a_slope_where_its_base_is_zero() -> None:
     run = lagc.loads(text).compile(backend="numpy").simulate(2.0, points=2, sensitivity=["p"])
     assert run.status == "ok", run.message
     assert run.sensitivity("y", "p")[-1] == pytest.approx(-1.6 * (1 / 4 + 1 / 5 - log(2.0)), rel=1e-6)
+
+
+def test_an_exponent_has_none_where_its_base_is_below_zero() -> None:
+    text = """model Below
+      parameter Real p = 3;
+      coordinate Length y(start = -1 [m]);
+      body b = Particle(mass = 1, at = {0, y, 0});
+      force f = {0, -1 [N]*(y/(1 [m]))^p, 0} at b;
+    end Below;"""
+    run = lagc.loads(text).compile(backend="numpy").simulate(0.5, points=2, sensitivity=["p"])
+    assert run.status == "failed" and "no finite value" in run.message
