@@ -74,9 +74,12 @@ def foresee(s: State, o: Options, h: Real, w: Work) -> None:
             moving = True
             if not off[i] <= w.weights[i]:
                 return
+    end = last(o.method) - 1
+    if end < 0:
+        return
     if not moving:
         for i in range(NQ + NV):
-            if fabs(h * s.k[last(o.method) - 1][i]) > STEEPEST * w.reached[kind[i]]:
+            if fabs(h * s.k[end][i]) > STEEPEST * w.reached[kind[i]]:
                 return
     doubts = vector(NKIND)
     for k in range(NKIND):
