@@ -26,6 +26,7 @@ CONTRADICTION = by_type(1e-2, 1e-3, "1e-3")  # of the size of accelerations
 LEFT_OVER = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that is taken for rounding
 # The same that is left as it is: more than that, left at each step, adds up, as it has one sign for long.
 UNTOUCHED = by_type(1e-7, 1e-16, "1e-33")
+NEARLY_THERE = 100.0  # last places of the time
 LEAST_STEP = by_type(1e-30, 1e-40, "1e-400")  # of the way to go
 NEARLY = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units of the last place of 1
 # Ways to where rows are dependent, of the size of coordinates: their product, and what projection leaves.

@@ -8,7 +8,7 @@ solution of special event location problems for ODEs, ACM Trans. Math. Software 
 
 from __future__ import annotations
 
-from math import fabs, inf
+from math import fabs, inf, sqrt
 
 from lagc.kernels.branches import margin
 from lagc.kernels.enclosing import (
@@ -22,7 +22,7 @@ from lagc.kernels.enclosing import (
     look_at,
 )
 from lagc.kernels.kinds import enlarge
-from lagc.kernels.limits import SPACING
+from lagc.kernels.limits import NEARLY_THERE, SPACING
 from lagc.kernels.method import method_at
 from lagc.kernels.model import fn_enclosure_on, fn_side_rates_on, fn_sides_on, fn_slopes_on
 from lagc.kernels.records import State, Trial, Work
@@ -35,7 +35,6 @@ from lagc.kernels.words import Params, Real, Vec, vector
 FINEST = 0.00390625  # the shortest that is looked at by its ends
 THINNEST = 1e-9  # of a step: what is narrower is not looked for
 MOST_LOOKED = 64  # parts that are as short, in a step that stays beside a change
-NEARLY_THERE = 100.0  # last places of the time
 LEAST_SLACK = 2.0  # of what a switch is beyond its change by rounding; more where it is so again in a step,
 MOST_SLACK = 4096.0  # but what is beyond ever again is so for another reason
 SEVERAL = 8.0  # last places
@@ -230,9 +229,10 @@ def still_at_rest(k: int, s: State, w: Work) -> bool:
 
 def passes(k: int, direction: Real, w: Work) -> bool:
     """Whether a switch changes where dense output says so, by the rate of its side, w.turning, where the step
-    has ended: what moves away from its change has not come to it."""
+    has ended: what moves away from its change has not come to it, and what moves back has not left it."""
     if w.modes[k] == 0.0 and counted[k] == 0:
-        return w.beside[k] != 0.0 or w.turning[k] != 0.0
+        ahead = w.turning[k] * direction
+        return ahead * w.beside[k] >= 0.0 and (w.beside[k] != 0.0 or ahead != 0.0)
     return not inward(k, direction, w)
 
 
@@ -246,8 +246,9 @@ def draw_tight(p: Params, s: State, w: Work) -> None:
 
 
 def slacken(p: Params, s: State, k: int, w: Work) -> None:
-    """More slack for a switch that dense output says has changed, and has not: what that was off by, or last
-    places of sizes in its step are worth.  It is off beside what grows from nothing."""
+    """More slack for a switch that dense output says has changed, and has not: what that was off by, as
+    beside what grows from nothing; ever nearer to what last places of sizes in its step are worth, where that
+    is more: what the side is to become may be far less."""
     sizes = vector(NKIND)
     for i in range(NKIND):
         sizes[i] = 0.0
@@ -258,7 +259,11 @@ def slacken(p: Params, s: State, k: int, w: Work) -> None:
     smear(p, s, w.middle, w)
     j = k - NTIMED
     off = fabs(margin(k, w.beside[k], s.slack[k], w)) + fabs(w.margins[j])
-    s.slack[k] += SEVERAL * (off if off > w.blurs[j] else w.blurs[j])
+    blur = w.blurs[j]
+    if off < blur:
+        least = s.slack[k] if s.slack[k] > off else off
+        off = blur * sqrt(sqrt(least / blur))
+    s.slack[k] += SEVERAL * off
 
 
 def any_passes(p: Params, s: State, direction: Real, w: Work) -> bool:

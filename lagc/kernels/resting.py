@@ -6,8 +6,7 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.branches import sign_of
-from lagc.kernels.limits import SPACING
-from lagc.kernels.locating import NEARLY_THERE
+from lagc.kernels.limits import NEARLY_THERE, SPACING
 from lagc.kernels.model import fn_side_rates_on
 from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at

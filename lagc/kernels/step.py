@@ -10,7 +10,7 @@ from lagc.kernels.enclosing import NONE
 from lagc.kernels.events import pass_change
 from lagc.kernels.kinds import enlarge, not_finite
 from lagc.kernels.limits import LEAST_STEP, SPACING
-from lagc.kernels.listening import forget, reconsider
+from lagc.kernels.listening import error_of, forget, reconsider
 from lagc.kernels.locating import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -99,6 +99,7 @@ def stop_short(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     a.h *= part
     a.lands = False
     a.t_new = s.t + a.h
+    w.longest = s.longest
     if fabs(a.h) <= 4.0 * SPACING * fabs(s.t) + LEAST_STEP * a.whole:
         a.h = 0.0
         keep_parameters(p, s)
@@ -173,6 +174,14 @@ def starts_anew(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) ->
     return False
 
 
+def fall_back(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> None:
+    """After an error above 1."""
+    if NMODE > 0:
+        if starts_anew(p, s, t1, o, a, w):
+            return
+    retreat(a, o)
+
+
 def is_short(s: State, t1: Real, size: Real) -> bool:
     return size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t))
 
@@ -198,6 +207,16 @@ def is_halved(s: State, t1: Real, o: Options, a: Trial) -> bool:
     a.half = True
     a.meets = False
     return True
+
+
+def look_back(s: State, a: Trial, w: Work) -> None:
+    """The longest step so far, s.longest; and w.longest, in another attempt or half of one."""
+    if a.rejected == 0 and a.size > s.longest:
+        s.longest = a.size
+    w.longest = s.longest if a.rejected > 0 else 0.0
+    if NMODE > 0:
+        if a.half:
+            w.longest = s.longest
 
 
 def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
@@ -236,9 +255,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
         plan(s, goal, o, a)
         if NMODE > 0:
             halve_to(s, goal, t1, o, a)
-        if a.rejected == 0 and a.size > s.longest:
-            s.longest = a.size
-        w.longest = s.longest if a.rejected > 0 else 0.0
+        look_back(s, a, w)
         if too_small(s, t1, a):
             if NFREE > 0:
                 if cause != OK and all_but_changes(p, s, a.direction, w):
@@ -272,12 +289,10 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
-            foresee(s, o, a.h, w)
-            if NMODE > 0:
-                if not starts_anew(p, s, t1, o, a, w):
-                    retreat(a, o)
-            else:
-                retreat(a, o)
+            if foresee(s, o, a.h, w):
+                a.error = error_of(s, o, a.h, w)
+            if a.error > 1.0:
+                fall_back(p, s, t1, o, a, w)
         s.noise[:] = w.recalled  # what is heard along a step tells nothing of a shorter one
         a.rejected += 1
         s.rejected += 1

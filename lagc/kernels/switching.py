@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.branches import count, keep_branch, sign_of, spread_changes, take
-from lagc.kernels.limits import SPACING
-from lagc.kernels.locating import NEARLY_THERE, any_passes, still_at_rest
+from lagc.kernels.limits import NEARLY_THERE, SPACING
+from lagc.kernels.locating import any_passes, still_at_rest
 from lagc.kernels.model import fn_side_rates_on, fn_sides_on
 from lagc.kernels.records import NOWHERE, State, Work
 from lagc.kernels.resting import come_to_rest, hold_still, late, rates_of_sides, rests, turns_back

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import fabs, sqrt
+from math import fabs, inf, sqrt
 
 from lagc.kernels.control import raised
 from lagc.kernels.kinds import enlarge
-from lagc.kernels.limits import TINY
-from lagc.kernels.method import beta, exponent, last, method_doubts
+from lagc.kernels.limits import NEARLY_THERE, SPACING, TINY
+from lagc.kernels.method import beta, exponent, last, method_doubts, method_error
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NKIND, NQ, NV, NX
@@ -59,40 +59,53 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
         w.weights[i] = weight if weight > TINY else TINY
 
 
-def foresee(s: State, o: Options, h: Real, w: Work) -> None:
+def foresee(s: State, o: Options, h: Real, w: Work) -> bool:
     """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
     it tells that to half and is good enough for all that moves already: by a power that no method follows
     they are as wrong in every shorter step, by what they reach themselves.  Where nothing moves yet all is to
-    grow as a power does, by its rates at the end: a step that is far too long for what is stiff explodes."""
-    off = vector(NX)
-    for i in range(NX):
-        off[i] = 0.0
-    method_doubts(o.method, h, s, off)
+    grow as a power does, by its rates at the end: a step that is far too long for what is stiff explodes.
+    Whether any kind gets one; w.weights are none of this step any more."""
     moving = False
     for i in range(NQ + NV):
         if s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
             moving = True
-            if not off[i] <= w.weights[i]:
-                return
+        else:
+            w.weights[i] = inf
+    if not method_error(o.method, h, s, w) <= 1.0:
+        return False
     end = last(o.method) - 1
     if end < 0:
-        return
+        return False
     if not moving:
         for i in range(NQ + NV):
             if fabs(h * s.k[end][i]) > STEEPEST * w.reached[kind[i]]:
-                return
+                return False
+    off = vector(NX)
+    for i in range(NX):
+        off[i] = 0.0
+    method_doubts(o.method, h, s, off)
     doubts = vector(NKIND)
     for k in range(NKIND):
         doubts[k] = 0.0
     enlarge(off, doubts)
+    found = False
     for k in range(NKIND):
         if s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
             s.sizes[k] = w.reached[k]
+            found = True
+    return found
 
 
-def turning(p: Params, s: State, h: Real, direction: Real, rates: Vec[NKIND], largest: Real, w: Work) -> Real:
-    """The shortest of the times, none above `largest`, in which the kinds change by their own size, as their
-    rates and the changes of these over h tell; 0 where there are no rates then."""
+def lost_in_time(s: State) -> Real:
+    """By what a switch that has just changed may be late: a motion that began with it has had that time."""
+    return NEARLY_THERE * SPACING * (fabs(s.t) + s.longest)
+
+
+def turning(
+    p: Params, s: State, h: Real, direction: Real, sizes: Vec[NKIND], rates: Vec[NKIND], most: Real, w: Work
+) -> Real:
+    """The shortest of the times, none above `most` or lost in the time, in which the kinds change by their
+    own size, as their rates and the changes of these over h tell; 0 where there are no rates then."""
     bends = vector(NKIND)
     for k in range(NKIND):
         bends[k] = 0.0
@@ -104,16 +117,17 @@ def turning(p: Params, s: State, h: Real, direction: Real, rates: Vec[NKIND], la
     for k in range(NX):
         s.y[k] = (s.k[1][k] - s.k[0][k]) / h
     enlarge(s.y, bends)
-    best = largest
+    best = most
+    soon = lost_in_time(s)
     for k in range(NKIND):
         if not bends[k] > 0.0:
             continue
-        way = sqrt(s.sizes[k] / bends[k])
-        if s.sizes[k] < way * rates[k]:
-            way = s.sizes[k] / rates[k]
+        way = sqrt(sizes[k] / bends[k])
+        if sizes[k] < way * rates[k]:
+            way = sizes[k] / rates[k]
         if rates[k] > way * bends[k]:
             way = rates[k] / bends[k]
-        if way > 0.0 and way < best:
+        if way > soon and way < best:
             best = way
     return best
 
@@ -128,13 +142,15 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
         rates[k] = 0.0
     guess = 0.01 * largest
     enlarge(s.k[0], rates)
+    sizes = vector(NKIND)
     for k in range(NKIND):
-        if s.sizes[k] > 0.0 and 0.01 * s.sizes[k] < guess * rates[k]:
-            guess = 0.01 * s.sizes[k] / rates[k]
+        sizes[k] = s.sizes[k] if s.sizes[k] > lost_in_time(s) * rates[k] else 0.0
+        if sizes[k] > 0.0 and 0.01 * sizes[k] < guess * rates[k]:
+            guess = 0.01 * sizes[k] / rates[k]
     h = guess
     best = 0.0
     while h > 0.0:
-        best = turning(p, s, h, direction, rates, largest, w)
+        best = turning(p, s, h, direction, sizes, rates, largest, w)
         if best > BEYOND * h:
             break
         h *= NEARER
@@ -142,13 +158,13 @@ def first_step(p: Params, s: State, t1: Real, direction: Real, o: Options, w: Wo
         return guess
     tolerance = 1.0
     for k in range(NKIND):
-        size = s.sizes[k] if s.sizes[k] > 0.0 else best * rates[k]
+        size = sizes[k] if sizes[k] > 0.0 else best * rates[k]
         if size > 0.0 and o.rtol + o.atol / size < tolerance:
             tolerance = o.rtol + o.atol / size
     h = best * raised(0.01 * tolerance, exponent(o.method) + 0.75 * beta(o.method))
     if h > largest:
         h = largest
     for k in range(NKIND):
-        if s.sizes[k] == 0.0:
+        if sizes[k] == 0.0 and h * rates[k] > s.sizes[k]:
             s.sizes[k] = h * rates[k]
     return h

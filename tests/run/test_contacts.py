@@ -8,6 +8,7 @@ from math import cos
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigh
 
 import lagc
 from lagc.api import Run
@@ -205,3 +206,36 @@ def test_friction_that_holds_is_still_told(push: str) -> None:
     )
     run = lagc.loads(text).compile(backend="numpy").simulate(3.0)
     assert run.status == "failed" and "drives it back" in run.message
+
+
+BLOCKS = """model Blocks
+  parameter Stiffness k = 1e7 [N/m];
+  coordinate Length z1(start = 0.1 [m]), z2(start = 0.2 [m]), z3(start = 0.3 [m]);
+  body b1 = Particle(mass = 1, at = {0, 0, z1});
+  body b2 = Particle(mass = 4, at = {0, 0, z2});
+  body b3 = Particle(mass = 9, at = {0, 0, z3});
+  potential c1 = k/2*max(0, 0.1 [m] - z1)^2;
+  potential c2 = k/2*max(0, z1 + 0.1 [m] - z2)^2;
+  potential c3 = k/2*max(0, z2 + 0.1 [m] - z3)^2;
+  Gravity g;
+end Blocks;"""
+
+
+@pytest.mark.parametrize("stiffness", (1e5, 1e7, 1e9))
+def test_blocks_that_just_touch_begin_to_fall(stiffness: float) -> None:
+    """From a stack that is pressed by nothing, as a linear system of compressions while all are: its closed
+    form by eigenvectors.  Rounding has each of the heights on the wrong side at first."""
+    stop = 10.0 / np.sqrt(stiffness)  # nothing parts before
+    run = (
+        lagc.loads(BLOCKS)
+        .compile(backend="numpy")
+        .simulate(stop=stop, parameters={"k": stiffness}, accuracy=1e-5)
+    )
+    assert run.status == "ok", run.message
+    masses = np.diag([1.0, 4.0, 9.0])
+    springs = stiffness * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+    squares, ways = eigh(springs, masses)
+    modal = ways.T @ masses @ np.full(3, -9.81)
+    exact = ways @ (modal * np.sin(np.sqrt(squares) * stop) / np.sqrt(squares))
+    speeds = [run[f"der(z{i})"][-1] for i in (1, 2, 3)]
+    assert speeds == pytest.approx(exact, abs=1e-5 * max(abs(exact)))

@@ -202,3 +202,60 @@ def test_what_rests_is_pushed_against_a_spring_of_one_side() -> None:
         exact = [max(0.0, t - begin - math.sin(10.0 * (t - begin)) / 10.0) / 100.0 for t in run.t]
         exact = [value if t > begin else 0.0 for t, value in zip(run.t, exact)]
         assert run["x"] == pytest.approx(exact, abs=1e-6 * max(exact))
+
+
+LATE_ANGLE = """model LateAngle
+  parameter Time T = 0.2 [s];
+  coordinate Length x, w(start = 1 [m]);
+  coordinate Angle y;
+  body a = Particle(mass = 1, at = {x, w, 0});
+  body b = Solid(mass = 1, inertia = {1, 1, 1}, frame = rotate_z(world, y), com = {0, 0, 0});
+  potential V = 1/2*(9 [N/m])*w^2;
+  force f = {1e-6*(1 [N])*max(0, (time - T)/(1 [s]))^2.5, 0, 0} at a;
+  torque c = 0.1*(1 [N.m])*max(0, x/(1 [m]))*world.z on b;
+end LateAngle;"""
+
+
+@pytest.mark.parametrize("begin", (0.0, 0.2))
+@pytest.mark.parametrize("accuracy", (1e-6, 1e-8, 1e-10))
+def test_what_a_condition_switches_is_as_small_as_what_it_looks_at(begin: float, accuracy: float) -> None:
+    """x = 1e-6 u^4.5/(3.5 4.5), y = 1e-7 u^6.5/(3.5 4.5 5.5 6.5), u = t - T: in the end 1e-7 m and 1e-9 rad
+    beside the meter of w, whose last places are no reason for x to set out late."""
+    run = (
+        lagc.loads(LATE_ANGLE)
+        .compile(backend="numpy")
+        .simulate(stop=1.5, parameters={"T": begin}, accuracy=accuracy)
+    )
+    assert run.status == "ok", run.message
+    exact = 1e-7 * (1.5 - begin) ** 6.5 / (3.5 * 4.5 * 5.5 * 6.5)
+    assert run["y"][-1] == pytest.approx(exact, rel=accuracy)
+
+
+@pytest.mark.parametrize("rtol", (1e-5, 1e-7, 1e-9, 1e-11))
+def test_a_kind_that_sets_out_late_does_not_end_a_run_that_is_steered_by_hand(rtol: float) -> None:
+    run = lagc.loads(LATE_ANGLE).compile(backend="numpy").simulate(stop=1.5, method="dop853", rtol=rtol)
+    assert run.status == "ok", run.message
+    assert run["y"][-1] == pytest.approx(1e-7 * 1.3**6.5 / (3.5 * 4.5 * 5.5 * 6.5), rel=10 * rtol)
+
+
+THREE = """model Three
+  parameter Time T = 0.2 [s];
+  coordinate Length x, y, z;
+  body a = Particle(mass = 1, at = {x, 0, 0});
+  body b = Particle(mass = 1, at = {0, y, 0});
+  body d = Particle(mass = 1, at = {0, 0, z});
+  force fx = {1 [N]*max(0, (time - T)/(1 [s])), 0, 0} at a;
+  force fy = {0, 1 [N/m]*x, 0} at b;
+  force fz = {0, 0, 1 [N]*max(0, y/(1 [m]))^1.5} at d;
+end Three;"""
+
+
+def test_conditions_that_leave_zero_one_after_the_other() -> None:
+    """With u = t - T x = u^3/6, y = u^5/120, z = 120^-1.5 u^9.5/(8.5 9.5)."""
+    system = lagc.loads(THREE).compile(backend="numpy")
+    for begin in [k / 20 for k in range(0, 24, 2)]:
+        run = system.simulate(stop=1.5, parameters={"T": begin}, accuracy=1e-6)
+        assert run.status == "ok", (begin, run.message)
+        u = 1.5 - begin
+        exact = [u**3 / 6, u**5 / 120, 120**-1.5 * u**9.5 / (8.5 * 9.5)]
+        assert [run[name][-1] for name in "xyz"] == pytest.approx(exact, rel=1e-6)
