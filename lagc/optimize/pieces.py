@@ -1,27 +1,38 @@
 """Conditions that fall into pieces which share no unknown, as those of many instances: in such an order that
-loops go through the pieces, and may go through some of them alone."""
+some of the pieces may be made alone."""
 
 from __future__ import annotations
 
-from lagc.optimize.block import reordered
-from lagc.optimize.program import LEAVES, Function
-from lagc.optimize.rolling import rolled
+from collections import deque
+from collections.abc import Sequence
+from typing import Any, TypeAlias
+
+from lagc.optimize.block import STRAIGHT, reordered
+from lagc.optimize.program import LEAVES, Function, Run
+from lagc.optimize.rolling import Letter, lettered, rolled, rolled_between
 from lagc.records import replace
 
-_LEAST = 3  # pieces, as many as make a loop
+_LEAST = 3  # pieces, and alike that make a loop
+
+_Piece: TypeAlias = "tuple[list[int], list[int]]"  # operations and stores
 
 
 def in_pieces(function: Function) -> Function:
-    """`function` rolled; with its `pieces`, where there are such."""
-    ordered = _by_piece(function)
-    found = rolled(ordered) if ordered else None
-    pieces = _pieces(found) if found and found.runs else ()
-    return replace(found, pieces=pieces) if found and pieces else rolled(function)
+    """`function` rolled; with its `pieces`, where it is long and there are such."""
+    if function.cleared or len(function.operations) + len(function.stores) <= STRAIGHT:
+        return rolled(function)
+    common, pieces = _apart(function)
+    if len(pieces) < _LEAST:
+        return rolled(function)
+    function, letters = lettered(function)
+    alike = _alike(function, letters, pieces)
+    ordered = _in_order(function, [common, *(piece for group in alike for piece in group)])
+    runs = _runs(ordered, common, alike)
+    return replace(ordered, runs=runs, pieces=_of_unknowns(function, alike))
 
 
-def _by_piece(function: Function) -> Function | None:
-    """What belongs to one set of unknowns x that share no operation with others comes together, behind what
-    needs none; None where there are fewer than `_LEAST` such sets."""
+def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
+    """What needs no unknown, and the sets of what shares any by an operation, in order of their leaves."""
     operations = function.operations
     parent = list(range(len(operations)))
     moving = [k >= 0 for k in _unknowns(function)]
@@ -38,47 +49,80 @@ def _by_piece(function: Function) -> Function | None:
                 moving[k] = True
                 one, other = sorted((root(a), root(k)))
                 parent[other] = one
-    order = [k for k, o in enumerate(operations) if o.op in LEAVES]
-    order += [k for k, o in enumerate(operations) if o.op not in LEAVES and not moving[k]]
-    found: dict[int, list[int]] = {}
+    common: _Piece = ([], [])
+    found: dict[int, _Piece] = {}
     for k, o in enumerate(operations):
-        if o.op not in LEAVES and moving[k]:
-            found.setdefault(root(k), []).append(k)
-    if len(found) < _LEAST:
-        return None
-    order += [k for _, own in sorted(found.items()) for k in own]
-    stores = sorted(function.stores, key=lambda store: root(store.value) if moving[store.value] else -1)
-    return reordered(replace(function, stores=tuple(stores)), order)
+        if o.op not in LEAVES:
+            (found.setdefault(root(k), ([], [])) if moving[k] else common)[0].append(k)
+    for k, store in enumerate(function.stores):
+        value = store.value
+        (found.setdefault(root(value), ([], [])) if moving[value] else common)[1].append(k)
+    return common, [piece for _, piece in sorted(found.items())]
 
 
-def _pieces(function: Function) -> tuple[int, ...]:
-    """The repetition, of the loops that have most, that alone reads each entry of x, -1 where none does;
-    nothing where some are read by several, or where repetitions take what others have made, or what is made
-    of unknowns outside of these loops."""
-    operations, count = function.operations, max([run.count for run in function.runs])
-    if count == 1 or function.cleared:
-        return ()
-    number = [-1] * (len(operations) + len(function.stores))
-    for run in function.runs:
-        if run.count == count:
-            number[run.first : run.end] = [n for n in range(count) for _ in range(run.period)]
+def _alike(function: Function, letters: Sequence[Letter], pieces: Sequence[_Piece]) -> list[list[_Piece]]:
+    """The pieces whose operations and stores are the same, with the same edges among themselves."""
+    count = len(function.operations)
+    found: dict[Any, list[_Piece]] = {}
+    for piece in pieces:
+        own, stores = piece
+        place = {k: n for n, k in enumerate(own)}
+        edges = [tuple([place.get(a, -1) for a in function.operations[k].operands]) for k in own]
+        ends = [place.get(function.stores[k].value, -1) for k in stores]
+        text = [letters[k] for k in own] + [letters[count + k] for k in stores]
+        key = tuple(text), tuple(edges), tuple(ends)
+        found.setdefault(key, []).append(piece)
+    return [*found.values()]
+
+
+def _in_order(function: Function, pieces: Sequence[_Piece]) -> Function:
+    """Piece by piece, behind the leaves."""
+    order = [k for k, o in enumerate(function.operations) if o.op in LEAVES]
+    order += [k for own, _ in pieces for k in own]
+    stores = [k for _, own in pieces for k in own]
+    count = len(function.operations)
+    place = {count + k: count + n for n, k in enumerate(stores)}
+    comments = {place.get(k, k): text for k, text in function.comments.items()}
+    moved = replace(function, stores=tuple([function.stores[k] for k in stores]), comments=comments)
+    return reordered(moved, order)
+
+
+def _runs(function: Function, common: _Piece, alike: Sequence[Sequence[_Piece]]) -> tuple[Run, ...]:
+    """Loops through pieces that are alike, unless what they have in loops of their own is less to write."""
+    at = sum([o.op in LEAVES for o in function.operations])
+    blocks: list[tuple[int, int, int, int]] = []  # its first piece, where it begins, size, how often
+    for part in (0, 1):
+        number = 0
+        for own, group in ((-1, [common]), *((0, group) for group in alike)):
+            size = len(group[0][part])
+            blocks.append((own if own < 0 else number, at, size, len(group)))
+            at += size * len(group)
+            number += len(group) if own == 0 else 0
+    starts = [at + size * n for _, at, size, times in blocks for n in range(times if size else 0)]
+    inner = deque(rolled_between(function, starts))
+    found: list[Run] = []
+    for piece, at, size, times in blocks:
+        own_runs: list[Run] = []
+        while inner and inner[0].first < at + size * times:
+            run = inner.popleft()
+            each = piece + (run.first - at) // size if piece >= 0 else -1
+            own_runs.append(replace(run, piece=each, each=run.count))
+        if times >= _LEAST and 0 < size <= sum([run.period for run in own_runs]):
+            own_runs = [Run(at, size, times, piece, 1)]
+        found += own_runs
+    return tuple(found)
+
+
+def _of_unknowns(function: Function, alike: Sequence[Sequence[_Piece]]) -> tuple[int, ...]:
+    """Which piece needs each entry of x."""
     unknowns = _unknowns(function)
-    moving = [k >= 0 for k in unknowns]
-    items = [*(o.operands for o in operations), *((store.value,) for store in function.stores)]
-    readers: dict[int, set[int]] = {}
-    for k, (own, operands) in enumerate(zip(number, items)):
-        if k < len(operations):
-            moving[k] = moving[k] or any([moving[a] for a in operands])
-        for a in operands:
-            alike = number[a] == own or (number[a] < 0 and not moving[a])
-            if operations[a].op not in LEAVES and not alike:
-                return ()
-            if own >= 0 and unknowns[a] >= 0:
-                readers.setdefault(unknowns[a], set()).add(own)
-    if any([len(own) > 1 for own in readers.values()]):
-        return ()
-    found = tuple([min(readers.get(k, (-1,))) for k in range(max(readers, default=-1) + 1)])
-    return found if max(found, default=-1) == count - 1 else ()  # printers know the loops by their count
+    found = [-1] * (max(unknowns, default=-1) + 1)
+    for number, (own, stores) in enumerate([piece for group in alike for piece in group]):
+        taken = [a for k in own for a in function.operations[k].operands]
+        for a in (*taken, *(function.stores[k].value for k in stores)):
+            if unknowns[a] >= 0:
+                found[unknowns[a]] = number
+    return tuple(found)
 
 
 def _unknowns(function: Function) -> list[int]:

@@ -54,11 +54,14 @@ class Store:
 @dataclass(frozen=True, slots=True)
 class Run:
     """`count` times the same `period` operations on other operands, one repetition after the other.  Stores
-    are numbered behind the operations."""
+    are numbered behind the operations.  Where a function has `pieces`, `each` repetitions belong to one, the
+    first to `piece`; where that is -1 all belong to none, and are made whichever are asked for."""
 
     first: int
     period: int
     count: int
+    piece: int = -1
+    each: int = 0
 
     @property
     def end(self) -> int:
@@ -69,8 +72,8 @@ class Run:
 class Function:
     """A straight-line function.  `comments` maps an operation or store position to the
     formula or source line that starts there.  Where it is long, and what it does comes again and again, its
-    leaves come first, and `runs` are all that is behind them: see `rolling`.  Where its longest loops may go
-    through some repetitions alone, `pieces` tells which of these depends on each entry of x, -1 for none."""
+    leaves come first, and `runs` are all that is behind them: see `rolling`.  Where some of it may be made
+    alone, `pieces` tells which part depends on each entry of x, -1 for none."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s

@@ -10,10 +10,10 @@ does not come from side by side.  No operation and no operand changes, and so no
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
 from itertools import product
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from lagc.optimize.block import STRAIGHT, ordered, reordered
 from lagc.optimize.program import LEAVES, Function, Operation, Run
@@ -34,6 +34,8 @@ _ENTRIES = 4  # of tables that take as much room as an operation
 _FEW = 8  # operations between leaves and what is made where it is asked for
 _COMMUTE = ("add", "mul")
 
+Letter: TypeAlias = "tuple[str, ...]"
+
 
 def rolled(function: Function, often: bool = False) -> Function:
     """`function` with its `runs` where it is long and loops cost less, else in the order of `ordered`.
@@ -52,12 +54,38 @@ def rolled(function: Function, often: bool = False) -> Function:
 
 def _looped(function: Function, often: bool) -> tuple[float, Function]:
     """With the runs that are in its order, and what they cost."""
-    kinds = _kinds(function)
-    function = replace(function, operations=tuple([_alike(o, kinds) for o in function.operations]))
-    text = _Text(function, kinds)
+    function, letters = lettered(function)
+    text = _Text(function, letters)
     runs = tuple(text.runs())
     cost = _cost(often, sum([run.period for run in runs]), sum([text.indexing(run) for run in runs]))
     return cost, replace(function, runs=runs)
+
+
+def lettered(function: Function) -> tuple[Function, list[Letter]]:
+    """With operands that may change places in one order; what operations and stores are but for the places
+    of their operands."""
+    kinds = _kinds(function)
+    operations = tuple([_alike(o, kinds) for o in function.operations])
+    letters: list[Letter] = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations]
+    letters += [(store.array, kinds[store.value]) for store in function.stores]
+    return replace(function, operations=operations), letters
+
+
+def rolled_between(function: Function, starts: Sequence[int]) -> list[Run]:
+    """The runs of a function whose leaves come first, of which none goes across a place in `starts`."""
+    function, letters = lettered(function)
+    for k in starts:
+        letters[k] = (*letters[k], str(k))
+    cuts, found = deque(sorted(starts)), list[Run]()
+    for run in _Text(function, letters).runs():
+        first = run.first
+        while cuts and cuts[0] < run.end:
+            cut = cuts.popleft()
+            if cut > first:
+                found.append(replace(run, first=first, period=cut - first))
+                first = cut
+        found.append(replace(run, first=first, period=run.period - (first - run.first)))
+    return found
 
 
 def _cost(often: bool, text: int, indexing: int = 0) -> float:
@@ -146,14 +174,12 @@ class _Repeated(NamedTuple):
 class _Text:
     """The operations of a function behind its leaves, then its stores, as letters."""
 
-    def __init__(self, function: Function, kinds: Sequence[str]) -> None:
+    def __init__(self, function: Function, letters: Sequence[Letter]) -> None:
         operations, stores = function.operations, function.stores
         self.first = first = sum([o.op in LEAVES for o in operations])
         self.stores = len(operations)
-        sorts = [(o.op, *_table(o), *[kinds[k] for k in o.operands]) for o in operations[first:]]
-        sorts += [(store.array, kinds[store.value]) for store in stores]
-        letters: dict[tuple[str, ...], str] = {}
-        self.letters = "".join([letters.setdefault(sort, chr(33 + len(letters))) for sort in sorts])
+        signs: dict[Letter, str] = {}
+        self.letters = "".join([signs.setdefault(letter, chr(33 + len(signs))) for letter in letters[first:]])
         # By place among the operands: where in its array a leaf is, which value another one is, no operand.
         where = [o.payload[1] if isinstance(o.payload, tuple) else k for k, o in enumerate(operations)]
         operands = [o.operands for o in operations[first:]] + [(store.value,) for store in stores]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, Run
 from lagc.records import dataclass, replace
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
@@ -13,16 +13,18 @@ from lagc.render.statements import Dialect, lines
 @dataclass(frozen=True)
 class Forms:
     """What differs between languages: `room` for what is kept; a `variable`, its `change`, and a `fixed` one;
-    the `table` of numbers that a name stands for; the `head` of a loop, of its count and the names that run
-    through sequences, and its `end`; the entries of an array as a `sequence`, if there are such."""
+    the `table` of numbers that a name stands for; the `head` of a loop, of its run and the names that run
+    through sequences, and its `end`; the entries of an array as a `sequence`, if there are such; `only`, the
+    head of what belongs to one piece."""
 
     room: str
     variable: str
     fixed: str
     change: str
     table: Callable[[str, Sequence[float]], list[str]]
-    head: Callable[[int, Sequence[tuple[str, str]]], str]
+    head: Callable[[Run, Sequence[tuple[str, str]]], str]
     end: str
+    only: str
     sequence: Callable[[str, int, int, int], str] | None = None  # array, first, stride, count
     number: str = "{}"  # an entry of a table of reals
 
@@ -61,23 +63,33 @@ class _Printer:
 
         names = {(READ, k): self._name(k) for k, text in enumerate(reads) if not text.isidentifier()}
         body = lines(segment.body, replace(self.dialect, load=load, store=store), names)
-        if segment.count == 1:
-            return body
+        if segment.run.count == 1:
+            return self._where_asked(body)
         for k, access in enumerate(segment.carries):
             value = self._entry(access)
             self.before.append(forms.variable.format(name=f"{CARRIED}{k}", value=value))
-        inner = [f"    {line}" for line in body]
-        end = [forms.end] if forms.end else []
-        return [*self.before, forms.head(segment.count, self.running), *inner, *end]
+        loop = self._block(forms.head(segment.run, self.running), body)
+        return self._where_asked([*self.before, *loop])
+
+    def _where_asked(self, text: list[str]) -> list[str]:
+        """What belongs to one piece."""
+        run = self.segment.run
+        alone = run.piece >= 0 and run.each == run.count
+        return self._block(self.forms.only.format(piece=run.piece), text) if alone else text
+
+    def _block(self, head: str, text: Sequence[str]) -> list[str]:
+        return [head, *(f"    {line}" for line in text), *([self.forms.end] if self.forms.end else [])]
 
     def _name(self, k: int) -> str:
         access, own = self.segment.reads[k], f"{READ}{k}"
         return (
-            self.locals.get((access.array, int(access.indices[0])), own) if self.segment.count == 1 else own
+            self.locals.get((access.array, int(access.indices[0])), own)
+            if self.segment.run.count == 1
+            else own
         )
 
     def _read(self, k: int, access: Access) -> str:
-        name, forms, count = f"{READ}{k}", self.forms, self.segment.count
+        name, forms, count = f"{READ}{k}", self.forms, self.segment.run.count
         if count == 1:
             return self._entry(access)
         if access.stride == 0:

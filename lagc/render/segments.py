@@ -44,10 +44,10 @@ class Access:
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """`count` repetitions of `body`, which loads from READ and CARRIED and stores to WRITTEN and CARRIED."""
+    """The repetitions of `body`, which loads from READ and CARRIED and stores to WRITTEN and CARRIED."""
 
     body: Function
-    count: int
+    run: Run
     reads: Sequence[Access]
     writes: Sequence[Access]
     carries: Sequence[Access]  # what each is at first: one entry
@@ -149,7 +149,7 @@ def _divided(function: Function) -> Iterator[Run]:
             end = min(first + _LARGEST, run.end, stores if first < stores else run.end)
             if end < min(run.end, stores) and _TURNS.get(operations[end - 1].op) == operations[end].op:
                 end += 1  # that may be of one angle
-            yield Run(first, end - first, 1)
+            yield replace(run, first=first, period=end - first)
             first = end
 
 
@@ -334,7 +334,7 @@ class _Body:
             self.stores.append(Store(CARRIED, number, self.number[source]))
         comments = {len(self.operations) + k: text for k, text in self.comments.items()}
         body = Function("", (), (), tuple(self.operations), tuple(self.stores), "", comments)
-        return Segment(body, run.count, self.accesses, self.writes, self.initial)
+        return Segment(body, run, self.accesses, self.writes, self.initial)
 
     def _write(self, access: Access, value: int, item: int = -1) -> None:
         comments = self.all.function.comments

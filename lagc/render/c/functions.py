@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 from lagc.expr.operators import spelling
-from lagc.optimize.program import Function, Program, uses
+from lagc.optimize.program import Function, Program, Run, uses
 from lagc.optimize.rolling import moves_itself
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.loops import Forms, loops
@@ -83,27 +83,32 @@ def function_text(
             body += lines(function, dialect, locals_)
             return _about(function) + _definition(f"lagc_fn_{function.spelled}", function, body)
         function = in_parts(function)
-    forms = _forms(real, max(function.pieces, default=0) + 1)
-    return _about(function) + _divided(function, loops(function, dialect, forms, locals_), body)
+    return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
 
 
-def _forms(real: Arithmetic, pieces: int = 1) -> Forms:
-    """Loops through all of several `pieces` go from `first` to `last` alone."""
+def _head(run: Run, _: Sequence[tuple[str, str]]) -> str:
+    """Through those repetitions that belong to the pieces `first` to `last`."""
+    begin, end = "0", str(run.count)
+    if run.piece >= 0 and run.each < run.count:
+        times = f" * {run.each}" if run.each > 1 else ""
+        behind = run.piece + run.count // run.each
+        begin = f"(first > {run.piece} ? first - {run.piece} : 0){times}"
+        end = f"(last < {behind} ? last : {behind}) - {run.piece}"
+        end = f"({end}){times}" if times else end
+    return f"for (int i = {begin}; i < {end}; i++) {{"
 
+
+def _forms(real: Arithmetic) -> Forms:
     def table(name: str, values: Sequence[float]) -> list[str]:
         whole = all([isinstance(value, int) for value in values])
         texts = [str(value) if whole else real.literal(value) for value in values]
         entries = textwrap.wrap(", ".join(texts), 88)
         return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
 
-    def head(count: int, _: Sequence[tuple[str, str]]) -> str:
-        begin, end = ("first", "last") if count == pieces > 1 else (0, count)
-        return f"for (int i = {begin}; i < {end}; i++) {{"
-
     return Forms(
         room="lagc_real kept[{size}];", variable="lagc_real {name} = {value};",
         fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
-        head=head, end="}",
+        head=_head, end="}", only="if (first <= {piece} && {piece} < last) {{",
     )  # fmt: skip
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 from lagc.expr.operators import OPERATORS, spelling
-from lagc.optimize.program import Function
+from lagc.optimize.program import Function, Run
 from lagc.records import replace
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.loops import Forms, loops
@@ -43,28 +43,22 @@ GUESSED = ("conditions",)
 AT_GUESSES = replace(DIALECT, calls={**CALLS, "div": "quotient"}, called=("div",))
 
 
-def _head(count: int, running: Sequence[tuple[str, str]]) -> str:
-    if not running:
-        return f"for i in range({count}):"
-    names, sequences = zip(*running)
-    return f"for i, {', '.join(names)} in zip(range({count}), {', '.join(sequences)}):"
+def _head(run: Run, running: Sequence[tuple[str, str]]) -> str:
+    """Through those repetitions that belong to the pieces `first` to `last`."""
+    names, sequences = ["i", *(name for name, _ in running)], [f"range({run.count})"]
+    sequences += [sequence for _, sequence in running]
+    if run.piece >= 0 and run.each < run.count:
+        times = f" * {run.each}" if run.each > 1 else ""
+        begin, end = [f"max({name} - {run.piece}, 0){times}" for name in ("first", "last")]
+        sequences = [f"{sequence}[{begin}:{end}]" for sequence in sequences]
+    if len(names) == 1:
+        return f"for i in {sequences[0]}:"
+    return f"for {', '.join(names)} in zip({', '.join(sequences)}):"
 
 
 def _sequence(array: str, first: int, stride: int, count: int) -> str:
     end = first + stride * count
     return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
-
-
-def _some(whole: int) -> Callable[[int, Sequence[tuple[str, str]]], str]:
-    """Heads of loops of which those through all of this `whole` go from `first` to `last` alone."""
-
-    def head(count: int, running: Sequence[tuple[str, str]]) -> str:
-        if count != whole:
-            return _head(count, running)
-        names, sequences = zip(("i", f"range({count})"), *running)
-        return f"for {', '.join(names)} in zip({', '.join([f'{text}[first:last]' for text in sequences])}):"
-
-    return head
 
 
 _STRAIGHT = 10_000  # operations that take less time without loops
@@ -77,6 +71,7 @@ FORMS = Forms(
     table=lambda name, values: [f"{name} = ({', '.join(map(repr, values))})"],
     head=_head,
     end="",
+    only="if first <= {piece} < last:",
     sequence=_sequence,
     number="(1.0 * {})",  # for `_again`, which changes numbers but none within tuples
 )
@@ -269,8 +264,7 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     body = [f"{a}[:] = [0.0] * {size[a]}" for a in function.cleared]
     own = function.pieces
     if own or (function.runs and len(function.operations) > _STRAIGHT):
-        forms = replace(FORMS, head=_some(max(own) + 1)) if own else FORMS
-        body += [line for part in loops(function, dialect, forms, {}) for line in part]
+        body += [line for part in loops(function, dialect, FORMS, {}) for line in part]
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
