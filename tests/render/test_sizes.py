@@ -43,7 +43,7 @@ def test_operations_grow_as_bodies_do_and_code_does_not_faster(
 
 def accesses(found: list[Segment]) -> int:
     """Of what is kept, and of tables of indices."""
-    loops = [(access, s.count) for s in found if s.count > 1 for access in (*s.reads, *s.writes)]
+    loops = [(access, s.run.count) for s in found if s.run.count > 1 for access in (*s.reads, *s.writes)]
     return sum([count * ((a.array == KEPT) + (a.stride is None)) for a, count in loops])
 
 
