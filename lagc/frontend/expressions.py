@@ -86,6 +86,11 @@ class Expressions:
     def call(self, c: Children, span: Span) -> tree.Call:
         return self._part(tree.Call(c[0], c[1], span), c[0])
 
+    def call_of_family(self, c: Children, span: Span) -> tree.Call:
+        function, family = c
+        argument = tree.Argument(None, None, family, family.span)
+        return self._part(tree.Call(function, (argument,), span), function)
+
     def parenthesised(self, c: Children, span: Span) -> tree.Expression:
         # The parentheses belong to the span, so that a caret under the whole shows them.
         inner: tree.Expression = c[0]
@@ -104,6 +109,10 @@ class Expressions:
     def family(self, c: Children, span: Span) -> tree.Family:
         element, variable, values = c
         return tree.Family(element, variable.text, values, span)
+
+    def family_in_braces(self, c: Children, span: Span) -> tree.Family:
+        family: tree.Family = c[0]
+        return replace(family, span=span)
 
     def number(self, c: Children, span: Span) -> tree.Number:
         text = c[0].text

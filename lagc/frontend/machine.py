@@ -219,9 +219,9 @@ class Machine:
         return before.kind == SYMBOL and before.text not in (")", "]", "}")
 
     def _begins_block(self) -> bool:
-        """Whether this word does, and neither ends one nor stands in braces, `{i^2 for i in 1:n}`."""
-        within = "RBRACE" in self.tables.actions[self.states[-1]]
-        return not within and self.tokens[self.position - 1].text != "end"
+        """Whether this word does, and neither ends one nor gives values by number, `{i^2 for i in 1:n}`."""
+        open_ = self.tables.actions[self.states[-1]].keys() & {"RBRACE", "RPAR"}
+        return not open_ and self.tokens[self.position - 1].text != "end"
 
     # -- blocks and their ends ---------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
+from math import inf
 
 from lagc.frontend import tree
 from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
@@ -45,16 +46,18 @@ class Spacing:
         made: list[Piece] = []
         waiting = list(comments)
         brackets: list[str] = []
-        ranged = False
+        ranged = inf  # how many brackets are open around the range that has begun
         for number in range(position, stop):
             token = self.tokens[number]
             while waiting and waiting[0].start < token.start:
                 made.append(_comment(waiting.pop(0)))
-            if token.terminal in ("FOR", "LOOP", "RBRACE"):
-                ranged = token.terminal == "FOR"
             if token.text in _CLOSING and token.kind == SYMBOL:
                 brackets.pop()
-            tight = ranged or "[" in brackets
+            if token.terminal == "FOR":
+                ranged = len(brackets)
+            elif token.terminal == "LOOP" or len(brackets) < ranged:
+                ranged = inf
+            tight = ranged < inf or "[" in brackets
             before = self.tokens[number - 1] if number > position else None
             space = before is not None and self.space(number, tight)
             if made and made[-1].comment:

@@ -44,7 +44,7 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
             "LAG0304",
             unknown.reason,
             e.unit.span,
-            remedy=unknown.remedy,
+            remedy=_AN_ELEMENT if _is_number(e, environment) else unknown.remedy,
         ) from None
     value = evaluate(context, e.value, environment)
 
@@ -59,6 +59,12 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
         raise Wrong("LAG0304", "a unit stands after a number or a vector of numbers", e.unit.span)
 
     return converted(value)
+
+
+def _is_number(e: tree.Quantity, environment: Environment) -> bool:
+    """Whether what stands behind a vector is no unit but the number of an element."""
+    text, vector = e.unit.text.strip(), isinstance(e.value, tree.Vector | tree.Family)
+    return vector and (text.isdigit() or text in environment.bindings or text in environment.instance.entries)
 
 
 def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
@@ -216,18 +222,24 @@ def _family(context: Context, e: tree.Family, environment: Environment) -> Value
         return evaluate(context, e.element, environment.bind({e.variable: value}))
 
     numbers = integers(context, e.range, environment)
-    if not numbers:
-        raise Wrong("LAG0208", "this range holds no number, and an array an element at least", e.range.span)
     return _array(each(context, of, numbers), [e.element] * len(numbers))
 
 
 def _array(elements: Sequence[Value], written: Sequence[tree.Expression]) -> Array:
+    conditions = all([_of_conditions(value) for value in elements])
     for value, given in zip(elements, written):
-        flat(value, given.span, "an element of a vector")
+        if not conditions:
+            flat(value, given.span, "an element of a vector")
         if shape(value) != shape(elements[0]):
             raise Wrong("LAG0306", "the elements of an array are all of one shape", given.span)
     _one_dimension(elements, written)
     return Array(tuple(elements))
+
+
+def _of_conditions(value: Value) -> bool:
+    if isinstance(value, Array):
+        return bool(value.elements) and all([_of_conditions(element) for element in value.elements])
+    return isinstance(value, Truth)
 
 
 def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
@@ -251,6 +263,8 @@ def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]
             related=((first[1].span, there),),
         )
 
+
+_AN_ELEMENT = "an element is taken behind parentheses: `({3, 1, 2})[i]`"
 
 HOW: dict[type, Callable[..., Value]] = {
     tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,

@@ -53,7 +53,7 @@ def declare_orientation(context: Context, entry: Entry, source: tree.Declarator)
         [rate.record.name for rate in rates],
     )
     whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
-    whole, rate_stated = held(context, attributes, whole, rate_stated)
+    whole, rate_stated = held(context, attributes, [], whole, rate_stated)
     orientation = Orientation(
         name,
         (w, x, y, z),

@@ -259,7 +259,7 @@ def _coordinate(context: Context, quantity: Quantity) -> Value:
     rates, rate_stated = starts(
         context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
     )
-    start_stated, rate_stated = held(context, quantity.attributes, start_stated, rate_stated)
+    start_stated, rate_stated = held(context, quantity.attributes, quantity.sizes, start_stated, rate_stated)
     found: list[Scalar] = []
     for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
         name = quantity.name(subscript)
@@ -299,7 +299,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
         )
     values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
     at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
-    holds = fixed(context, quantity.attributes, "fixed")
+    holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
     found: list[Scalar] = []
     for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
         if context.clock.mask(scalar.node) & LATE:
@@ -319,7 +319,7 @@ def _speed(context: Context, quantity: Quantity) -> Value:
             entry.span,
             quantity.description,
             None if stated[k].level == nouns.UNSTATED else at_start[k],
-            firm(stated[k], holds),
+            firm(stated[k], holds[k]),
         )
         entry.nouns.append(speed)
         found.append(Scalar(symbol, quantity.type.dimension))

@@ -95,11 +95,7 @@ def elements(
     expression = modifier.argument.value
     assert expression is not None
     value = evaluate_as(context, expression, modifier.environment, dimension)
-    if modifier.index and _rank(value) >= len(modifier.index) + len(sizes):
-        for number in modifier.index:
-            if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
-                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", expression.span)
-            value = value.elements[number - 1]
+    value = _own(value, modifier, sizes, what)
     count = math.prod(sizes)
     if isinstance(value, Scalar):
         found = [value] * count
@@ -107,16 +103,28 @@ def elements(
         raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", expression.span)
     else:
         found = flat(value, expression.span, what)
-        if shape(value) != sizes:
-            shown = " x ".join(str(n) for n in sizes)
-            raise Wrong("LAG0306", f"{what} has {shown} elements, this has {len(found)}", expression.span)
+        _as_many(value, sizes, expression.span, what)
     for scalar in found:
         expect(scalar.dimension, dimension, expression.span, what)
     return found
 
 
-def _rank(value: Value) -> int:
-    return len(shape(value))
+def _own(value: Value, modifier: Modifier, sizes: list[int], what: str) -> Value:
+    """Of a value that has more dimensions than `sizes`, what belongs to the instance of the modifier."""
+    if modifier.index and len(shape(value)) >= len(modifier.index) + len(sizes):
+        for number in modifier.index:
+            if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
+                assert modifier.argument.value is not None
+                span = modifier.argument.value.span
+                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", span)
+            value = value.elements[number - 1]
+    return value
+
+
+def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
+    if shape(value) != sizes:
+        shown = " x ".join(str(n) for n in sizes)
+        raise Wrong("LAG0306", f"{what} has {shown} elements, this has {math.prod(shape(value))}", span)
 
 
 def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
@@ -181,32 +189,54 @@ def from_outside(entry: Entry, given: Given) -> Statement:
 
 
 def held(
-    context: Context, attributes: dict[str, Modifier], start: Sequence[Statement], rate: Sequence[Statement]
+    context: Context,
+    attributes: dict[str, Modifier],
+    sizes: list[int],
+    start: Sequence[Statement],
+    rate: Sequence[Statement],
 ) -> tuple[list[Statement], list[Statement]]:
     """The statements about starts and rates, with those held that `fixed`, `startFixed` and `rateFixed`
     say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
-    both, starts, rates = (fixed(context, attributes, name) for name in ("fixed", "startFixed", "rateFixed"))
-    held_at = both if starts is None else starts
-    return (
-        [firm(s, held_at) for s in start],
-        [firm(s, both and s.level != UNSTATED if rates is None else rates) for s in rate],
-    )
+    names = ("fixed", "startFixed", "rateFixed")
+    both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
+    held_at = [one if own is None else own for one, own in zip(both, starts)]
+    both, _, rates = (fixed(context, attributes, name, sizes, len(rate)) for name in names)
+    turning = [
+        one and stated.level != UNSTATED if own is None else own
+        for one, own, stated in zip(both, rates, rate)
+    ]
+    return [*map(firm, start, held_at)], [*map(firm, rate, turning)]
 
 
 def firm(stated: Statement, holds: bool | None) -> Statement:
     return Statement(FIXED, stated.span) if holds else stated
 
 
-def fixed(context: Context, attributes: dict[str, Modifier], name: str) -> bool | None:
-    """What the attribute `name` says of all elements; None where it is not there."""
+def fixed(
+    context: Context, attributes: dict[str, Modifier], name: str, sizes: list[int], count: int
+) -> list[bool | None]:
+    """What the attribute `name` says of each of `count` elements; None where it is not there."""
     modifier = attributes.get(name)
     if modifier is None or modifier.argument.value is None:
-        return None
+        return [None] * count
     expression = modifier.argument.value
-    value = evaluate(context, expression, modifier.environment)
+    value = _own(evaluate(context, expression, modifier.environment), modifier, sizes, f"`{name}`")
+    if isinstance(value, Array) and sizes:
+        _as_many(value, sizes, expression.span, f"`{name}`")
+        return [_said(truth, name, expression.span) for truth in _leaves(value)]
+    return [_said(value, name, expression.span)] * count
+
+
+def _said(value: Value, name: str, span: Span) -> bool:
     if not isinstance(value, Truth) or not value.node.is_const:
-        raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", expression.span)
+        raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", span)
     return bool(value.node.value)
+
+
+def _leaves(value: Value) -> list[Value]:
+    if not isinstance(value, Array):
+        return [value]
+    return [leaf for element in value.elements for leaf in _leaves(element)]
 
 
 def no_rates(context: Context, node: Node, span: Span, what: str) -> None:

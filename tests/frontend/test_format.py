@@ -90,6 +90,8 @@ model Pendulum "A mass on a massless string"  // of the course
   end when;
 
   output Energy E = energy();
+  output Real s = sum(sum(i*j for j in i+1:max(n, 2)-1) + 1 - i for i in 1:n);
+  output Real u = sum({i - 1 for i in 1:n});
   /* last
      words */
 end Pendulum;

@@ -54,7 +54,7 @@ CASES = [
     ("a tolerance beside an accuracy elsewhere", "LAG0209",
      "scene s simulate(accuracy = 1e-6); simulate(«rtol = 1e-3»); end s;"),
     ("two grids", "LAG0209", "scene s simulate(points = 10, «every = 1»); end s;"),
-    ("a family of none", "LAG0208", "parameter Real a[1] = {i for i in «1:0»};"),
+    ("a family of none for one", "LAG0306", "parameter Real a[1] = «{i for i in 1:0}»;"),
     ("a family by no range", "LAG0208", "parameter Real a[1] = {i for i in «3»};"),
     ("a family of another length", "LAG0306", "parameter Real a[2] = «{i for i in 1:3}»;"),
     ("a family of several dimensions", "LAG0301",

@@ -140,6 +140,32 @@ def test_position_and_rate_are_fixed_separately(said: str, held: tuple[bool, boo
         assert (levels[0] == 4, levels[2] == 4) == held
 
 
+@pytest.mark.parametrize("said", ["{true, false, true}", "{i <> 2 for i in 1:3}"])
+def test_elements_are_fixed_each_by_itself(said: str) -> None:
+    text = f"""\
+model M
+  coordinate Length x[3](start = {{1, 2, 3}}, rate = {{1, 2, 3}}, startFixed = {said}, rateFixed = {said});
+  body b = Particle(mass = 1, at = {{x[1], x[2], x[3]}});
+end M;
+"""
+    levels = system_of(text).interface.start_levels
+    assert [level == 4 for level in levels] == [True, False, True] * 2
+
+
+def test_instances_are_fixed_each_by_itself() -> None:
+    text = """\
+model Ball
+  coordinate Length x[2](start = {1, 2});
+  body b = Particle(mass = 1, at = {x[1], x[2], 0});
+end Ball;
+model M
+  Ball a[3](x(fixed = {{true, false}, {false, false}, {true, true}}));
+end M;
+"""
+    levels = system_of(text).interface.start_levels[:6]
+    assert [level == 4 for level in levels] == [True, False, False, False, True, True]
+
+
 def test_parts_of_orientations_and_declared_speeds_are_fixed() -> None:
     text = """\
 model M
