@@ -190,6 +190,7 @@ class Expressions:
             f"abs({again()})", f"min({again()}, {again()})", f"max({again()}, {again()}, 0)",
             f"max({again()}, 0)", f"sign({self.leaf(LENGTH, on)})*{again()}",
             f"sum({{{again()}, {again()}}})", f"sum({{each_one*{again()} for each_one in 1:2}})",
+            f"sum(each_one*{again()} for each_one in {self.chance.choice(['1:3', '2:1', '2:-1:1'])})",
             f"mod({again()}, {self.literal(dimension)})", f"max({{{again()}, {again()}}})",
         ]  # fmt: skip
         if dimension == NUMBER:
