@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from lagc.run.backends.numpy import NumpySystem
 
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
+SHAKEN = 9e-16  # of a state: four units of its last place
+FADING = 0.9  # from step to step, of the rounding that was heard
 FAINT = 1e-14  # of the terms of its rates: what of S is rounding
 STEEPEST = 20.0  # power of the time by which S departs from zero
 SAME = 1e-6  # of the time of a run: where two of its integrations end
@@ -97,6 +99,7 @@ class Variation:
         found = Followed(values, of_kind, of_kind.copy(), np.zeros(len(times), dtype=int), 1, 0, 0, 0)
         self.sizes, self.faint = self._largest(self.start), np.zeros_like(found.rounding)
         self.pace = inf  # what S lets a step be
+        self.heard = np.zeros_like(self.sizes)  # what rounding of states changes its rates by
         found.values[0] = now = self.start
         self.last: Slopes | None = None  # where the next step begins
         modes = list(s.modes) if self.system.interface.switches else []
@@ -155,7 +158,7 @@ class Variation:
 
     def _step(self, s: Any, now: Array, stop: float, found: Followed) -> tuple[int, Array, Array]:
         """One step of the motion that is not too long for S: S behind it, and its rates at the stages."""
-        kept, grown = _kept(s), np.zeros_like(self.sizes)
+        kept, grown, listened = _kept(s), np.zeros_like(self.sizes), False
         while True:
             limit = min(self.longest or inf, self.pace)
             s.options.max_step = limit if limit < inf else 0.0
@@ -169,7 +172,7 @@ class Variation:
                 break
             terms = h * np.maximum(self._terms(first, now), self._terms(last, new))
             errors = self.table.error_of(table, h)
-            faint = FAINT * (terms + self._tied(last.point, new))
+            faint = FAINT * (terms + self._tied(last.point, new)) + h * self.heard
             faint += h * self._largest(np.abs(first.by_state) @ (self.faint + faint)[self.kind])
             grown = np.maximum(grown, self._known(new, errors, terms))
             error = _norm(errors, (self._scale(np.maximum(terms, grown), new) + faint)[self.kind])
@@ -183,6 +186,8 @@ class Variation:
             if not h > SHORTEST * stop:
                 raise Stopped("its derivatives grow without bound")
             self.pace = h * (max(part, 0.1) if part == part else 0.1)
+            if not listened:
+                listened, self.heard = True, np.maximum(FADING * self.heard, self._listen(s, first, now))
             found.rejected += 1
             _restore(s, kept)
         self.last = last
@@ -200,6 +205,13 @@ class Variation:
         contact, is as wrong in every short step, by its own size then: it is judged by what it comes to."""
         sizes = self._largest(new)
         return np.where((2.0 * self._largest(errors) < sizes) & (terms <= STEEPEST * sizes), sizes, 0.0)
+
+    def _listen(self, s: Any, first: Slopes, now: Array) -> Array:
+        """What the rates of S change by with last places of the states: differences of what is large."""
+        x, modes = np.array(s.x_old), list(s.modes_old) if self.system.interface.switches else None
+        shake = np.where(np.arange(len(x)) % 2 == 0, 1.0 + SHAKEN, 1.0 - SHAKEN)
+        beside = self._slopes(self._point(s.t_old, x * shake, np.array(s.k[0]), modes))
+        return self._largest(beside.rates(now) - first.rates(now))
 
     def _stages(self, s: Any, now: Array) -> tuple[Array, Array, Slopes, Slopes]:
         """S behind the last step, on the constraints, and its rates at the stages and there; the equations of

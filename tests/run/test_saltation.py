@@ -204,3 +204,31 @@ def test_behind_the_kink_of_a_contact(exponent: float, stiff: float) -> None:
         assert run.status == "ok", run.message
         found = [run.sensitivity(what, by)[-1] for by in asked for what in ("z", "der(z)")]
         assert np.abs(np.array(found) / exact[2:] - 1.0).max() < 10.0 * accuracy
+
+
+@pytest.mark.parametrize("rest", [0.0, 0.1, 10.0])
+def test_a_ball_meets_one_that_rests_on_a_spring(rest: float) -> None:
+    """By Hertz' contact, at t = 0.04: d/dk departs from zero by t^6.5, and with a spring that rests elsewhere
+    than at zero is mostly rounding of y - rest at first.  SciPy, from the contact on, where rest is zero."""
+    text = f"""model HertzSpring
+      parameter Stiffness k = 2000 [N/m];
+      coordinate Length x(start = {rest} [m] - 80 [mm], rate = 2 [m/s]), y(start = {rest});
+      body a = Particle(mass = 1, at = {{x, 0, 0}});
+      body b = Particle(mass = 2, at = {{y, 0, 0}});
+      potential c = 2/5*1e6 [N]*(1 [m])*max(0, (x - y)/(1 [m]))^2.5;
+      potential s = 1/2*k*(y - {rest} [m])^2;
+    end HertzSpring;"""
+
+    def rates(t: float, u: np.ndarray) -> list[float]:
+        x, y, v, w, a, b, c, d = u
+        deep = max(0.0, x - y)
+        force, slope = 1e6 * deep**1.5, 1.5e6 * np.sqrt(deep) * (a - b)
+        return [v, w, -force, (force - 2000.0 * y) / 2.0, c, d, -slope, (slope - 2000.0 * b - y) / 2.0]
+
+    begin = [0.0, 0.0, 2.0, *([0.0] * 5)]
+    exact = solve_ivp(rates, (0.04, 0.05), begin, method="DOP853", rtol=1e-12, atol=1e-20, max_step=1e-5)
+    model = lagc.loads(text).compile(backend="numpy")
+    run = model.simulate(0.05, points=2, accuracy=1e-6, sensitivity=["k"])
+    assert run.status == "ok", run.message
+    found = [run.sensitivity(what, "k")[-1] for what in ("x", "y", "der(x)", "der(y)")]
+    assert np.abs(np.array(found) / exact.y[4:, -1] - 1.0).max() < 1e-5
