@@ -50,7 +50,7 @@ class Artifact:
     interface: Interface
     sources: Mapping[str, str]
     unused: tuple[Field, ...] = ()
-    code: CodeType | None = None
+    code: tuple[CodeType, ...] = ()
 
     @property
     def built_in(self) -> tuple[str, ...]:
@@ -59,7 +59,7 @@ class Artifact:
 
     def __getstate__(self) -> dict[str, object]:
         """Without `code`, which belongs to one version of Python: it can be made from the text."""
-        return {**vars(self), "code": None}
+        return {**vars(self), "code": ()}
 
 
 def load_head(key: str) -> Head | None:

@@ -265,7 +265,7 @@ class Compilation:
             interface=program.interface,
             sources=sources,
             unused=unused(self.model, program.interface),
-            code=_code(sources) if target == "numpy" else None,
+            code=_code(sources) if target == "numpy" else (),
         )
         head = Head(self.model.imports, self.model.built_in)
         store_head(self._head_name, head)
@@ -308,10 +308,11 @@ def _said(given: Source | Points) -> str:
     return repr([list(map(float, column)) for column in given[:2]]) + given[2]
 
 
-def _code(sources: Mapping[str, str]) -> CodeType:
+def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
     from lagc.run.backends.numpy import compiled
 
-    return compiled(sources)
+    ((name, text),) = sources.items()
+    return compiled(text, name)
 
 
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:

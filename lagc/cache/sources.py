@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from time import time
 
 from lagc import cache
+from lagc.cache.folders import hashed
 
 PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 ENDINGS = (".py", ".c", ".h", ".lark", ".json")
@@ -32,8 +33,7 @@ def tool_fingerprint() -> str:
             return stamp
         kept = cache.load("sources", stamp, bytes.decode)
         if kept is None:
-            words = [(os.path.relpath(path, PACKAGE), _digest(path)) for path in found]
-            kept = cache.key(*(word for pair in words for word in pair))
+            kept = _contents(found)
             if all(abs(time() - max(s.st_mtime, s.st_ctime)) > FRESH for s in found.values()):
                 cache.store("sources", stamp, kept.encode())
         return kept
@@ -55,6 +55,18 @@ def _files() -> Iterator[tuple[str, os.stat_result]]:
         yield grammar, os.stat(grammar)
 
 
-def _digest(path: str) -> str:
-    with open(path, "rb") as file:
-        return cache.digest(file.read())
+def _contents(found: Mapping[str, os.stat_result]) -> str:
+    """The hash of files and their names, read as fast as they can be."""
+    whole = hashed(b"")
+    for path, status in found.items():
+        file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        try:
+            data = os.read(file, status.st_size + 1)
+        finally:
+            os.close(file)
+        if len(data) != status.st_size:
+            raise OSError
+        name = path.removeprefix(PACKAGE) if path.startswith(PACKAGE) else os.path.basename(path)
+        whole.update(f"{name}\n{len(data)}\n".encode("utf-8", "surrogatepass"))
+        whole.update(data)
+    return whole.hexdigest()

@@ -14,7 +14,7 @@ from lagc import cache as store
 from lagc.once import once
 from lagc.optimize.program import Program
 from lagc.render.numpy.render import evaluation
-from lagc.run.backends.numpy import NumpyModel
+from lagc.run.backends.numpy import NumpyModel, compiled, executed
 from lagc.run.begin import NoStart, begin, strange_outputs, undetermined
 from lagc.run.problem import FAILED, System
 from lagc.run.request import Request
@@ -32,11 +32,8 @@ class _Model(NumpyModel):
 
     @once
     def module(self) -> dict[str, Any]:
-        space: dict[str, Any] = {"__name__": __name__}
         own, shared = evaluation(self.program)
-        exec(compile(own, "evaluation", "exec", dont_inherit=True), space)
-        exec(_code(shared), space)
-        return space
+        return executed([*compiled(own, "evaluation"), _code(shared)])
 
 
 def try_start(program: Program, parameters: Sequence[float]) -> list[str]:

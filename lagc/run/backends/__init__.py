@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import CodeType
 
 from lagc.optimize.program import Interface
@@ -10,7 +10,7 @@ from lagc.run.problem import System
 
 
 def load(
-    interface: Interface, sources: Mapping[str, str], backend: str, code: CodeType | None = None
+    interface: Interface, sources: Mapping[str, str], backend: str, code: Sequence[CodeType] = ()
 ) -> System:
     """The system that `sources` (file name -> text, as rendered for `backend`) describe, with the
     model's own values; `bind` gives it others.

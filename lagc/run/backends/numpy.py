@@ -21,28 +21,42 @@ if TYPE_CHECKING:
     from array import array
 
 
-def compiled(sources: Mapping[str, str]) -> CodeType:
-    """The module's text (the one file of `sources`) as code."""
-    ((name, text),) = sources.items()
-    return compile(text, name, "exec", dont_inherit=True)
+def compiled(text: str, name: str) -> tuple[CodeType, ...]:
+    """The text of a module as code, which comes in parts: to compile them one by one takes half the room of
+    all at once, and three quarters of the time."""
+    parts, flags = [""], annotations.compiler_flag
+    for definition in text.split(_BETWEEN):
+        if len(parts[-1]) > PART:
+            parts.append("")
+        parts[-1] += definition + _BETWEEN
+    return tuple([compile(part, name, "exec", flags, dont_inherit=True) for part in parts])
 
 
+def executed(code: Sequence[CodeType]) -> dict[str, Any]:
+    """The namespace that a module makes."""
+    space: dict[str, Any] = {"__name__": __name__}
+    for part in code:
+        exec(part, space)
+    return space
+
+
+PART = 20_000  # characters
+_BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
 ROOM = 2**21  # operations that derivatives are made of at once, directions times those of a right-hand side
 
 
 class NumpyModel(Compiled):
     """The module; `code` is its compiled text, where it is at hand."""
 
-    def __init__(self, interface: Interface, sources: Mapping[str, str], code: CodeType | None = None):
+    def __init__(self, interface: Interface, sources: Mapping[str, str], code: Sequence[CodeType] = ()):
         super().__init__(interface, sources)
         self.code = code
 
     @once
     def module(self) -> dict[str, Any]:
         """The namespace that the text makes."""
-        space: dict[str, Any] = {"__name__": __name__}
-        exec(compiled(self.sources) if self.code is None else self.code, space)
-        return space
+        ((name, text),) = self.sources.items()
+        return executed(self.code or compiled(text, name))
 
     @once
     def rows(self) -> dict[str, range]:
