@@ -156,6 +156,7 @@ def forget(s: State, w: Work) -> None:
     for i in range(NX):
         s.noise[i] = left * s.noise[i] if s.recalled > 0.0 else 0.0
     w.recalled[:] = s.noise
+    w.attempt = 0.0
     for i in range(NX):
         w.play[i] = 0.0
 

@@ -17,6 +17,7 @@ from lagc.kernels.words import Params, Real, Vec, vector
 
 BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
 NEARER = 1e-5  # of it is the next
+STEADY = 0.1  # of a power, that two attempts at a step tell of
 STEEPEST = 20.0  # power of the time by which a kind departs from zero
 
 
@@ -59,27 +60,39 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
         w.weights[i] = weight if weight > TINY else TINY
 
 
+def powers_of(s: State, h: Real, k: int, w: Work, powers: Vec[NKIND]) -> None:
+    """By which power of the time each kind grows in a step over h: its rates at stage k, the end, say."""
+    for i in range(NKIND):
+        powers[i] = 0.0
+    enlarge(s.k[k], powers)
+    for i in range(NKIND):
+        powers[i] = fabs(h) * powers[i] / w.reached[i] if w.reached[i] > 0.0 else 0.0
+
+
 def foresee(s: State, o: Options, h: Real, w: Work) -> bool:
     """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
     it tells that to half and is good enough for all that moves already: by a power that no method follows
-    they are as wrong in every shorter step, by what they reach themselves.  Where nothing moves yet all is to
-    grow as a power does, by its rates at the end: a step that is far too long for what is stiff explodes.
-    Whether any kind gets one; w.weights are none of this step any more."""
-    moving = False
+    they are as wrong in every shorter step, by what they reach themselves.  They are to grow by the power of
+    the time that an attempt over twice that tells, too: steps that are far too long for what is stiff
+    explode, by another in each.  Whether any kind gets one; w.weights are none of this step any more."""
     for i in range(NQ + NV):
-        if s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
-            moving = True
-        else:
+        if not s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
             w.weights[i] = inf
-    if not method_error(o.method, h, s, w) <= 1.0:
-        return False
     end = last(o.method) - 1
-    if end < 0:
+    if end < 0 or not method_error(o.method, h, s, w) <= 1.0:
         return False
-    if not moving:
-        for i in range(NQ + NV):
-            if fabs(h * s.k[end][i]) > STEEPEST * w.reached[kind[i]]:
-                return False
+    before = vector(NKIND)
+    before[:] = w.powers
+    alike = w.attempt > 0.0
+    if alike and fabs(h) > 0.5 * w.attempt:
+        return False
+    w.attempt = fabs(h)
+    powers_of(s, h, end, w, w.powers)
+    for k in range(NKIND):
+        if s.sizes[k] <= o.rtol * w.reached[k]:
+            power = w.powers[k]
+            if power > STEEPEST or fabs(before[k] - power) > STEADY * power:
+                alike = False
     off = vector(NX)
     for i in range(NX):
         off[i] = 0.0
@@ -90,7 +103,7 @@ def foresee(s: State, o: Options, h: Real, w: Work) -> bool:
     enlarge(off, doubts)
     found = False
     for k in range(NKIND):
-        if s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
+        if alike and s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
             s.sizes[k] = w.reached[k]
             found = True
     return found

@@ -239,3 +239,33 @@ def test_blocks_that_just_touch_begin_to_fall(stiffness: float) -> None:
     exact = ways @ (modal * np.sin(np.sqrt(squares) * stop) / np.sqrt(squares))
     speeds = [run[f"der(z{i})"][-1] for i in (1, 2, 3)]
     assert speeds == pytest.approx(exact, abs=1e-5 * max(abs(exact)))
+
+
+PUSHED = """model Row
+  parameter Mass m[4] = {0.502, 8.56, 1, 1};
+  parameter Time T = 0.415 [s];
+  coordinate Length x[4];
+  for i in 1:4 loop
+    body b[i] = Particle(mass = m[i], at = {x[i], 0, 0});
+  end for;
+  for i in 1:3 loop
+    potential c[i] = 1/2*(1 [N/m])*max(0, abs(x[i] - x[i+1]))^2;
+  end for;
+  force f = {if time > T then 1 [N] else 0 [N], 0, 0} at b[1];
+end Row;"""
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6, 1e-9])
+def test_a_row_at_rest_is_pushed(accuracy: float) -> None:
+    """All begins to move at T, by powers of the time; the first attempt at a step is far too long, explodes,
+    and tells nothing of how large states become.  By eigenvectors, as the contacts are springs."""
+    run = lagc.loads(PUSHED).compile(backend="numpy").simulate(stop=20.415, accuracy=accuracy)
+    assert run.status == "ok", run.message
+    masses, springs = np.diag([0.502, 8.56, 1.0, 1.0]), np.diag([1.0, 2.0, 2.0, 1.0])
+    springs -= np.diag(np.ones(3), 1) + np.diag(np.ones(3), -1)
+    squares, ways = eigh(springs, masses)
+    modal, roots = ways[0], np.sqrt(np.abs(squares[1:]))
+    exact = modal[0] * ways[:, 0] * 20.0 + ways[:, 1:] @ (modal[1:] * np.sin(roots * 20.0) / roots)
+    speeds = [run[f"der(x[{i}])"][-1] for i in (1, 2, 3, 4)]
+    assert speeds == pytest.approx(exact, abs=accuracy * max(abs(exact)))
+    assert max(abs(np.array(speeds) - exact)) <= 3.0 * run.estimated * max(abs(exact))
