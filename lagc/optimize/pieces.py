@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from itertools import accumulate
 from typing import Any, TypeAlias
 
 from lagc.optimize.block import STRAIGHT, reordered
@@ -61,7 +62,8 @@ def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
 
 
 def _alike(function: Function, letters: Sequence[Letter], pieces: Sequence[_Piece]) -> list[list[_Piece]]:
-    """The pieces whose operations and stores are the same, with the same edges among themselves."""
+    """The pieces whose operations and stores are the same in the same order, with the same edges among
+    themselves."""
     count = len(function.operations)
     found: dict[Any, list[_Piece]] = {}
     for piece in pieces:
@@ -89,27 +91,26 @@ def _in_order(function: Function, pieces: Sequence[_Piece]) -> Function:
 
 def _runs(function: Function, common: _Piece, alike: Sequence[Sequence[_Piece]]) -> tuple[Run, ...]:
     """Loops through pieces that are alike, unless what they have in loops of their own is less to write."""
+    numbers = [0, *accumulate(map(len, alike))]  # of the first piece of each
+    groups = [(-1, [common]), *zip(numbers, alike)]
     at = sum([o.op in LEAVES for o in function.operations])
-    blocks: list[tuple[int, int, int, int]] = []  # its first piece, where it begins, size, how often
+    blocks: list[tuple[int, int, int, int]] = []  # first piece, where it begins, size, how many
     for part in (0, 1):
-        number = 0
-        for own, group in ((-1, [common]), *((0, group) for group in alike)):
+        for piece, group in groups:
             size = len(group[0][part])
-            blocks.append((own if own < 0 else number, at, size, len(group)))
+            blocks.append((piece, at, size, len(group)))
             at += size * len(group)
-            number += len(group) if own == 0 else 0
-    starts = [at + size * n for _, at, size, times in blocks for n in range(times if size else 0)]
+    starts = [at + size * n for _, at, size, count in blocks for n in range(count if size else 0)]
     inner = deque(rolled_between(function, starts))
     found: list[Run] = []
-    for piece, at, size, times in blocks:
-        own_runs: list[Run] = []
-        while inner and inner[0].first < at + size * times:
+    for piece, at, size, count in blocks:
+        own: list[Run] = []
+        while inner and inner[0].first < at + size * count:
             run = inner.popleft()
-            each = piece + (run.first - at) // size if piece >= 0 else -1
-            own_runs.append(replace(run, piece=each, each=run.count))
-        if times >= _LEAST and 0 < size <= sum([run.period for run in own_runs]):
-            own_runs = [Run(at, size, times, piece, 1)]
-        found += own_runs
+            own.append(run if piece < 0 else replace(run, piece=piece + (run.first - at) // size))
+        if piece >= 0 and count >= _LEAST and 0 < size <= sum([run.period for run in own]):
+            own = [Run(at, size, count, piece, through=True)]
+        found += own
     return tuple(found)
 
 

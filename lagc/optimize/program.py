@@ -54,14 +54,15 @@ class Store:
 @dataclass(frozen=True, slots=True)
 class Run:
     """`count` times the same `period` operations on other operands, one repetition after the other.  Stores
-    are numbered behind the operations.  Where a function has `pieces`, `each` repetitions belong to one, the
-    first to `piece`; where that is -1 all belong to none, and are made whichever are asked for."""
+    are numbered behind the operations.  Where a function has `pieces` it belongs to `piece`, or goes
+    `through` pieces from that one on, with a repetition each; -1: to none, and is made whichever are asked
+    for."""
 
     first: int
     period: int
     count: int
     piece: int = -1
-    each: int = 0
+    through: bool = False
 
     @property
     def end(self) -> int:

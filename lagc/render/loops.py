@@ -74,7 +74,7 @@ class _Printer:
     def _where_asked(self, text: list[str]) -> list[str]:
         """What belongs to one piece."""
         run = self.segment.run
-        alone = run.piece >= 0 and run.each == run.count
+        alone = run.piece >= 0 and not run.through
         return self._block(self.forms.only.format(piece=run.piece), text) if alone else text
 
     def _block(self, head: str, text: Sequence[str]) -> list[str]:

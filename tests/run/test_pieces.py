@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import random
+import subprocess
 from array import array
+from pathlib import Path
 
 import pytest
 
 import lagc
+from lagc import compiler
 from lagc.run.conditions import Conditions
 from lagc.run.consistency import conditions_of
 from lagc.run.problem import System
+from tests.render.test_functions import needs_gcc
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 
@@ -100,6 +104,38 @@ def test_some_at_a_time_are_what_all_are(text: str, number: int, backend: str) -
         assert [array("d", a).tobytes() for a in found] == [
             array("d", a).tobytes() for a in own.conditions(t, x)
         ]
+
+
+LARGE = """model Small
+  coordinate Angle psi(start = 0.2);
+  coordinate Length x(start = 1), y(start = 0.1);
+  body p = Particle(mass = 1, at = {x, y, 0});
+  body w = Solid(mass = 1, inertia = {1, 1, 1}, frame = rotate_z(world, psi), com = {x, y, 0});
+  constraint skid: der(x)*sin(psi) = der(y)*cos(psi);
+initial
+  der(x)^2 + der(y)^2 = 1 [m2/s2];
+end Small;
+model Big
+  coordinate Real a(start = 0.5), b(start = 0.4), c(start = 0.3);
+  body p = Particle(mass = 1, at = {a, b, c}*1 [m]);
+  constraint u: a = 0.1*(cos(b)*cosh(b) + b^2*tan(0.3*b) + b^3*cos(c) + sqrt(2 + c^2)*b^2);
+  constraint v: b = 0.1*(c^3*sin(a) + sqrt(2 + a^2)*sqrt(2 + a^2) + sin(c)*sqrt(2 + c^2) + cosh(c)*cos(b));
+end Big;
+model M
+  Small f[60];
+  Big b, c;
+end M;"""
+
+
+@needs_gcc
+def test_compilers_have_nothing_to_say(tmp_path: Path) -> None:
+    """Of a piece in several segments one keeps what another reads, each where it is asked for."""
+    program = lagc.loads(LARGE).compile(backend="numpy").program
+    for name, text in compiler.render(program, "c").items():
+        (tmp_path / name).write_text(text)
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-c"]
+    done = subprocess.run(["gcc", *flags, "m.c", "-o", "m.o"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_what_hangs_together_has_no_pieces() -> None:

@@ -83,22 +83,25 @@ def function_text(
             body += lines(function, dialect, locals_)
             return _about(function) + _definition(f"lagc_fn_{function.spelled}", function, body)
         function = in_parts(function)
-    return _about(function) + _divided(function, loops(function, dialect, _forms(real), locals_), body)
+    return _about(function) + _divided(
+        function, loops(function, dialect, _forms(real, function.pieces), locals_), body
+    )
 
 
 def _head(run: Run, _: Sequence[tuple[str, str]]) -> str:
     """Through those repetitions that belong to the pieces `first` to `last`."""
     begin, end = "0", str(run.count)
-    if run.piece >= 0 and run.each < run.count:
-        times = f" * {run.each}" if run.each > 1 else ""
-        behind = run.piece + run.count // run.each
-        begin = f"(first > {run.piece} ? first - {run.piece} : 0){times}"
+    if run.through:
+        behind = run.piece + run.count
+        begin = f"(first > {run.piece} ? first - {run.piece} : 0)"
         end = f"(last < {behind} ? last : {behind}) - {run.piece}"
-        end = f"({end}){times}" if times else end
     return f"for (int i = {begin}; i < {end}; i++) {{"
 
 
-def _forms(real: Arithmetic) -> Forms:
+def _forms(real: Arithmetic, pieces: Sequence[int]) -> Forms:
+    """Where there are pieces compilers do not see that what is kept is read only where it was written."""
+    room = "lagc_real kept[{size}]" + (" = {{0}};" if pieces else ";")
+
     def table(name: str, values: Sequence[float]) -> list[str]:
         whole = all([isinstance(value, int) for value in values])
         texts = [str(value) if whole else real.literal(value) for value in values]
@@ -106,7 +109,7 @@ def _forms(real: Arithmetic) -> Forms:
         return [f"static const {'int' if whole else 'lagc_real'} {name}[{len(values)}] = {{", *entries, "};"]
 
     return Forms(
-        room="lagc_real kept[{size}];", variable="lagc_real {name} = {value};",
+        room=room, variable="lagc_real {name} = {value};",
         fixed="const lagc_real {name} = {value};", change="{name} = {value};", table=table,
         head=_head, end="}", only="if (first <= {piece} && {piece} < last) {{",
     )  # fmt: skip

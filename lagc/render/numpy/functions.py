@@ -47,9 +47,8 @@ def _head(run: Run, running: Sequence[tuple[str, str]]) -> str:
     """Through those repetitions that belong to the pieces `first` to `last`."""
     names, sequences = ["i", *(name for name, _ in running)], [f"range({run.count})"]
     sequences += [sequence for _, sequence in running]
-    if run.piece >= 0 and run.each < run.count:
-        times = f" * {run.each}" if run.each > 1 else ""
-        begin, end = [f"max({name} - {run.piece}, 0){times}" for name in ("first", "last")]
+    if run.through:
+        begin, end = [f"max({name} - {run.piece}, 0)" for name in ("first", "last")]
         sequences = [f"{sequence}[{begin}:{end}]" for sequence in sequences]
     if len(names) == 1:
         return f"for i in {sequences[0]}:"
@@ -201,14 +200,14 @@ _CAREFUL = {
 }
 
 
-def _again(function, inputs, outputs):
-    """Compute `function` as C does; lists in `outputs` are written."""
+def _again(function, inputs, outputs, *pieces):
+    """Compute `function` as C does, some of its pieces where it has such; lists in `outputs` are written."""
     code = function.__code__
     constants = tuple(_Ieee(c) if type(c) is float else c for c in code.co_consts)
     careful = type(function)(code.replace(co_consts=constants), _CAREFUL, None, function.__defaults__)
     values = [[_Ieee(b) for b in a] if isinstance(a, (list, tuple)) else _Ieee(a) for a in inputs]
     results = [[_Ieee(b) for b in a] for a in outputs]
-    careful(*values, *results)
+    careful(*values, *results, *pieces)
     for output, result in zip(outputs, results):
         output[:] = [float(b) for b in result]
 '''
@@ -275,7 +274,7 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     text.append("    try:")
     text += [f"        {line}" for line in body]
     text.append("    except (ArithmeticError, ValueError):")
-    arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})"
+    arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})" + (", first, last" if own else "")
     along = function.name == "along"
     text.append(f"        {'_each_again' if along else '_again'}(fn_{function.spelled}, {arguments})")
     return (_EACH if along else "") + "\n".join(text) + "\n"
