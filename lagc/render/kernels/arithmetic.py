@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from math import copysign, inf, isqrt, ulp
+from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.optimize.program import FARTHEST
 from lagc.records import dataclass
 
+if TYPE_CHECKING:
+    from fractions import Fraction
+
 STANDS_FOR_ZERO = 1e-300  # in Programs
-PI = Fraction("3.14159265358979323846264338327950288419716939937510")
+PI = "3.14159265358979323846264338327950288419716939937510"
 # Numerator times denominator of a number that was meant: one double in 1e8 is next to one by chance.
 MOST = 10**7
 
@@ -63,13 +66,15 @@ def meant(value: float) -> str | Fraction:
     """What a double stands for: digits, as they are written, where 12 are enough; else the quotient of whole
     numbers that it is the nearest to, or such a multiple of pi, 1/pi or pi^2 next to it, where these are
     small; else digits, of which the last are rounding."""
-    digits = repr(float(value))
+    from fractions import Fraction  # where reals are wider than doubles
+
+    digits, pi = repr(float(value)), Fraction(PI)
     if value == 0.0 or float(f"{value:.12g}") == value or abs(value) > MOST:
         return digits
     quotient = _near(Fraction(value))
     if quotient.numerator / quotient.denominator == value:
         return quotient
-    for factor in (PI, 1 / PI, PI * PI):
+    for factor in (pi, 1 / pi, pi * pi):
         turned = _near(Fraction(value) / factor) * factor
         if abs(turned - Fraction(value)) <= ulp(value):
             return turned

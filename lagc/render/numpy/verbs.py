@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Mapping, Sequence
 
 from lagc.optimize.program import Interface, Program, tables
@@ -310,11 +309,11 @@ def _stacked(interface: Interface) -> str:
 
 
 def _by_groups(patterns: Mapping[str, Sequence[tuple[int, int]]]) -> str:
+    from textwrap import fill  # where there are derivatives
+
     text = ["\n\nPATTERNS = {  # (row, column) of each\n"]
     for name, pattern in patterns.items():
-        places = textwrap.fill(
-            ", ".join(map(repr, pattern)), 100, initial_indent=" " * 8, subsequent_indent=" " * 8
-        )
+        places = fill(", ".join(map(repr, pattern)), 100, initial_indent=" " * 8, subsequent_indent=" " * 8)
         text.append(f"    {name!r}: [\n{places}\n    ],\n" if pattern else f"    {name!r}: [],\n")
     functions = ", ".join(f"{name!r}: fn_by_{name}@ON@" for name, pattern in patterns.items() if pattern)
     return "".join([*text, "}\n", _BY_GROUPS.replace("@FUNCTIONS@", functions)])
