@@ -259,3 +259,29 @@ def test_conditions_that_leave_zero_one_after_the_other() -> None:
         u = 1.5 - begin
         exact = [u**3 / 6, u**5 / 120, 120**-1.5 * u**9.5 / (8.5 * 9.5)]
         assert [run[name][-1] for name in "xyz"] == pytest.approx(exact, rel=1e-6)
+
+
+PAIR = """model Pair
+  parameter Time T = 0.1 [s];
+  parameter Mass m1 = 1, m2 = 2;
+  coordinate Length x, y;
+  body a = Particle(mass = m1, at = {x, 0, 0});
+  body b = Particle(mass = m2, at = {y, 0, 0});
+  potential c = 1/2*(1 [N/m])*(x - y)^2;
+  force f = {if time > T then 1 [N] else 0 [N], 0, 0} at a;
+end Pair;"""
+
+
+@pytest.mark.parametrize("accuracy", (1e-3, 1e-4, 1e-5, 1e-8))
+def test_a_pair_at_rest_is_pushed_and_swings(accuracy: float) -> None:
+    """With u = t - T, M = m1 + m2, w^2 = M/(m1 m2): x - y = (1 - cos w u)/(m1 w^2), m1 x + m2 y = u^2/2.
+    All is at rest until T, and the first attempt at a step behind it is far too long."""
+    system = lagc.loads(PAIR).compile(backend="numpy")
+    for m1, m2, begin in ((0.33, 2.43, 3.3), (0.117, 5.82, 0.1), (1.01, 6.92, 1 / 3), (0.21, 0.45, 1 / 3)):
+        run = system.simulate(stop=begin + 20, parameters={"m1": m1, "m2": m2, "T": begin}, accuracy=accuracy)
+        assert run.status == "ok", run.message
+        w = math.sqrt((m1 + m2) / (m1 * m2))
+        swing, mean = math.sin(20 * w) / (m1 * w), 20 / (m1 + m2)
+        exact = [mean + m2 / (m1 + m2) * swing, mean - m1 / (m1 + m2) * swing]
+        speeds = [run["der(x)"][-1], run["der(y)"][-1]]
+        assert speeds == pytest.approx(exact, abs=accuracy * max(map(abs, exact)))
