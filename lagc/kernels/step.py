@@ -28,7 +28,7 @@ from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, 
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN, NX
 from lagc.kernels.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.weights import first_step, foresee, weigh_errors
+from lagc.kernels.weights import FORETOLD, LOOK_AGAIN, first_step, foresee, weigh_errors
 from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
@@ -289,7 +289,12 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
-            if foresee(s, o, a.h, w):
+            found = foresee(s, o, a.h, w)
+            if found == LOOK_AGAIN:
+                a.size *= 0.5
+                s.rejected += 1
+                continue
+            if found == FORETOLD:
                 a.error = error_of(s, o, a.h, w)
             if a.error > 1.0:
                 fall_back(p, s, t1, o, a, w)

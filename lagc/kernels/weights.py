@@ -17,6 +17,9 @@ from lagc.kernels.words import Params, Real, Vec, vector
 
 BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
 NEARER = 1e-5  # of it is the next
+UNTOLD = 0
+FORETOLD = 1
+LOOK_AGAIN = 2
 STEADY = 0.1  # of a power, that two attempts at a step tell of
 STEEPEST = 20.0  # power of the time by which a kind departs from zero
 
@@ -69,29 +72,31 @@ def powers_of(s: State, h: Real, k: int, w: Work, powers: Vec[NKIND]) -> None:
         powers[i] = fabs(h) * powers[i] / w.reached[i] if w.reached[i] > 0.0 else 0.0
 
 
-def foresee(s: State, o: Options, h: Real, w: Work) -> bool:
+def foresee(s: State, o: Options, h: Real, w: Work) -> int:
     """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
     it tells that to half and is good enough for all that moves already: by a power that no method follows
     they are as wrong in every shorter step, by what they reach themselves.  They are to grow by the power of
     the time that an attempt over twice that tells, too: steps that are far too long for what is stiff
-    explode, by another in each.  Whether any kind gets one; w.weights are none of this step any more."""
+    explode, by another in each.  FORETOLD where any gets one; LOOK_AGAIN where an attempt over half of h may
+    tell.  w.weights are none of this step any more."""
     for i in range(NQ + NV):
         if not s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
             w.weights[i] = inf
     end = last(o.method) - 1
     if end < 0 or not method_error(o.method, h, s, w) <= 1.0:
-        return False
+        return UNTOLD
     before = vector(NKIND)
     before[:] = w.powers
-    alike = w.attempt > 0.0
-    if alike and fabs(h) > 0.5 * w.attempt:
-        return False
+    first = not w.attempt > 0.0
+    alike = True
+    if not first and fabs(h) > 0.5 * w.attempt:
+        return UNTOLD
     w.attempt = fabs(h)
     powers_of(s, h, end, w, w.powers)
     for k in range(NKIND):
         if s.sizes[k] <= o.rtol * w.reached[k]:
             power = w.powers[k]
-            if power > STEEPEST or fabs(before[k] - power) > STEADY * power:
+            if power > STEEPEST or not (first or fabs(before[k] - power) <= STEADY * power):
                 alike = False
     off = vector(NX)
     for i in range(NX):
@@ -101,11 +106,12 @@ def foresee(s: State, o: Options, h: Real, w: Work) -> bool:
     for k in range(NKIND):
         doubts[k] = 0.0
     enlarge(off, doubts)
-    found = False
+    found = UNTOLD
     for k in range(NKIND):
         if alike and s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
-            s.sizes[k] = w.reached[k]
-            found = True
+            found = LOOK_AGAIN if first else FORETOLD
+            if not first:
+                s.sizes[k] = w.reached[k]
     return found
 
 

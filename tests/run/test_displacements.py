@@ -285,3 +285,39 @@ def test_a_pair_at_rest_is_pushed_and_swings(accuracy: float) -> None:
         exact = [mean + m2 / (m1 + m2) * swing, mean - m1 / (m1 + m2) * swing]
         speeds = [run["der(x)"][-1], run["der(y)"][-1]]
         assert speeds == pytest.approx(exact, abs=accuracy * max(map(abs, exact)))
+
+
+STAGES = """model Stages
+  parameter Time T = 0.1 [s];
+  parameter Real A = 98, B = 1.25;
+  coordinate Angle a;
+  coordinate Length x;
+  body ba = Solid(mass = 1, inertia = {1, 1, 1}, frame = rotate_z(world, a), com = {0, 0, 0});
+  body bx = Particle(mass = 1, at = {x, 0, 0});
+  torque fa = 20*A*(1 [N.m])*max(0, (time - T)/(1 [s]))^3*world.z on ba;
+  force fx = {42*B*(1 [N])*max(0, a/A), 0, 0} at bx;
+end Stages;"""
+
+
+@pytest.mark.parametrize("accuracy", (1e-4, 1e-6, 1e-8, 1e-10))
+def test_what_one_moves_by_a_high_power_moves_another(accuracy: float) -> None:
+    """With u = t - T: a = A u^5, x = B u^7, both from zero; no first attempt is right by its own size."""
+    system = lagc.loads(STAGES).compile(backend="numpy")
+    for begin, end, a, b in (
+        (0.1, 2.1, 98, 1.25),
+        (0.1, 1.1, 648.5, 2.015),
+        (1 / 3, 2, 1e-3, 169),
+        (2.7, 3.2, 40, 1e-3),
+    ):
+        given = {"T": begin, "A": a, "B": b}
+        run = system.simulate(stop=end, parameters=given, accuracy=accuracy)
+        assert run.status == "ok" and run.cost.rhs < 20_000, (given, run.message)
+        assert run["a"][-1] == pytest.approx(a * (end - begin) ** 5, rel=accuracy)
+        assert run["x"][-1] == pytest.approx(b * (end - begin) ** 7, rel=accuracy)
+
+
+@pytest.mark.parametrize("method", ("dop853", "dopri5", "bs32"))
+def test_steered_by_hand_one_moves_another(method: str) -> None:
+    run = lagc.loads(STAGES).compile(backend="numpy").simulate(stop=2.1, method=method, rtol=1e-5)
+    assert run.status == "ok", run.message
+    assert run["x"][-1] == pytest.approx(1.25 * 2.0**7, rel=1e-3)
