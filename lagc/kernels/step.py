@@ -292,6 +292,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             found = foresee(s, o, a.h, w)
             if found == LOOK_AGAIN:
                 a.size *= 0.5
+                s.h = a.size  # from where another call goes on
                 s.rejected += 1
                 continue
             if found == FORETOLD:

@@ -22,7 +22,7 @@ STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes
 _LARGEST_SELDOM = 100  # nodes, of a function that no step calls
 _LARGEST_GATHERED = 1000  # nodes; beyond, to gather coefficients costs more than it saves
-_LARGEST_SEARCHED = 1500  # nodes, for common factors and shared products, of a function that no step calls
+_LARGEST_SEARCHED = 4000  # nodes, for common factors and shared products, of a function that no step calls
 _WEIGHTS = {
     "load": 0, "const": 0, "neg": 0, "add": 1, "sub": 1, "mul": 1, "div": 4,
     **{op: row.weight for op, row in OPERATORS.items()},
