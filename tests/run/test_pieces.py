@@ -46,7 +46,7 @@ MIXED = (
   Gravity g;
 end Mixed;"""
 )
-# one of them in time, beside one that turns about y, and one with a rod more
+# one of them driven in time, beside chains of rods, which have loops of their own
 UNLIKE = (
     BAR
     + """model Driven

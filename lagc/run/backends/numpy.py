@@ -21,12 +21,16 @@ if TYPE_CHECKING:
     from array import array
 
 
+_PART = 20_000  # characters
+_BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
+
+
 def compiled(text: str, name: str) -> tuple[CodeType, ...]:
     """The text of a module as code, which comes in parts: to compile them one by one takes half the room of
     all at once, and three quarters of the time."""
     parts, flags = [""], annotations.compiler_flag
     for definition in text.split(_BETWEEN):
-        if len(parts[-1]) > PART:
+        if len(parts[-1]) > _PART:
             parts.append("")
         parts[-1] += definition + _BETWEEN
     return tuple([compile(part, name, "exec", flags, dont_inherit=True) for part in parts])
@@ -40,8 +44,6 @@ def executed(code: Sequence[CodeType]) -> dict[str, Any]:
     return space
 
 
-PART = 20_000  # characters
-_BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
 ROOM = 2**21  # operations that derivatives are made of at once, directions times those of a right-hand side
 
 
