@@ -254,7 +254,7 @@ def energies(places: Places) -> Function:
     equations = places.equations
     e = [equations.kinetic, equations.potential, equations.energy]
     names = ["kinetic energy", "potential energy", "energy of the balance"]
-    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True)
+    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True, search=False)
 
 
 def power(places: Places) -> Function | None:
@@ -351,12 +351,14 @@ def made(
     description: str,
     comments: Sequence[str] = (),
     seldom: bool = False,
+    search: bool = True,
 ) -> Function:
-    """`comments` belong to the first entries of the first output; `seldom`: not called by every step."""
+    """`comments` belong to the first entries of the first output; `seldom`: not called by every step; for
+    `search` see `lower`."""
 
     def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
-        following = iter(lower(places, block, nodes, seldom)[1])
+        following = iter(lower(places, block, nodes, seldom, search)[1])
         for number, (array, indices) in enumerate(stored):
             for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""
