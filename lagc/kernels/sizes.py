@@ -34,6 +34,7 @@ class NRATE(metaclass=SizeType): ...  # stated rates that are no speeds
 class NPOSITION(metaclass=SizeType): ...  # conditions that positions take part in
 class NBOUNDED(metaclass=SizeType): ...  # parameters with bounds
 class NLIMITS(metaclass=SizeType): ...  # values made of parameters that have bounds
+class NPIECE(metaclass=SizeType): ...  # pieces of the conditions that may be evaluated alone
 class NU(metaclass=SizeType): ...  # unknowns of a start: NQ + NV + NRATE
 class NE(metaclass=SizeType): ...  # its conditions: NCOND + NQUAT
 class NJ(metaclass=SizeType): ...  # derivatives of these

@@ -25,8 +25,10 @@ from lagc.kernels.words import IVec, Params, Real, Status, Vec, present, public,
 def release_level(level: int, w: StartWork) -> bool:
     """Let all values of a level move; whether this part has any."""
     found = False
-    for i in range(NU):
-        if w.levels[i] == level and w.used[i] == 1:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        if w.levels[i] == level:
             w.loose[i] = 1
             found = True
     return found
@@ -34,8 +36,10 @@ def release_level(level: int, w: StartWork) -> bool:
 
 def has_level(level: int, w: StartWork) -> bool:
     """Whether a value of this part is stated at a level."""
-    for i in range(NU):
-        if w.levels[i] == level and w.used[i] == 1:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        if w.levels[i] == level:
             return True
     return False
 
@@ -57,7 +61,9 @@ def ladder(p: Params, t: Real, w: StartWork) -> bool:
             choose(p, t, level, w)
         level -= 1
     n = 0
-    for i in range(NU):
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
         if w.levels[i] > UNSTATED and w.part[i] == 0:
             w.values[n] = i
             n += 1
@@ -121,8 +127,10 @@ def by_parts(p: Params, t: Real, w: StartWork) -> bool:
         met = farthest(p, t, w.reached, w.ended, w) <= CLOSE and strayed(w.reached, w) <= NEAR
         if not met and not ladder(p, t, w):
             return False
-        for i in range(NU):
-            if w.used[i] == 1 and w.levels[i] < FIXED:
+        owned = w.owned
+        for k in range(owned):
+            i = w.own[k]
+            if w.levels[i] < FIXED:
                 w.answer[i] = w.y[i]
                 w.let[i] = w.loose[i]
     w.y[:] = w.answer

@@ -25,7 +25,7 @@ def put(at: Place, there: Place) -> None:
 def look(p: Params, t: Real, y: Vec[NU], i: int, j: int, value: Real, at: Place, w: StartWork) -> None:
     """Condition i where unknown j in y is at `value`."""
     y[j] = value
-    meet(p, t, y, w.c, w.J, w.sizes)
+    meet(p, t, y, w.c, w.J, w.sizes, w)
     at.value = value
     at.residual = w.c[i]
     at.slope = 0.0
@@ -193,8 +193,10 @@ def settle(p: Params, t: Real, w: StartWork) -> None:
     """w.settled: the guess, where unknowns that nobody stated meet, one after the other, the conditions of
     positions in which no other is left."""
     w.settled[:] = w.home
-    for i in range(NU):
-        w.marks[i] = 1 if w.used[i] == 1 and w.levels[i] == UNSTATED else 0
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        w.marks[i] = 1 if w.levels[i] == UNSTATED else 0
     end = w.positions
     changed = True
     while changed:

@@ -114,7 +114,7 @@ def following(k: int, n: int, w: StartWork) -> bool:
 
 def bend(p: Params, t: Real, y: Vec[NU], to: Vec[NU], w: StartWork) -> Real:
     """How much the conditions bend from y to `to`, as a part of what is missed at y."""
-    meet(p, t, y, w.c, w.J, w.sizes)
+    meet(p, t, y, w.c, w.J, w.sizes, w)
     judge(y, w.J, w.sizes, w)
     missed = 0.0
     bent = 0.0
@@ -251,7 +251,10 @@ def candidates(n: int, k: int, slack: Real, w: StartWork) -> int:
 def predict(p: Params, t: Real, m: int, slack: Real, w: StartWork) -> int:
     """Candidates of the m columns w.stated, from the conditions as they are linear between the start w.kept
     and w.now; how many they are.  w.rank: of how many columns each is."""
-    for i in range(NU):
+    w.best[:] = w.kept
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
         w.best[i] = 0.5 * (w.kept[i] + w.now[i])
     rank = table(p, t, w.kept, w.now, m, w)
     w.rank = table(p, t, w.best, w.now, m, w)

@@ -6,7 +6,7 @@ from math import fabs, inf
 
 from lagc.kernels.limits import ACCEPTED, FARTHEST
 from lagc.kernels.quaternions import normalise
-from lagc.kernels.sizes import NE, NPOSITION, NQUAT, NU
+from lagc.kernels.sizes import NPOSITION, NQUAT, NU
 from lagc.kernels.startalone import settle
 from lagc.kernels.startrecords import FIXED, UNSTATED, StartWork
 from lagc.kernels.startrows import SLIGHT, farthest, judge, meet, ratio, row_begin
@@ -38,8 +38,9 @@ def met_alone(p: Params, t: Real, w: StartWork) -> bool:
         if not w.is_settled:
             settle(p, t, w)
         w.is_settled = True
-        for i in range(NU):
-            if w.settled[i] != w.home[i]:
+        owned = w.owned
+        for k in range(owned):
+            if w.settled[w.own[k]] != w.home[w.own[k]]:
                 return True
     return False
 
@@ -56,9 +57,11 @@ def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -
         return
     # the congruential generator of rand() in the C standard, of 31 bits
     state: Length = 12345 + k
-    for i in range(NU):
+    owned = w.owned
+    for n in range(owned):
+        i = w.own[n]
         state = (1103515245 * state + 12345) & 2147483647
-        if w.loose[i] == 1 and w.used[i] == 1 and y[i] == w.home[i]:
+        if w.loose[i] == 1 and y[i] == w.home[i]:
             y[i] += spread_of(k) * w.widths[i] * (float(state) / 1073741824.0 - 1.0)
     if NQUAT > 0:
         normalise(y)
@@ -66,7 +69,7 @@ def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -
 
 def hopeless(p: Params, t: Real, w: StartWork) -> bool:
     """Whether a condition is missed that nothing free occurs in."""
-    meet(p, t, w.home, w.c, w.J, w.sizes)
+    meet(p, t, w.home, w.c, w.J, w.sizes, w)
     judge(w.home, w.J, w.sizes, w)
     rows = w.ended
     for r in range(rows):
@@ -86,8 +89,10 @@ def lacking(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
     """Whether, beside y, the conditions ask for more than what is free can give, but not more than what is
     stated could."""
     n = 0
-    for i in range(NU):
-        if w.used[i] == 1 and w.loose[i] == 0 and w.levels[i] < FIXED:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        if w.loose[i] == 0 and w.levels[i] < FIXED:
             w.stated[n] = i
             n += 1
     return table(p, t, y, y, n, w) > 0
@@ -130,7 +135,9 @@ def begin_at(p: Params, t: Real, k: int, stated: bool, ease: Real, w: StartWork)
 
 def is_sure(j: int, w: StartWork) -> bool:
     """Whether a derivative by unknown j is far more than rounding."""
-    for i in range(NE):
+    rows = w.ended
+    for r in range(rows):
+        i = w.rows[r]
         first = row_begin(i)
         end = ends[i]
         for k in range(first, end):
@@ -144,11 +151,13 @@ def is_chance(p: Params, t: Real, w: StartWork) -> bool:
     which derivatives vanish but for rounding."""
     if w.nearest < FARTHEST:
         return False
-    meet(p, t, w.y, w.c, w.J, w.sizes)
+    meet(p, t, w.y, w.c, w.J, w.sizes, w)
     blur(p, t, w.y, w.weights, w)
     found = False
-    for j in range(NU):
-        if w.used[j] == 1 and fabs(w.y[j] - w.home[j]) > FARTHEST * w.weights[j]:
+    owned = w.owned
+    for k in range(owned):
+        j = w.own[k]
+        if fabs(w.y[j] - w.home[j]) > FARTHEST * w.weights[j]:
             found = found or not is_sure(j, w)
     w.blurs[:] = w.doubted
     return found
@@ -166,7 +175,9 @@ def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
     w.nearest = inf
     some = False
     stated = False
-    for i in range(NU):
+    owned = w.owned
+    for n in range(owned):
+        i = w.own[n]
         some = some or w.loose[i] == 1
         stated = stated or (w.loose[i] == 1 and w.levels[i] > UNSTATED)
     for k in range(begin, end):

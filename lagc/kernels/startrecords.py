@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.kernels.sizes import NE, NJ, NPOSITION, NROW, NSETS, NSETU, NTREE, NU
+from lagc.kernels.sizes import NE, NJ, NPIECE, NPOSITION, NROW, NSETS, NSETU, NTREE, NU
 from lagc.kernels.words import Code, IVec, Mat, Real, Vec, record
 
 # How firmly a start value is stated: in a conflict the smaller gives way, FIXED never does.
@@ -24,13 +24,15 @@ class StartWork:
     y: Vec[NU]  # q, v, and the stated rates
     levels: IVec[NU]
     part: IVec[NU]  # 1: of a quaternion, behind its first
-    used: IVec[NU]
+    used: IVec[NU]  # 1: of the unknowns that the rows hold
+    own: IVec[NU]  # these, and how many they are
+    owned: int
     places: IVec[NU]
     picked: IVec[NU]
     best_picked: IVec[NU]
     values: IVec[NU]
     columns: IVec[NU]
-    line: IVec[NU]  # unknowns, those near each other that conditions tie
+    line: IVec[NU]  # the same, those near each other that conditions tie
     stated: IVec[NU]
     marks: IVec[NU]
     let: IVec[NU]
@@ -73,6 +75,9 @@ class StartWork:
     left_out: int  # rows that the last step does without
     positions: int  # of the rows that follow: conditions of positions come first
     ended: int  # where the rows end: those of one part
+    if NPIECE > 0:
+        first_piece: int  # that these are of, and behind the last
+        end_piece: int
     left: int  # rows of the table
     rank: int  # columns that the linear conditions ask for
     rows: IVec[NE]

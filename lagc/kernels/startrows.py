@@ -10,13 +10,13 @@ from __future__ import annotations
 from math import fabs, inf, sqrt
 
 from lagc.kernels.limits import NEARLY
-from lagc.kernels.model import fn_conditions
+from lagc.kernels.model import fn_conditions, fn_conditions_some
 from lagc.kernels.quaternions import square_at
-from lagc.kernels.sizes import NCOND, NE, NJ, NPOSITION, NQ, NQUAT, NRATE, NSTRETCH, NSUM, NU, NV
+from lagc.kernels.sizes import NCOND, NE, NJ, NPIECE, NPOSITION, NQ, NQUAT, NRATE, NSTRETCH, NSUM, NU, NV
 from lagc.kernels.startparts import put_together
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.tables import ends, level, quaternion, stretch_begins, stretch_ends
-from lagc.kernels.words import IVec, Params, Real, Size, Vec, present
+from lagc.kernels.tables import ends, level, piece, quaternion, stretch_begins, stretch_ends
+from lagc.kernels.words import IVec, Params, Real, Size, Vec, present, size
 
 SLIGHT = 1.0 / 1024.0  # of the weights: the least rows are judged against; of stated values
 
@@ -31,24 +31,47 @@ def is_blurred(k: int, w: StartWork) -> bool:
     return 0.0 < fabs(w.J[k]) and fabs(w.J[k]) <= w.blurs[k]
 
 
-def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+def complete(i: int, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
+    """Of condition i, if it is one of a stated rate or of a unit quaternion, what the model does not tell."""
+    if NRATE > 0:
+        k = i - (NCOND - NRATE)
+        if k >= 0 and k < NRATE:
+            c[i] -= y[NQ + NV + k]
+            sizes[i] += fabs(y[NQ + NV + k])
+    if NQUAT > 0:
+        if i >= NCOND:
+            at = quaternion[i - NCOND]
+            first = row_begin(i)
+            c[i] = 0.5 * (square_at(y, at) - 1.0)
+            sizes[i] = 1.0
+            for j in range(4):
+                J[first + j] = y[at + j]
+
+
+def meet_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE]) -> None:
     """Residuals, derivatives and sizes of the terms of all conditions."""
     if NCOND > 0:
-        fn_conditions(p, t, y, c, J, sizes)
+        if NPIECE > 0:
+            fn_conditions_some(p, t, y, c, J, sizes, 0, size(NPIECE))
+        else:
+            fn_conditions(p, t, y, c, J, sizes)
     if NSUM > 0:
         put_together(J)
-    if NRATE > 0:
-        for k in range(NRATE):
-            c[NCOND - NRATE + k] -= y[NQ + NV + k]
-            sizes[NCOND - NRATE + k] += fabs(y[NQ + NV + k])
-    if NQUAT > 0:
-        for k in range(NQUAT):
-            at = quaternion[k]
-            first = row_begin(NCOND + k)
-            c[NCOND + k] = 0.5 * (square_at(y, at) - 1.0)
-            sizes[NCOND + k] = 1.0
-            for i in range(4):
-                J[first + i] = y[at + i]
+    if NRATE > 0 or NQUAT > 0:
+        for i in range(NCOND - NRATE, NE):
+            complete(i, y, c, J, sizes)
+
+
+def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
+    """The same of w.rows."""
+    if NPIECE > 0:
+        fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
+        if NRATE > 0 or NQUAT > 0:
+            rows = w.ended
+            for r in range(rows):
+                complete(w.rows[r], y, c, J, sizes)
+    else:
+        meet_all(p, t, y, c, J, sizes)
 
 
 def weight_of(w: StartWork, i: int) -> Real:
@@ -98,7 +121,7 @@ def norm(c: Vec[NE], first: int, end: int, w: StartWork) -> Real:
 
 def farthest(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> Real:
     """The largest scaled residual of w.rows[..end-1], infinity where one is not a number."""
-    meet(p, t, y, w.c, w.J, w.sizes)
+    meet(p, t, y, w.c, w.J, w.sizes, w)
     judge(y, w.J, w.sizes, w)
     w.culprit = -1
     worst = 0.0
@@ -154,8 +177,8 @@ def queue(i: int, count: int, w: StartWork) -> int:
 
 
 def line_up_unknowns(w: StartWork) -> None:
-    """w.line: the unknowns in the order in which they are met on the way from condition to condition, so that
-    those that conditions tie to each other are near (E. Cuthill, J. McKee, 1969)."""
+    """w.line: the unknowns that the rows hold in the order in which they are met on the way from condition to
+    condition, so that those that conditions tie to each other are near (E. Cuthill, J. McKee, 1969)."""
     link(w)
     for j in range(NU):
         w.marks[j] = 0
@@ -174,10 +197,19 @@ def line_up_unknowns(w: StartWork) -> None:
                     count = queue(w.owner[k], count, w)
                 k = w.before[k]
             at += 1
-    for j in range(NU):
-        if w.marks[j] == 0:
-            w.line[count] = j
-            count += 1
+
+
+def find_pieces(w: StartWork) -> None:
+    """Those that the unknowns are of."""
+    w.first_piece = size(NPIECE)
+    w.end_piece = 0
+    owned = w.owned
+    for k in range(owned):
+        own = piece[w.own[k]]
+        if own >= 0 and own < w.first_piece:
+            w.first_piece = own
+        if own >= w.end_piece:
+            w.end_piece = own + 1
 
 
 def confine(n: Size, w: StartWork) -> None:
@@ -191,6 +223,13 @@ def confine(n: Size, w: StartWork) -> None:
         end = ends[w.order[i]]
         for k in range(first, end):
             w.used[w.column[k]] = 1
+    w.owned = 0
+    for i in range(NU):
+        if w.used[i] == 1:
+            w.own[w.owned] = i
+            w.owned += 1
+    if NPIECE > 0:
+        find_pieces(w)
     w.ended = 0
     for i in range(n):
         if not moving(w.order[i], w):

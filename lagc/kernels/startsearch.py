@@ -147,8 +147,10 @@ def choose(p: Params, t: Real, level: int, w: StartWork) -> None:
     """Of the values of a level, which all move in the start w.y, let as few move as possible, and as little:
     those that linear prediction names, else by trying."""
     n = 0
-    for i in range(NU):
-        if w.levels[i] == level and w.used[i] == 1 and w.part[i] == 0:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        if w.levels[i] == level and w.part[i] == 0:
             w.moves[n] = squared_move(i, w)
             w.values[n] = i
             n += 1
@@ -156,8 +158,9 @@ def choose(p: Params, t: Real, level: int, w: StartWork) -> None:
     let_all(w.values, n, 0, w)
     if not unmoved(p, t, n, w):
         m = 0
-        for i in range(NU):
-            if w.levels[i] == level and w.used[i] == 1:
+        for k in range(owned):
+            i = w.own[k]
+            if w.levels[i] == level:
                 w.stated[m] = i
                 m += 1
         if not predicted(p, t, n, m, w):

@@ -41,7 +41,7 @@ def doubt(p: Params, t: Real, w: StartWork) -> None:
         other = params()
         for turn in range(2):
             shake_parameters(p, NEARLY if turn == 0 else -NEARLY, other)
-            meet(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes)
+            meet(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes, w)
             for i in range(NE):
                 w.doubts[i] = less(fabs(w.trial_c[i] - w.c[i]), w.doubts[i])
             for k in range(NJ):
@@ -55,10 +55,14 @@ def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
         w.trial[i] += (NEARLY if i % 2 == 0 else -NEARLY) * size
-    meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
-    for k in range(NJ):
-        change = fabs(w.trial_J[k] - w.J[k])
-        w.blurs[k] = change if change > w.doubted[k] else w.doubted[k]
+    meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
+    rows = w.ended
+    for r in range(rows):
+        first = row_begin(w.rows[r])
+        end = ends[w.rows[r]]
+        for k in range(first, end):
+            change = fabs(w.trial_J[k] - w.J[k])
+            w.blurs[k] = change if change > w.doubted[k] else w.doubted[k]
 
 
 def known_terms(i: int, w: StartWork) -> Real:
@@ -218,7 +222,7 @@ def tighten(w: StartWork) -> None:
 def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     """w.weights, the sizes of the unknowns, those that the conditions tell where the usual ones are far
     off; w.reach, by which rows are judged; w.widths, of their units."""
-    meet(p, t, w.home, w.c, w.J, w.sizes)
+    meet(p, t, w.home, w.c, w.J, w.sizes, w)
     w.terms[:] = w.sizes
     doubt(p, t, w)
     blur(p, t, w.home, w.home, w)

@@ -29,7 +29,8 @@ TURN = 6.283185307179586
 def loosen(first: Size, end: Size, w: StartWork) -> None:
     """w.columns: what is free of the unknowns first..end-1, those near each other that conditions tie."""
     w.count = 0
-    for k in range(NU):
+    owned = w.owned
+    for k in range(owned):
         i = w.line[k]
         w.places[i] = -1
         if first <= i and i < end and w.loose[i] == 1:
@@ -72,12 +73,29 @@ def fill(first: int, end: int, w: StartWork) -> None:
         w.right[k - first] = -w.c[w.rows[k]]
 
 
-def move_along(y: Vec[NU], factor: Real, w: StartWork) -> None:
-    """Add a part of w.step to y."""
+def move_along(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:
+    """Of y what is in w.columns: `base` and a part of w.step."""
     count = w.count
     for k in range(count):
         i = w.columns[k]
-        y[i] += factor * w.step[k] * weight_of(w, i)
+        y[i] = base[i] + factor * w.step[k] * weight_of(w, i)
+
+
+def put_trial(y: Vec[NU], w: StartWork) -> None:
+    """Go to w.trial, in w.columns, with what w.rows are there."""
+    count = w.count
+    for k in range(count):
+        y[w.columns[k]] = w.trial[w.columns[k]]
+    rows = w.ended
+    for r in range(rows):
+        i = w.rows[r]
+        w.c[i] = w.trial_c[i]
+        w.sizes[i] = w.trial_sizes[i]
+        first = row_begin(i)
+        end = ends[i]
+        for k in range(first, end):
+            w.J[k] = w.trial_J[k]
+    judge(y, w.J, w.sizes, w)
 
 
 def longest_part(w: StartWork) -> Real:
@@ -99,10 +117,10 @@ def try_parts(p: Params, t: Real, y: Vec[NU], first: int, end: int, missed: Real
     least = shortest * longest
     factor = 1.0
     size = inf
+    w.trial[:] = y
     while least > 0.0 and factor >= (least if w.whole or size < OVERSHOT * missed else TINIEST):
-        w.trial[:] = y
-        move_along(w.trial, factor, w)
-        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
+        move_along(w.trial, y, factor, w)
+        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
         size = norm(w.trial_c, first, end, w)
         if size < missed * (1.0 - (0.1 * factor if factor <= longest else 0.999)):
             return size
@@ -150,17 +168,13 @@ def polish(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) -
         if not shortest_step(w, end - first, EXACTLY):
             return
         w.trial[:] = y
-        move_along(w.trial, 1.0, w)
-        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes)
+        move_along(w.trial, y, 1.0, w)
+        meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
         left = rough(w.trial_c, w.trial_sizes, first, end, w)
         if not (left < 0.5 * missed and norm(w.trial_c, first, end, w) <= CLOSE):
             return
         missed = left
-        y[:] = w.trial
-        w.c[:] = w.trial_c
-        w.sizes[:] = w.trial_sizes
-        w.J[:] = w.trial_J
-        judge(y, w.J, w.sizes, w)
+        put_trial(y, w)
 
 
 def speeds_alone(w: StartWork) -> bool:
@@ -177,7 +191,7 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
     they help."""
     if first == end or w.count == 0:
         return
-    meet(p, t, y, w.c, w.J, w.sizes)
+    meet(p, t, y, w.c, w.J, w.sizes, w)
     judge(y, w.J, w.sizes, w)
     missed = norm(w.c, first, end, w)
     w.blurs[:] = w.doubted
@@ -215,11 +229,7 @@ def improve(p: Params, t: Real, y: Vec[NU], first: int, end: int, w: StartWork) 
         if size < 0.0:
             return
         left *= size / missed
-        y[:] = w.trial
-        w.c[:] = w.trial_c
-        w.sizes[:] = w.trial_sizes
-        w.J[:] = w.trial_J
-        judge(y, w.J, w.sizes, w)
+        put_trial(y, w)
         missed = norm(w.c, first, end, w)
 
 
@@ -246,7 +256,9 @@ def leads(p: Params, t: Real, y: Vec[NU], w: StartWork) -> bool:
 def distance(y: Vec[NU], w: StartWork) -> Real:
     """From the guess, in weights."""
     total = 0.0
-    for i in range(NU):
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
         way = (y[i] - w.home[i]) / weight_of(w, i)
         total += way * way
     return sqrt(total)
@@ -255,8 +267,10 @@ def distance(y: Vec[NU], w: StartWork) -> Real:
 def strayed(y: Vec[NU], w: StartWork) -> Real:
     """How far what nobody stated is from the guess, in weights."""
     total = 0.0
-    for i in range(NU):
-        if w.levels[i] == UNSTATED and w.used[i] == 1:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        if w.levels[i] == UNSTATED:
             way = (y[i] - w.home[i]) / w.weights[i]
             total += way * way
     return sqrt(total)
@@ -265,7 +279,7 @@ def strayed(y: Vec[NU], w: StartWork) -> Real:
 def step_home(p: Params, t: Real, y: Vec[NU], end: int, w: StartWork) -> bool:
     """w.step: from the guess to the nearest point that meets w.rows[..end-1], linear at y; False where a
     number is not finite."""
-    meet(p, t, y, w.c, w.J, w.sizes)
+    meet(p, t, y, w.c, w.J, w.sizes, w)
     w.blurs[:] = w.doubted
     fill(0, end, w)
     for r in range(end):
@@ -300,7 +314,7 @@ def approach(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
         if not step_home(p, t, y, end, w):
             return
         w.turned[:] = w.home
-        move_along(w.turned, 1.0, w)
+        move_along(w.turned, w.home, 1.0, w)
         attempt(p, t, w.turned, w)
         near = distance(w.turned, w)
         if not (near < far and farthest(p, t, w.turned, w.ended, w) <= ACCEPTED):
@@ -313,7 +327,9 @@ def unwind(p: Params, t: Real, y: Vec[NU], w: StartWork) -> None:
     """y with angles less than half a turn from their guess, where that is a start too."""
     wound = False
     w.turned[:] = y
-    for i in range(NU):
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
         if angle[i] == 1:
             turns = floor((y[i] - w.home[i]) / TURN + 0.5)
             if turns != 0.0:

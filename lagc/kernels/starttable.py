@@ -69,11 +69,12 @@ def solve_rows(m: int, n: int, w: StartWork) -> int:
 def lay_out(n: int, w: StartWork) -> int:
     """w.places of unknowns in a row of the table: what is free, then the n values w.stated; how many are
     free."""
-    for i in range(NU):
-        w.places[i] = -1
     first = 0
-    for i in range(NU):
-        if w.loose[i] == 1 and w.used[i] == 1:
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
+        w.places[i] = -1
+        if w.loose[i] == 1:
             w.places[i] = first
             first += 1
     for k in range(n):
@@ -133,8 +134,8 @@ def table(p: Params, t: Real, at: Vec[NU], beside: Vec[NU], n: int, w: StartWork
     the n values w.stated from `beside`: what is free eliminated, and Gauss-Jordan on the columns of the
     basis; how many these are."""
     first = lay_out(n, w)
-    meet(p, t, beside, w.c, w.J, w.sizes)
-    meet(p, t, at, w.trial_c, w.J, w.sizes)
+    meet(p, t, beside, w.c, w.J, w.sizes, w)
+    meet(p, t, at, w.trial_c, w.J, w.sizes, w)
     m = 0
     end = w.ended
     for r in range(end):

@@ -24,6 +24,7 @@ kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 
 quaternion: IVec[NQUAT]  # where each begins in x
 level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
+piece: IVec[NU]  # of the conditions, that alone depends on each unknown; -1: none
 angle: IVec[NU]  # 1: of an angle
 ends: IVec[NE]  # where the derivatives of each condition end
 stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition, where they follow each other

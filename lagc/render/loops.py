@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import TypeAlias
 
 from lagc.optimize.program import Function, Run
 from lagc.records import dataclass, replace
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
 
+Running: TypeAlias = tuple[str, str, int, int]  # name, array, first place, stride; 0: of a table, all of it
+
 
 @dataclass(frozen=True)
 class Forms:
     """What differs between languages: `room` for what is kept; a `variable`, its `change`, and a `fixed` one;
     the `table` of numbers that a name stands for; the `head` of a loop, of its run and the names that run
-    through sequences, and its `end`; the entries of an array as a `sequence`, if there are such; `only`, the
-    head of what belongs to one piece."""
+    through arrays, and its `end`; whether there are such, `sequences`; `only`, the head of what belongs to
+    one piece."""
 
     room: str
     variable: str
     fixed: str
     change: str
     table: Callable[[str, Sequence[float]], list[str]]
-    head: Callable[[Run, Sequence[tuple[str, str]]], str]
+    head: Callable[[Run, Sequence[Running]], str]
     end: str
     only: str
-    sequence: Callable[[str, int, int, int], str] | None = None  # array, first, stride, count
+    sequences: bool = False
     number: str = "{}"  # an entry of a table of reals
 
 
@@ -46,7 +49,7 @@ class _Printer:
         self.segment, self.dialect, self.forms, self.locals = segment, dialect, forms, locals_
         self.tables: dict[tuple[float, ...], str] = {}
         self.before: list[str] = []
-        self.running: list[tuple[str, str]] = []  # names and the sequences that they run through
+        self.running: list[Running] = []
 
     def run(self) -> list[str]:
         segment, forms = self.segment, self.forms
@@ -95,17 +98,15 @@ class _Printer:
         if access.stride == 0:
             self.before.append(forms.fixed.format(name=name, value=self._entry(access)))
             return name
-        if forms.sequence is None or (access.array == KEPT and self._is_written(access)):
+        if not forms.sequences or (access.array == KEPT and self._is_written(access)):
             return self._entry(access)
         if access.stride is None:
             if access.array == NUMBERS:
-                self.running.append((name, self._table(access.indices)))
+                self.running.append((name, self._table(access.indices), 0, 0))
                 return forms.number.format(name)
-            self.running.append((f"i{k}", self._table(access.indices)))
+            self.running.append((f"i{k}", self._table(access.indices), 0, 0))
             return self.dialect.entry(access.array, f"i{k}")
-        self.running.append(
-            (name, forms.sequence(access.array, int(access.indices[0]), access.stride, count))
-        )
+        self.running.append((name, access.array, int(access.indices[0]), access.stride))
         return name
 
     def _is_written(self, access: Access) -> bool:

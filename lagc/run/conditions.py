@@ -10,7 +10,7 @@ from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 from lagc.once import once
-from lagc.render.kernels.assembly import sizes_of_start, stretches, with_quaternions
+from lagc.render.kernels.assembly import of_unknowns, sizes_of_start, stretches, with_quaternions
 from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK
 
@@ -29,8 +29,8 @@ class Conditions:
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
     parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
     number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
-    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, first, last, (c, J,
-    sizes))` fills in what belongs to some of them.
+    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, c, J, sizes, first, last)`
+    fills in what belongs to some of them.
     """
 
     def __init__(
@@ -52,13 +52,11 @@ class Conditions:
         self.nq, self.nv, self.quaternions = nq, nv, tuple(quaternions)
         self.units, self.angles = tuple(units), tuple(angles)
         self.n, self.own = len(units), len(ends)
-        self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions)
+        self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions, pieces)
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
         self.evaluate, self.measures = evaluate, measures
         self.parameters, self.elsewhere = list(parameters), elsewhere
-        self.pieces, self.some = tuple(pieces), some
-        self._last: tuple[float, array[float]] | None = None  # where `_found` is
-        self._found: Found = [], [], []
+        self.pieces, self.some = of_unknowns(pieces, self.n), some
         self._met = lru_cache(MET)(self._evaluated)
         self.lock = RLock()
 
@@ -75,7 +73,8 @@ class Conditions:
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "stretch_begins": begins, "stretch_ends": stops,
-            "fn_conditions": self._conditions, "fn_measures": self._measures,
+            "piece": self.pieces, "fn_measures": self._measures,
+            "fn_conditions": self._conditions, "fn_conditions_some": self._some,
         }  # fmt: skip
         exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)
         return found
@@ -84,11 +83,17 @@ class Conditions:
                     sizes: list[float]) -> None:  # fmt: skip
         changed = self.elsewhere is not None and p is not self.parameters
         x = array("d", y[: self.nq + self.nv])
-        if self.pieces and not changed:
-            found = self._in_pieces(t, x)
-        else:
-            found = self._met(array("d", p).tobytes() if changed else b"", t, x.tobytes())
+        found = self._met(array("d", p).tobytes() if changed else b"", t, x.tobytes())
         c[: self.own], jacobian[: len(found[1])], sizes[: self.own] = found
+
+    def _some(self, p: list[float], t: float, y: list[float], c: list[float], jacobian: list[float],
+              sizes: list[float], first: int, last: int) -> None:  # fmt: skip
+        """The same of the pieces first..last-1, written where it belongs."""
+        if self.elsewhere is not None and p is not self.parameters:
+            self._conditions(p, t, y, c, jacobian, sizes)
+        else:
+            assert self.some is not None
+            self.some(t, y, c, jacobian, sizes, first, last)
 
     def _evaluated(self, p: bytes, t: float, x: bytes) -> tuple[list[float], list[float], list[float]]:
         """`evaluate` at these doubles, -0.0 apart from 0.0; with parameters p where there are any."""
@@ -97,38 +102,9 @@ class Conditions:
             evaluate = self.elsewhere(array("d", p).tolist())
         return evaluate(t, array("d", x).tolist())
 
-    def _in_pieces(self, t: float, x: array[float]) -> Found:
-        """All that is known of the last place, but for the pieces that change from there to x."""
-        assert self.some is not None
-        last, self._last = self._last, None
-        if last is None or last[0] != t:
-            self._found = self.evaluate(t, x.tolist())
-        elif last[1].tobytes() != x.tobytes():
-            touched = [
-                self.pieces[k]
-                for begin, end in ((0, self.nq), (self.nq, self.nq + self.nv))
-                for k in _between(last[1], x, begin, min(end, len(self.pieces)))
-                if self.pieces[k] >= 0
-            ]
-            first, end = (min(touched), max(touched) + 1) if touched else (0, 0)
-            self.some(t, x, first, end, self._found)
-        self._last = t, x
-        return self._found
-
     def _measures(self, p: list[float], rates: list[float], largest: list[float]) -> None:
         s, most = self.measures()
         rates[: len(s)], largest[: len(most)] = s, most
-
-
-def _between(one: array[float], other: array[float], begin: int, end: int) -> range:
-    """From the first to the last of the numbers begin..end-1 that differ, -0.0 from 0.0 too."""
-    a, b = one[begin:end].tobytes(), other[begin:end].tobytes()
-    if a == b:
-        return range(0)
-    apart = int.from_bytes(a, "little") ^ int.from_bytes(b, "little")
-    return range(
-        begin + ((apart & -apart).bit_length() - 1) // 64, begin + (apart.bit_length() - 1) // 64 + 1
-    )
 
 
 class Consistency:
@@ -170,7 +146,7 @@ class Consistency:
         """Residuals, derivatives and sizes of the terms of all conditions."""
         m = len(self.conditions.ends)
         found = [0.0] * m, [0.0] * len(self.conditions.columns), [0.0] * m
-        self.kernels["meet"](self.conditions.parameters, self.t, y, *found)
+        self.kernels["meet_all"](self.conditions.parameters, self.t, y, *found)
         return found
 
     @property

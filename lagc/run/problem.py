@@ -8,7 +8,7 @@ for the equation and its names.  Statuses, options and trajectories are those of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from lagc.kernels.statuses import (
     CHATTERING,
@@ -26,9 +26,6 @@ from lagc.kernels.statuses import (
 )
 from lagc.optimize.program import Interface
 from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
-
-if TYPE_CHECKING:
-    from array import array
 
 __all__ = [
     "CHATTERING",
@@ -140,12 +137,10 @@ class System(Protocol):
         """c, J and sizes of a consistent start (see `Program`)."""
         ...
 
-    def some_conditions(
-        self, t: float, x: array[float], first: int, last: int,
-        found: tuple[list[float], list[float], list[float]]
-    ) -> None:  # fmt: skip
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
         """Fills in what belongs to the pieces first..last-1 of the conditions (`interface.pieces`), and what
-        belongs to none."""
+        belongs to none.  The lists may be longer than need be."""
         ...
 
     def limits(self) -> list[float]:

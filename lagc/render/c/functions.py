@@ -11,7 +11,7 @@ from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program, Run, uses
 from lagc.optimize.rolling import moves_itself
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.loops import Forms, loops
+from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment
 from lagc.render.segments import in_parts
 from lagc.render.statements import AND, OR, Dialect, lines
@@ -88,7 +88,7 @@ def function_text(
     )
 
 
-def _head(run: Run, _: Sequence[tuple[str, str]]) -> str:
+def _head(run: Run, _: Sequence[Running]) -> str:
     """Through those repetitions that belong to the pieces `first` to `last`."""
     begin, end = "0", str(run.count)
     if run.through:
@@ -135,9 +135,6 @@ def _divided(function: Function, parts: Sequence[list[str]], cleared: list[str])
         arguments = ", ".join([*_order(function), *more])
         calls = [f"{name}_{k}({arguments});" for k in range(1, len(groups) + 1)]
         text.append(_definition(inner, function, [*room, *cleared, *calls], some))
-    if own:
-        call = f"{inner}({', '.join([*_order(function), '0', str(max(own) + 1)])});"
-        text.append(_definition(name, function, [call]))
     return "\n".join(text)
 
 

@@ -110,13 +110,14 @@ _AFRESH = "    w->lost = 0; /* whatever was found before */\n"
 
 def _conditions(interface: Interface) -> Verb:
     count, entries = len(interface.condition_ends), len(interface.condition_columns)
+    some = f"_some(p, t, x, c, J, sizes, 0, {max(interface.pieces) + 1})" if interface.pieces else ""
     together = "    lagc_put_together(J);\n" if interface.part_ends else ""
     return Verb(
         f"What a consistent start x[NU] satisfies besides unit quaternions, c[{count}] = 0: phi, psi, the\n"
         f" * initial section, and stated rates less their values; J[{entries}], the derivatives that are\n"
         f" * not identically zero; sizes[{count}] of the terms.",
         f"void lagc_conditions({_POINT}, lagc_real *c, lagc_real *J, lagc_real *sizes)",
-        f"    lagc_fn_conditions(p, t, x, c, J, sizes);\n{together}")  # fmt: skip
+        f"    lagc_fn_conditions{some or '(p, t, x, c, J, sizes)'};\n{together}")  # fmt: skip
 
 
 _SOME = Verb(

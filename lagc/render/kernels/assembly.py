@@ -120,7 +120,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     """The sizes of a model: see `lagc.kernels.sizes`."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
-                           interface.condition_columns, interface.quaternions)  # fmt: skip
+                           interface.condition_columns, interface.quaternions, interface.pieces)  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
     own = {
@@ -146,7 +146,7 @@ def sizes_of(interface: Interface) -> dict[str, int]:
 
 
 def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: Sequence[int],
-                   quaternions: Sequence[int]) -> dict[str, int]:  # fmt: skip
+                   quaternions: Sequence[int], pieces: Sequence[int] = ()) -> dict[str, int]:  # fmt: skip
     """Of the search for a start; `ends` and `columns` of the model's own conditions."""
     rows = [columns[begin:end] for begin, end in zip((0, *ends), ends)]
     begins, _ = stretches(*with_quaternions(ends, columns, quaternions))
@@ -155,7 +155,7 @@ def sizes_of_start(nq: int, nv: int, rates: int, ends: Sequence[int], columns: S
         "NCOND": len(rows), "NQUAT": len(quaternions), "NE": len(rows) + len(quaternions),
         "NPOSITION": sum(max(row, default=0) < nq for row in rows),
         "NJ": max(len(columns) + 4 * len(quaternions), 1), "NSUM": 0, "NPARTS": 0,
-        "NSTRETCH": len(begins), **CONSTANT_SIZES,
+        "NSTRETCH": len(begins), "NPIECE": max(pieces, default=-1) + 1, **CONSTANT_SIZES,
     })  # fmt: skip
 
 
@@ -190,6 +190,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
+        "piece": of_unknowns(interface.pieces, len(interface.start_levels)),
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
@@ -200,6 +201,11 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip
+
+
+def of_unknowns(pieces: Sequence[int], count: int) -> tuple[int, ...]:
+    """Of all unknowns of a start, those that no piece depends on too."""
+    return (*pieces, *[-1] * (count - len(pieces)))
 
 
 def stretches(ends: Sequence[int], columns: Sequence[int]) -> tuple[list[int], list[int]]:

@@ -10,7 +10,7 @@ from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function, Run
 from lagc.records import replace
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
-from lagc.render.loops import Forms, loops
+from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
 from lagc.render.tables import NONE, Numbers, python_look_up
@@ -43,21 +43,37 @@ GUESSED = ("conditions",)
 AT_GUESSES = replace(DIALECT, calls={**CALLS, "div": "quotient"}, called=("div",))
 
 
-def _head(run: Run, running: Sequence[tuple[str, str]]) -> str:
+def _head(run: Run, running: Sequence[Running]) -> str:
     """Through those repetitions that belong to the pieces `first` to `last`."""
-    names, sequences = ["i", *(name for name, _ in running)], [f"range({run.count})"]
-    sequences += [sequence for _, sequence in running]
+    names = ["i", *(name for name, *_ in running)]
     if run.through:
-        begin, end = [f"max({name} - {run.piece}, 0)" for name in ("first", "last")]
-        sequences = [f"{sequence}[{begin}:{end}]" for sequence in sequences]
+        begin, end = f"max(first - {run.piece}, 0)", f"max(min(last - {run.piece}, {run.count}), 0)"
+        sequences = [f"range(begin := {begin}, end := {end})"]
+        sequences += [_some_of(array, first, stride) for _, array, first, stride in running]
+    else:
+        sequences = [f"range({run.count})"]
+        sequences += [_all_of(array, first, stride, run.count) for _, array, first, stride in running]
     if len(names) == 1:
         return f"for i in {sequences[0]}:"
     return f"for {', '.join(names)} in zip({', '.join(sequences)}):"
 
 
-def _sequence(array: str, first: int, stride: int, count: int) -> str:
+def _all_of(array: str, first: int, stride: int, count: int) -> str:
+    if stride == 0:
+        return array
     end = first + stride * count
     return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
+
+
+def _some_of(array: str, first: int, stride: int) -> str:
+    """Those of the repetitions `begin` to `end`."""
+    if stride == 0:
+        return f"{array}[begin:end]"
+    if stride < 0:
+        last = f"{first - stride} - {-stride}*end"
+        return f"{array}[{last}:{first + 1} - {-stride}*begin:{-stride}][::-1]"
+    begin, end = [f"{first} + {stride}*{name}" for name in ("begin", "end")]
+    return f"{array}[{begin}:{end}:{stride}]"
 
 
 _STRAIGHT = 10_000  # operations that take less time without loops
@@ -71,7 +87,7 @@ FORMS = Forms(
     head=_head,
     end="",
     only="if first <= {piece} < last:",
-    sequence=_sequence,
+    sequences=True,
     number="(1.0 * {})",  # for `_again`, which changes numbers but none within tuples
 )
 
@@ -267,8 +283,9 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     else:
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
+    name = f"fn_{function.spelled}_some" if own else f"fn_{function.spelled}"
     more = [f"first=0, last={max(own) + 1}"] if own else []
-    text = [f"def fn_{function.spelled}({', '.join([*order, *more])}):"]
+    text = [f"def {name}({', '.join([*order, *more])}):"]
     if description:
         text.append(f'    """{description}"""')
     text.append("    try:")
@@ -276,7 +293,9 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     text.append("    except (ArithmeticError, ValueError):")
     arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})" + (", first, last" if own else "")
     along = function.name == "along"
-    text.append(f"        {'_each_again' if along else '_again'}(fn_{function.spelled}, {arguments})")
+    text.append(f"        {'_each_again' if along else '_again'}({name}, {arguments})")
+    if own:
+        text += ["", "", f"fn_{function.spelled} = {name}"]
     return (_EACH if along else "") + "\n".join(text) + "\n"
 
 

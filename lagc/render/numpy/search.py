@@ -11,8 +11,8 @@ from types import CodeType
 from lagc import cache as store
 from lagc.cache.sources import tool_fingerprint
 
-ROOTS = ("prepare", "reach_start")
-SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP")
+ROOTS = ("prepare", "reach_start", "meet_all")
+SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP", "NPIECE")
 
 
 @cache

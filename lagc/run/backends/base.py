@@ -5,14 +5,11 @@ from __future__ import annotations
 from _thread import _local
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 from lagc.once import RLock
 from lagc.optimize.program import Interface
 from lagc.run.problem import System, Vector
-
-if TYPE_CHECKING:
-    from array import array
 
 Branch: TypeAlias = Any  # its modes, as a backend keeps them
 
@@ -129,10 +126,8 @@ class CompiledSystem(ABC):
         return c, jacobian, sizes
 
     @abstractmethod
-    def some_conditions(
-        self, t: float, x: array[float], first: int, last: int,
-        found: tuple[list[float], list[float], list[float]]
-    ) -> None:  # fmt: skip
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
         """See `System`."""
 
     def measures(self) -> tuple[list[float], list[float]]:

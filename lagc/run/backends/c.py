@@ -6,7 +6,7 @@ import ctypes
 from collections.abc import Callable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lagc.kernels import METHODS, MOST_ACTS
 from lagc.once import once
@@ -14,10 +14,8 @@ from lagc.render.numpy.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.backends.library import library
+from lagc.run.backends.spans import Spans
 from lagc.run.problem import OK, Options, Trajectory, Vector
-
-if TYPE_CHECKING:
-    from array import array
 
 
 class _Options(ctypes.Structure):
@@ -67,6 +65,10 @@ class CModel(Compiled):
     def head(self) -> type[Any]:
         return _head_type(self.interface.nc)
 
+    @once
+    def spans(self) -> Spans:
+        return Spans(self.interface)
+
     def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
         return CSystem(self, values, branch)
 
@@ -78,7 +80,7 @@ class CModel(Compiled):
 class _Desk:
     """The workspace and arrays of one thread."""
 
-    __slots__ = ("call", "head", "lam", "rhs", "work", "x", "xdot")
+    __slots__ = ("call", "conditions", "head", "lam", "rhs", "work", "x", "xdot")
 
     def __init__(self, model: CModel):
         interface = model.interface
@@ -89,6 +91,9 @@ class _Desk:
         self.x = (c_double * interface.nx)()
         self.xdot = (c_double * interface.nx)()
         self.lam = (c_double * max(interface.nc, 1))()
+        rows = len(interface.condition_ends) if interface.pieces else 0
+        lengths = (interface.nx, rows, len(interface.condition_columns), rows) if rows else ()
+        self.conditions = [(c_double * length)() for length in lengths]  # x, c, J, sizes
 
 
 class CSystem(CompiledSystem):
@@ -255,17 +260,18 @@ class CSystem(CompiledSystem):
         desk.call[name](self._p, c_double(t), desk.x, values)
         return values[:]
 
-    def some_conditions(
-        self, t: float, x: array[float], first: int, last: int,
-        found: tuple[list[float], list[float], list[float]]
-    ) -> None:  # fmt: skip
-        from array import array
-
-        room = [array("d", values) for values in found]
-        pointers = [(c_double * len(own)).from_buffer(own) for own in (x, *room)]
-        self.model.functions["some_conditions"](self._p, c_double(t), *pointers, first, last)
-        for values, own in zip(found, room):
-            values[:] = own
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
+        asked, rows, entries = self.model.spans(first, last)
+        desk = self._own.desk
+        x_there, c_there, jacobian_there, sizes_there = room = desk.conditions
+        for k in asked:
+            x_there[k] = x[k]
+        desk.call["some_conditions"](self._p, c_double(t), *room, first, last)
+        for k in rows:
+            c[k], sizes[k] = c_there[k], sizes_there[k]
+        for k in entries:
+            jacobian[k] = jacobian_there[k]
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [(c_double * max(length, 1))() for length in lengths]

@@ -10,16 +10,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from time import perf_counter
 from types import CodeType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lagc.once import once
 from lagc.optimize.program import Interface
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.problem import OK, Options, Trajectory, Vector
-
-if TYPE_CHECKING:
-    from array import array
-
 
 _PART = 20_000  # characters
 _BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
@@ -301,11 +297,9 @@ class NumpySystem(CompiledSystem):
             self.model.module["put_together"](found[1])
         return found
 
-    def some_conditions(
-        self, t: float, x: array[float], first: int, last: int,
-        found: tuple[list[float], list[float], list[float]]
-    ) -> None:  # fmt: skip
-        self.model.module["fn_conditions"](self._p, t, x.tolist(), *found, first, last)
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
+        self.model.module["fn_conditions_some"](self._p, t, x, c, jacobian, sizes, first, last)
 
     def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
         arrays = [[0.0] * length for length in lengths]
