@@ -33,7 +33,6 @@ ARRAYS = (
     "s",
 )  # inputs, in the order of a signature
 
-_ARITHMETIC = frozenset(("add", "sub", "mul", "div", "abs"))
 _OF_NUMBERS: dict[str, Callable[[Any, Any], float]] = {"add": add, "sub": sub, "mul": mul, "div": truediv}
 
 _Payload: TypeAlias = "float | tuple[str, int] | Table | None"
@@ -159,9 +158,9 @@ class Block:
 
     def again(self, o: Operation, operands: Sequence[int]) -> int:
         """The same operation on other operands."""
-        if o.op in _ARITHMETIC:
-            found: int = getattr(self, o.op)(*operands)
-            return found
+        arithmetic = _ARITHMETIC.get(o.op)
+        if arithmetic:
+            return arithmetic(self, *operands)
         if o.op == "const":
             assert isinstance(o.payload, float | int)
             return self.const(o.payload)
@@ -239,6 +238,11 @@ class Block:
         stores = tuple([Store(s.array, s.index, number[s.value]) for s in self.stores])
         comments = {len(operations) + k: text for k, text in self._comments.items()}
         return Function(name, inputs, tuple(outputs), tuple(operations), stores, description, comments)
+
+
+_ARITHMETIC: dict[str, Callable[..., int]] = {
+    "add": Block.add, "sub": Block.sub, "mul": Block.mul, "div": Block.div, "abs": Block.abs,
+}  # fmt: skip
 
 
 def _as_made(rows: Sequence[Row], roots: Sequence[int]) -> list[int]:

@@ -25,6 +25,9 @@ def dependence(function: Function, parameters: int) -> list[int]:
             assert isinstance(o.payload, tuple)
             array, index = o.payload
             found.append(FIXED if array == "p" and index < parameters else MOVING)
+        elif len(o.operands) == 2:
+            a, b = o.operands
+            found.append(found[a] if found[a] > found[b] else found[b])
         else:
             found.append(max([found[k] for k in o.operands], default=NUMBER))
     return found
@@ -93,14 +96,18 @@ class _Separation:
         self.products: dict[int, tuple[int, int]] = {}  # coefficient (shared) and rest (own) of a product
 
     def run(self) -> Function:
-        function, block = self.function, self.block
+        function, block, made_of, uses = self.function, self.block, self.made_of, self.uses
+        moving, kept, products = self.moving, self.kept, self.products
         for k, o in enumerate(function.operations):
-            if not self.uses[k]:
+            if not uses[k]:
                 continue
-            if self.made_of[k] == MOVING:
-                self.moving[k] = self._again(k, o)
-            else:
-                self.kept[k] = self.shared.again(o, [self.kept[i] for i in o.operands])
+            if made_of[k] != MOVING:
+                kept[k] = self.shared.again(o, [kept[i] for i in o.operands])
+                continue
+            moving[k] = block.again(o, [moving[i] if i in moving else self._own(i) for i in o.operands])
+            if o.op == "mul" or (o.op == "div" and made_of[o.operands[1]] == FIXED):
+                if any([i in kept or i in products for i in o.operands]):
+                    moving[k] = self._product(k, o)
         first = len(function.operations)
         for n, store in enumerate(function.stores):
             block.store(
@@ -109,14 +116,9 @@ class _Separation:
         made = block.function(function.name, function.inputs, function.outputs, function.description)
         return replace(made, cleared=function.cleared)
 
-    def _again(self, k: int, o: Operation) -> int:
-        """Operation k on what is left of its operands."""
-        moving = self.moving
-        plain = self.block.again(o, [moving[i] if i in moving else self._own(i) for i in o.operands])
-        if o.op not in ("mul", "div") or (o.op == "div" and self.made_of[o.operands[1]] != FIXED):
-            return plain
-        if not any([i in self.kept or i in self.products for i in o.operands]):
-            return plain
+    def _product(self, k: int, o: Operation) -> int:
+        """Operation k, made already, by a coefficient of what is kept in its operands, if that is no
+        number."""
         coefficient, rest = self.shared.one, self.block.one
         for i in o.operands:
             one, other = self._factors(i)
@@ -125,7 +127,7 @@ class _Separation:
             coefficient, rest = self.shared.mul(coefficient, one), self.block.mul(rest, other)
         self.products[k] = coefficient, rest
         number = self.preparation.is_number(max(coefficient, ~coefficient))
-        return plain if number else self.block.mul(self._entry(coefficient), rest)
+        return self.moving[k] if number else self.block.mul(self._entry(coefficient), rest)
 
     def _factors(self, k: int) -> tuple[int, int]:
         """Coefficient and rest of value k."""
