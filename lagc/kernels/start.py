@@ -13,7 +13,7 @@ from lagc.kernels.records import BAD_LEVEL, BAD_TIME
 from lagc.kernels.sizes import NCOND, NE, NQ, NQUAT, NRATE, NU, NV, NX
 from lagc.kernels.startfind import NEAR, SPREADS, find
 from lagc.kernels.startrecords import DECLARED, FIXED, UNSTATED, StartWork
-from lagc.kernels.startrows import SLIGHT, arrange, confine, farthest, row_begin
+from lagc.kernels.startrows import arrange, confine, farthest, row_begin
 from lagc.kernels.startsearch import choose, hold_little
 from lagc.kernels.startsizes import weigh
 from lagc.kernels.startsteps import attempt, loosen, rough, strayed
@@ -220,7 +220,7 @@ def prepare(p: Params, t: Real, x: Vec[NX], levels: IVec[NU], w: StartWork) -> S
             ):
                 w.culprit = NCOND + k
                 return INCONSISTENT
-    w.ease = SLIGHT
+    w.even = False
     w.whole = False
     w.first = 0
     w.other = 0

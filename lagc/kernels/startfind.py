@@ -9,7 +9,7 @@ from lagc.kernels.quaternions import normalise
 from lagc.kernels.sizes import NPOSITION, NQUAT, NU
 from lagc.kernels.startalone import settle
 from lagc.kernels.startrecords import FIXED, UNSTATED, StartWork
-from lagc.kernels.startrows import SLIGHT, farthest, judge, meet, ratio, row_begin
+from lagc.kernels.startrows import farthest, judge, meet, ratio, row_begin
 from lagc.kernels.startsizes import blur
 from lagc.kernels.startsteps import approach, attempt, strayed, unwind
 from lagc.kernels.starttable import table
@@ -106,17 +106,18 @@ def stuck(p: Params, t: Real, w: StartWork) -> bool:
     return alike or lacking(p, t, w.best, w)
 
 
-def begin_at(p: Params, t: Real, k: int, stated: bool, ease: Real, w: StartWork) -> bool:
-    """An attempt from beginning k, where stated values move by `ease` of their weight; whether it leads to a
-    start.  w.best is the first that is near, else the nearest."""
+def begin_at(p: Params, t: Real, k: int, stated: bool, even: bool, w: StartWork) -> bool:
+    """An attempt from beginning k, where stated values hardly move beside others, each by its own size, or
+    where all of a unit move alike, `even`: a rope of stated values stays smooth.  Whether it leads to a
+    start; w.best is the first that is near, else the nearest."""
     spread(p, t, w.now, k, stated, w)
-    w.ease = ease
+    w.even = even
     attempt(p, t, w.now, w)
-    w.ease = SLIGHT
+    w.even = False
     size = farthest(p, t, w.now, w.ended, w)
     if size <= ACCEPTED:
         unwind(p, t, w.now, w)
-        if k > 0 or ease > SLIGHT:
+        if k > 0 or even:
             approach(p, t, w.now, w)
         far = strayed(w.now, w)
         if far < w.nearest:
@@ -181,8 +182,8 @@ def find(p: Params, t: Real, begin: int, end: int, w: StartWork) -> bool:
         some = some or w.loose[i] == 1
         stated = stated or (w.loose[i] == 1 and w.levels[i] > UNSTATED)
     for k in range(begin, end):
-        if not begin_at(p, t, k, stated, SLIGHT, w) and stated:
-            begin_at(p, t, k, stated, 1.0, w)
+        if not begin_at(p, t, k, stated, False, w) and stated:
+            begin_at(p, t, k, stated, True, w)
         if w.nearest <= NEAR or not some:
             break
         if k == BESIDE and k + 1 < end and w.nearest == inf and stuck(p, t, w):

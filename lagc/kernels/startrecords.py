@@ -60,7 +60,7 @@ class StartWork:
     set_count: Vec[NSETS]
     set_total: Vec[NSETS]
     total: Real  # of what was counted last, the sum of the squares of ways
-    ease: Real
+    even: bool  # all of a unit move alike
     least: Real  # what attempts missed
     most: Real
     fewest: Real  # values that moved in a start, and the sum of the squares of their ways

@@ -76,7 +76,9 @@ def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE],
 
 def weight_of(w: StartWork, i: int) -> Real:
     """How far unknown i moves where others could move instead."""
-    return w.weights[i] if w.levels[i] == UNSTATED else w.ease * w.weights[i]
+    if w.even:
+        return w.widths[i]
+    return w.weights[i] if w.levels[i] == UNSTATED else SLIGHT * w.weights[i]
 
 
 def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:

@@ -105,9 +105,9 @@ class _Separation:
                 kept[k] = self.shared.again(o, [kept[i] for i in o.operands])
                 continue
             moving[k] = block.again(o, [moving[i] if i in moving else self._own(i) for i in o.operands])
-            if o.op == "mul" or (o.op == "div" and made_of[o.operands[1]] == FIXED):
-                if any([i in kept or i in products for i in o.operands]):
-                    moving[k] = self._product(k, o)
+            product = o.op == "mul" or (o.op == "div" and made_of[o.operands[1]] == FIXED)
+            if product and any([i in kept or i in products for i in o.operands]):
+                moving[k] = self._product(k, o)
         first = len(function.operations)
         for n, store in enumerate(function.stores):
             block.store(

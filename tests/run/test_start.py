@@ -6,6 +6,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 import lagc
 from lagc.run.begin import consistent_start
@@ -137,3 +138,36 @@ def test_displacements_that_are_all_zero_have_one_size(n: int) -> None:
     assert max(abs(x).max(), abs(z).max()) < 0.5
     points = np.array([[0.0, 0.0], *zip(1.2 * k + x, z - 3.6 * k * (1 - k)), [1.2, 0.0]])
     assert np.hypot(*np.diff(points, axis=0).T) == pytest.approx(2.0 / (n + 1), rel=1e-9)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_rope_of_rods_is_hung_from_a_parabola(backend: str) -> None:
+    """Each place of it is stated, of sizes from a link to the whole rope: a smooth curve should bend as a
+    whole, not where its numbers happen to be large."""
+    text = """model Rope
+      structural Integer n = 50;
+      parameter Length L = 10, span = 6, l = L/n;
+      coordinate Length x[n-1](start = {span*i/n for i in 1:n-1}),
+        z[n-1](start = {-14 [m]*(i/n)*(1 - i/n) for i in 1:n-1});
+      point P[0] = {0, 0, 0};
+      point P[n] = {span, 0, 0};
+      for i in 1:n-1 loop
+        point P[i] = {x[i], 0, z[i]};
+        body m[i] = Particle(mass = 0.1, at = P[i]);
+      end for;
+      for i in 1:n loop
+        constraint rod[i]: norm(P[i] - P[i-1]) = l;
+      end for;
+    end Rope;"""
+    found = np.array(lagc.loads(text).compile(backend=backend).start()[:98])
+
+    def lengths(y: np.ndarray) -> np.ndarray:
+        dx, dz = (np.diff([0.0, *y[49 * k : 49 * k + 49], end]) for k, end in enumerate((6.0, 0.0)))
+        return np.asarray(np.hypot(dx, dz))
+
+    assert lengths(found) == pytest.approx(np.full(50, 0.2), rel=1e-12)
+    i = np.arange(1, 50) / 50
+    guess = np.array([*(6.0 * i), *(-14.0 * i * (1.0 - i))])
+    rods = {"type": "eq", "fun": lambda y: lengths(y) - 0.2}
+    nearest = minimize(lambda y: np.sum((y - guess) ** 2), found, method="SLSQP", constraints=rods).x
+    assert norm(list(found - guess)) < 1.25 * norm(list(nearest - guess))
