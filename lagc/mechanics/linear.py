@@ -108,6 +108,14 @@ class Span:
             rest.along(e)
         return rest.values
 
+    def combined(self, parts: Sequence[float], n: int) -> list[float]:
+        """The sum of so much of each base, a vector of n."""
+        found = [0.0] * n
+        for part, e in zip(parts, self._base):
+            own = zip(found[e.begin : e.stop], e.values[e.begin : e.stop])
+            found[e.begin : e.stop] = [a + part * b for a, b in own]
+        return found
+
     def independent(self) -> list[int]:
         """The first rows, in their order, that span all."""
         held: list[_Row] = []
@@ -173,4 +181,4 @@ def least_norm(matrix: Sequence[Sequence[float]], right: Sequence[float]) -> lis
         size = max(map(abs, matrix[k]))
         length = size * math.sqrt(sum((x / size) ** 2 for x in matrix[k]))
         y.append((right[k] / length - dot(parts, y)) / parts[-1])
-    return [dot(y, column) for column in zip(*spanned.basis)] if y else [0.0] * len(matrix[0])
+    return spanned.combined(y, len(matrix[0]))

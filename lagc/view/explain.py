@@ -125,8 +125,8 @@ def _coordinates(equations: EquationsOfMotion) -> list[Facts]:
     held = [row.residual for row in equations.rows if row.holonomic]
     searched = symbols([*held, *(residual for residual, _ in equations.initial_conditions)])
     found: list[Facts] = []
-    for i, (q, start) in enumerate(zip(equations.q, equations.starts_q)):
-        name, unit = equations.q_names[i], equations.q_units[i]
+    whole = zip(equations.q, equations.q_names, equations.q_units, equations.starts_q)
+    for i, (q, name, unit, start) in enumerate(whole):
         found.append({
             "name": name,
             "kind": "part of a unit quaternion" if i in parts else "scalar",
