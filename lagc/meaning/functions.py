@@ -233,6 +233,10 @@ def _sum(context: Context, span: Span, a: Argument) -> Value:
         raise Wrong("LAG0306", "`sum` takes an array", a.span)
     if not a.value.elements:
         return constant(context.graph, 0.0, None)
+    first = a.value.elements[0]
+    if isinstance(first, Array):  # of vectors: theirs
+        columns = zip(*(element.elements for element in a.value.elements if isinstance(element, Array)))
+        return Array(tuple([_sum(context, span, Argument(Array(column), a.span)) for column in columns]))
     given = [Argument(element, a.span) for element in a.value.elements]
     dimension = shared(given, "`sum`")
     return Scalar(context.graph.sum(scalar_of(g.value, a.span, "an element").node for g in given), dimension)

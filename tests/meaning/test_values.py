@@ -41,6 +41,8 @@ from tests.meaning.reading import output, read_body, value
         ("sum(i^2 for i in 1:10)", 385.0),
         ("sum(sum(i*j for j in i+1:3) for i in 1:3)", 11.0),
         ("1 + sum({i for i in 2:1})", 1.0),
+        ("dot(sum({i, 10*i, 100*i} for i in 1:4), {1, 2, 3})", 10.0 * 321.0),
+        ("sum({{1, 2}, {3, 4}})[2]", 6.0),
         ("size({i for i in 1:0})", 0.0),
         ("max(1, sum(2*i for i in 1:max(1, 2)))", 6.0),
         ("dot({1, 2, 3}, {4, 5, 6})", 32.0),
