@@ -92,8 +92,8 @@ class Work:
     reached: Vec[NKIND]  # sizes of the kinds of states, with the one that is tried
     weights: Vec[NX]
     longest: Real  # that of the trajectory, in a second attempt at a step
-    attempt: Real  # at a step, as long as that, kinds
-    powers: Vec[NKIND]  # grew by these powers of the time
+    attempt: Real  # how long the last attempt at this step was that `foresee` learnt from; 0: none
+    powers: Vec[NKIND]  # of the time, by which kinds grew in that one
     play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
     recalled: Vec[NX]  # rounding of rates, as it was heard before this step
     end: Vec[NX]  # of what is tried beside the step

@@ -182,6 +182,20 @@ def fall_back(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> N
     retreat(a, o)
 
 
+def looks_again(s: State, o: Options, a: Trial, w: Work) -> bool:
+    """Whether half of a step that was rejected is tried as it may tell how kinds set out; where that is told
+    the error is another."""
+    found = foresee(s, o, a.h, w)
+    if found == FORETOLD:
+        a.error = error_of(s, o, a.h, w)
+    if found != LOOK_AGAIN:
+        return False
+    a.size *= 0.5
+    s.h = a.size  # from where another call goes on
+    s.rejected += 1
+    return True
+
+
 def is_short(s: State, t1: Real, size: Real) -> bool:
     return size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t))
 
@@ -289,14 +303,8 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
-            found = foresee(s, o, a.h, w)
-            if found == LOOK_AGAIN:
-                a.size *= 0.5
-                s.h = a.size  # from where another call goes on
-                s.rejected += 1
+            if looks_again(s, o, a, w):
                 continue
-            if found == FORETOLD:
-                a.error = error_of(s, o, a.h, w)
             if a.error > 1.0:
                 fall_back(p, s, t1, o, a, w)
         s.noise[:] = w.recalled  # what is heard along a step tells nothing of a shorter one
