@@ -110,7 +110,10 @@ def confine_to(part: int, w: StartWork) -> int:
     if n > 0:
         confine(n, w)
         for i in range(NU):
-            w.loose[i] = 1 if w.let[i] == 1 and w.used[i] == 1 else 0
+            w.loose[i] = 0
+        owned = w.owned
+        for k in range(owned):
+            w.loose[w.own[k]] = w.let[w.own[k]]
         w.y[:] = w.reached
     return n
 
@@ -142,9 +145,11 @@ def lay_still(w: StartWork) -> bool:
     """w.answer: w.y, with what went next to no way as guessed, and held; whether there is any."""
     w.answer[:] = w.y
     found = False
-    for i in range(NU):
+    owned = w.owned
+    for k in range(owned):
+        i = w.own[k]
         way = fabs(w.y[i] - w.home[i])
-        if w.loose[i] == 1 and w.used[i] == 1 and 0.0 < way and way <= TRACE * w.weights[i]:
+        if w.loose[i] == 1 and 0.0 < way and way <= TRACE * w.weights[i]:
             w.answer[i] = w.home[i]
             w.loose[i] = 0
             found = True

@@ -251,10 +251,7 @@ def candidates(n: int, k: int, slack: Real, w: StartWork) -> int:
 def predict(p: Params, t: Real, m: int, slack: Real, w: StartWork) -> int:
     """Candidates of the m columns w.stated, from the conditions as they are linear between the start w.kept
     and w.now; how many they are.  w.rank: of how many columns each is."""
-    w.best[:] = w.kept
-    owned = w.owned
-    for k in range(owned):
-        i = w.own[k]
+    for i in range(NU):
         w.best[i] = 0.5 * (w.kept[i] + w.now[i])
     rank = table(p, t, w.kept, w.now, m, w)
     w.rank = table(p, t, w.best, w.now, m, w)

@@ -24,15 +24,14 @@ class StartWork:
     y: Vec[NU]  # q, v, and the stated rates
     levels: IVec[NU]
     part: IVec[NU]  # 1: of a quaternion, behind its first
-    used: IVec[NU]  # 1: of the unknowns that the rows hold
-    own: IVec[NU]  # these, and how many they are
+    own: IVec[NU]  # the unknowns that the rows hold, and how many they are
     owned: int
     places: IVec[NU]
     picked: IVec[NU]
     best_picked: IVec[NU]
     values: IVec[NU]
     columns: IVec[NU]
-    line: IVec[NU]  # the same, those near each other that conditions tie
+    line: IVec[NU]  # those of own, near each other where conditions tie them
     stated: IVec[NU]
     marks: IVec[NU]
     let: IVec[NU]
@@ -76,7 +75,7 @@ class StartWork:
     positions: int  # of the rows that follow: conditions of positions come first
     ended: int  # where the rows end: those of one part
     if NPIECE > 0:
-        first_piece: int  # that these are of, and behind the last
+        first_piece: int  # of those that the rows are of, and behind the last
         end_piece: int
     left: int  # rows of the table
     rank: int  # columns that the linear conditions ask for
@@ -97,7 +96,7 @@ class StartWork:
     firsts: IVec[NROW]  # of these, those that begin at a place
     longest: IVec[NTREE]
     squares: Vec[NE]
-    c: Vec[NE]
+    c: Vec[NE]  # of the rows alone, as sizes, J and those of a trial
     sizes: Vec[NE]
     scales: Vec[NE]
     floors: Vec[NE]

@@ -15,10 +15,10 @@ from lagc.kernels.quaternions import square_at
 from lagc.kernels.sizes import NCOND, NE, NJ, NPIECE, NPOSITION, NQ, NQUAT, NRATE, NSTRETCH, NSUM, NU, NV
 from lagc.kernels.startparts import put_together
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.tables import ends, level, piece, quaternion, stretch_begins, stretch_ends
+from lagc.kernels.tables import ends, level, quaternion, row_piece, stretch_begins, stretch_ends
 from lagc.kernels.words import IVec, Params, Real, Size, Vec, present, size
 
-SLIGHT = 1.0 / 1024.0  # of the weights: the least rows are judged against; of stated values
+SLIGHT = 1.0 / 1024.0  # of the weights: the least that rows are judged against; how far what is stated moves
 
 
 def row_begin(i: int) -> int:
@@ -63,7 +63,7 @@ def meet_all(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[
 
 
 def meet(p: Params, t: Real, y: Vec[NU], c: Vec[NE], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
-    """The same of w.rows."""
+    """The same of w.rows alone; what belongs to other rows may be of another place."""
     if NPIECE > 0:
         fn_conditions_some(p, t, y, c, J, sizes, w.first_piece, w.end_piece)
         if NRATE > 0 or NQUAT > 0:
@@ -202,12 +202,12 @@ def line_up_unknowns(w: StartWork) -> None:
 
 
 def find_pieces(w: StartWork) -> None:
-    """Those that the unknowns are of."""
+    """Those that the rows are of."""
     w.first_piece = size(NPIECE)
     w.end_piece = 0
-    owned = w.owned
-    for k in range(owned):
-        own = piece[w.own[k]]
+    rows = w.ended
+    for r in range(rows):
+        own = row_piece[w.rows[r]]
         if own >= 0 and own < w.first_piece:
             w.first_piece = own
         if own >= w.end_piece:
@@ -219,19 +219,17 @@ def confine(n: Size, w: StartWork) -> None:
     if NPOSITION > 0:
         w.is_settled = False
     for i in range(NU):
-        w.used[i] = 0
+        w.marks[i] = 0
     for i in range(n):
         first = row_begin(w.order[i])
         end = ends[w.order[i]]
         for k in range(first, end):
-            w.used[w.column[k]] = 1
+            w.marks[w.column[k]] = 1
     w.owned = 0
     for i in range(NU):
-        if w.used[i] == 1:
+        if w.marks[i] == 1:
             w.own[w.owned] = i
             w.owned += 1
-    if NPIECE > 0:
-        find_pieces(w)
     w.ended = 0
     for i in range(n):
         if not moving(w.order[i], w):
@@ -242,6 +240,8 @@ def confine(n: Size, w: StartWork) -> None:
         if moving(w.order[i], w):
             w.rows[w.ended] = w.order[i]
             w.ended += 1
+    if NPIECE > 0:
+        find_pieces(w)
     line_up_unknowns(w)
 
 

@@ -9,7 +9,7 @@ from lagc.kernels.limits import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
 from lagc.kernels.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
 from lagc.kernels.startpairs import even_out
 from lagc.kernels.startrecords import UNSTATED, StartWork
-from lagc.kernels.startrows import SLIGHT, is_blurred, meet, row_begin
+from lagc.kernels.startrows import SLIGHT, is_blurred, meet, meet_all, row_begin
 from lagc.kernels.tables import angle, ends, quaternion, unit
 from lagc.kernels.words import Params, Real, Vec, params
 
@@ -41,7 +41,7 @@ def doubt(p: Params, t: Real, w: StartWork) -> None:
         other = params()
         for turn in range(2):
             shake_parameters(p, NEARLY if turn == 0 else -NEARLY, other)
-            meet(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes, w)
+            meet_all(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes)
             for i in range(NE):
                 w.doubts[i] = less(fabs(w.trial_c[i] - w.c[i]), w.doubts[i])
             for k in range(NJ):
@@ -222,7 +222,7 @@ def tighten(w: StartWork) -> None:
 def weigh(p: Params, t: Real, largest: Vec[NU], w: StartWork) -> None:
     """w.weights, the sizes of the unknowns, those that the conditions tell where the usual ones are far
     off; w.reach, by which rows are judged; w.widths, of their units."""
-    meet(p, t, w.home, w.c, w.J, w.sizes, w)
+    meet_all(p, t, w.home, w.c, w.J, w.sizes)
     w.terms[:] = w.sizes
     doubt(p, t, w)
     blur(p, t, w.home, w.home, w)

@@ -82,7 +82,7 @@ def move_along(y: Vec[NU], base: Vec[NU], factor: Real, w: StartWork) -> None:
 
 
 def put_trial(y: Vec[NU], w: StartWork) -> None:
-    """Go to w.trial, in w.columns, with what w.rows are there."""
+    """Move y, in w.columns, to w.trial; w.c, w.J and w.sizes of w.rows are those there."""
     count = w.count
     for k in range(count):
         y[w.columns[k]] = w.trial[w.columns[k]]

@@ -24,8 +24,8 @@ kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 
 quaternion: IVec[NQUAT]  # where each begins in x
 level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
-piece: IVec[NU]  # of the conditions, that alone depends on each unknown; -1: none
 angle: IVec[NU]  # 1: of an angle
+row_piece: IVec[NE]  # that makes each condition; -1: none, or one of a unit quaternion
 ends: IVec[NE]  # where the derivatives of each condition end
 stretch_begins: IVec[NSTRETCH]  # the unknowns of these, condition by condition, where they follow each other
 stretch_ends: IVec[NSTRETCH]  # behind the last

@@ -65,7 +65,7 @@ class _Row:
 
 
 class Span:
-    """The span of rows, which are taken to size one: `basis` is orthonormal, `rank` is decided at the
+    """The span of rows, which are taken to size one, by an orthonormal basis; `rank` is decided at the
     widest gap among what is left of rows beside those before them, the largest first (`left`)."""
 
     def __init__(self, rows: Sequence[Sequence[float]]):
@@ -94,7 +94,6 @@ class Span:
                     sizes[k] = row.length()
         self.rank, self._threshold = _gap(self.left)
         del self._base[self.rank :]
-        self.basis = [e.values for e in self._base]
 
     def _orthogonal(self, e: _Row) -> _Row:
         found = _Row(self.remainder(e.values))
@@ -109,7 +108,7 @@ class Span:
         return rest.values
 
     def combined(self, parts: Sequence[float], n: int) -> list[float]:
-        """The sum of so much of each base, a vector of n."""
+        """The sum of the bases, each times its part: a vector of n."""
         found = [0.0] * n
         for part, e in zip(parts, self._base):
             own = zip(found[e.begin : e.stop], e.values[e.begin : e.stop])
@@ -177,7 +176,7 @@ def least_norm(matrix: Sequence[Sequence[float]], right: Sequence[float]) -> lis
     """x of least norm with matrix x = right, for the rows that `Span` calls independent."""
     spanned = Span(matrix)
     y: list[float] = []
-    for (k, parts), _ in zip(spanned.made, spanned.basis):
+    for k, parts in spanned.made[: spanned.rank]:
         size = max(map(abs, matrix[k]))
         length = size * math.sqrt(sum((x / size) ** 2 for x in matrix[k]))
         y.append((right[k] / length - dot(parts, y)) / parts[-1])

@@ -254,7 +254,8 @@ def energies(places: Places) -> Function:
     equations = places.equations
     e = [equations.kinetic, equations.potential, equations.energy]
     names = ["kinetic energy", "potential energy", "energy of the balance"]
-    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True, search=False)
+    # sums over bodies, which have few factors in common
+    return made(places, "energies", STATE, (("e", e),), "energies", names, seldom=True, factors=False)
 
 
 def power(places: Places) -> Function | None:
@@ -351,14 +352,14 @@ def made(
     description: str,
     comments: Sequence[str] = (),
     seldom: bool = False,
-    search: bool = True,
+    factors: bool = True,
 ) -> Function:
     """`comments` belong to the first entries of the first output; `seldom`: not called by every step; for
-    `search` see `lower`."""
+    `factors` see `lower`."""
 
     def make(nodes: Sequence[Node]) -> list[Function]:
         block = Block()
-        following = iter(lower(places, block, nodes, seldom, search)[1])
+        following = iter(lower(places, block, nodes, seldom, factors)[1])
         for number, (array, indices) in enumerate(stored):
             for k in indices:
                 comment = comments[k] if number == 0 and k < len(comments) else ""

@@ -23,7 +23,7 @@ _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 _UNHASHED = (
     "source_name", "model_hash", "notes", "warnings", "dropped", "start_places", "row_places",
     "initial_places", "switches", "timed", "flowing", "driven", "doubtful", "derivatives",
-    "part_ends", "part_columns", "pieces", "written", "conservative",
+    "part_ends", "part_columns", "pieces", "row_pieces", "written", "conservative",
 )  # fmt: skip
 
 
@@ -94,7 +94,8 @@ def interface(
         condition_columns=tuple([k for own in columns for k in own]),
         part_ends=tuple(accumulate([len(own) for own in parts])),
         part_columns=tuple([k for own in parts for k in own]),
-        pieces=functions["conditions"].pieces if "conditions" in functions and not parts else (),
+        pieces=functions["conditions"].pieces if "conditions" in functions else (),
+        row_pieces=functions["conditions"].row_pieces if "conditions" in functions else (),
         solve="straight" if straight else "looped",
         work_size=work_size,
         health=health,

@@ -62,7 +62,9 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
         made.update((f.name, preparation.separated(f)) for f in (*own, *differentiated.functions))
     found, read = preparation.finished(made)
     found = {
-        name: in_pieces(function) if name == "conditions" else rolled(function, often=name in OFTEN)
+        name: in_pieces(function)
+        if name == "conditions" and not slopes.sums  # their derivatives are put together from all
+        else rolled(function, often=name in OFTEN)
         for name, function in found.items()
     }
     return Program(

@@ -29,7 +29,11 @@ def in_pieces(function: Function) -> Function:
     alike = _alike(function, letters, pieces)
     ordered = _in_order(function, [common, *(piece for group in alike for piece in group)])
     runs = _runs(ordered, common, alike)
-    return replace(ordered, runs=runs, pieces=_of_unknowns(function, alike))
+    parts = [piece for group in alike for piece in group]
+    rows = _of_rows(function, parts)
+    if not {*range(len(parts))} <= {*rows}:  # nobody would ask for the others
+        return rolled(function)
+    return replace(ordered, runs=runs, pieces=_of_unknowns(function, parts), row_pieces=rows)
 
 
 def _apart(function: Function) -> tuple[_Piece, list[_Piece]]:
@@ -114,15 +118,26 @@ def _runs(function: Function, common: _Piece, alike: Sequence[Sequence[_Piece]])
     return tuple(found)
 
 
-def _of_unknowns(function: Function, alike: Sequence[Sequence[_Piece]]) -> tuple[int, ...]:
+def _of_unknowns(function: Function, pieces: Sequence[_Piece]) -> tuple[int, ...]:
     """Which piece needs each entry of x."""
     unknowns = _unknowns(function)
     found = [-1] * (max(unknowns, default=-1) + 1)
-    for number, (own, stores) in enumerate([piece for group in alike for piece in group]):
+    for number, (own, stores) in enumerate(pieces):
         taken = [a for k in own for a in function.operations[k].operands]
         for a in (*taken, *(function.stores[k].value for k in stores)):
             if unknowns[a] >= 0:
                 found[unknowns[a]] = number
+    return tuple(found)
+
+
+def _of_rows(function: Function, pieces: Sequence[_Piece]) -> tuple[int, ...]:
+    """Which piece makes each entry of the first output."""
+    array, length = function.outputs[0]
+    found = [-1] * length
+    for number, (_, stores) in enumerate(pieces):
+        for k in stores:
+            if function.stores[k].array == array:
+                found[function.stores[k].index] = number
     return tuple(found)
 
 

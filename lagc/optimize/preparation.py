@@ -96,10 +96,10 @@ class _Separation:
         self.products: dict[int, tuple[int, int]] = {}  # coefficient (shared) and rest (own) of a product
 
     def run(self) -> Function:
-        function, block, made_of, uses = self.function, self.block, self.made_of, self.uses
+        function, block, made_of = self.function, self.block, self.made_of
         moving, kept, products = self.moving, self.kept, self.products
         for k, o in enumerate(function.operations):
-            if not uses[k]:
+            if not self.uses[k]:
                 continue
             if made_of[k] != MOVING:
                 kept[k] = self.shared.again(o, [kept[i] for i in o.operands])
@@ -117,8 +117,8 @@ class _Separation:
         return replace(made, cleared=function.cleared)
 
     def _product(self, k: int, o: Operation) -> int:
-        """Operation k, made already, by a coefficient of what is kept in its operands, if that is no
-        number."""
+        """Operation k as a coefficient of what is kept times the rest; as it is made already where that
+        coefficient is a number."""
         coefficient, rest = self.shared.one, self.block.one
         for i in o.operands:
             one, other = self._factors(i)

@@ -74,7 +74,8 @@ class Function:
     """A straight-line function.  `comments` maps an operation or store position to the
     formula or source line that starts there.  Where it is long, and what it does comes again and again, its
     leaves come first, and `runs` are all that is behind them: see `rolling`.  Where some of it may be made
-    alone, `pieces` tells which part depends on each entry of x, -1 for none."""
+    alone, `pieces` tells which part depends on each entry of x, and `row_pieces` which makes each of the
+    first output, -1 for none."""
 
     name: str
     inputs: tuple[str, ...]  # arrays read, in signature order: p t x e a lam c d w r s
@@ -86,6 +87,7 @@ class Function:
     cleared: tuple[str, ...] = ()  # outputs that are zero but for what is stored
     runs: tuple[Run, ...] = ()
     pieces: tuple[int, ...] = ()
+    row_pieces: tuple[int, ...] = ()
 
     @property
     def spelled(self) -> str:
@@ -247,6 +249,7 @@ class Interface:
     part_ends: tuple[int, ...] = ()  # where in J those by sums too of each condition, then each sum, end
     part_columns: tuple[int, ...] = ()  # of an unknown, or behind these of a sum
     pieces: tuple[int, ...] = ()  # of the conditions, that alone depends on each unknown of x, -1 for none
+    row_pieces: tuple[int, ...] = ()  # that makes each condition, -1 for none: it depends on no unknown
     derivatives: dict[str, tuple[tuple[int, int], ...]] = field(
         default_factory=dict
     )  # places of their entries

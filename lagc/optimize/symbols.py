@@ -59,16 +59,16 @@ def places(
 
 
 def lower(
-    places: Places, block: Block, nodes: Sequence[Node], seldom: bool = False, search: bool = True
+    places: Places, block: Block, nodes: Sequence[Node], seldom: bool = False, factors: bool = True
 ) -> tuple[Lowering, list[int]]:
     """The values of `nodes` in `block`, of a function that is called `seldom` or often, and the lowering for
-    more.  Symbols are loaded from their places.  Without `search` many are not searched for common factors:
-    they hold few."""
+    more.  Symbols are loaded from their places.  Without `factors` many are not searched for those that are
+    common."""
     graph = places.graph
     known = {symbol: block.load(array, k) for symbol, (array, k) in places.arrays.items()}
     size = len(reachable(nodes))
     if size > _LARGEST_GATHERED:
-        searched = search and (not seldom or size <= _LARGEST_SEARCHED)
+        searched = factors and (not seldom or size <= _LARGEST_SEARCHED)
         if searched:
             nodes = factored(graph, nodes)
         lowering = Lowering(block, known, plan(nodes) if searched and not seldom else None)

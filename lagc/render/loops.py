@@ -10,15 +10,17 @@ from lagc.records import dataclass, replace
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
 
-Running: TypeAlias = tuple[str, str, int, int]  # name, array, first place, stride; 0: of a table, all of it
+Running: TypeAlias = tuple[
+    str, str, int, int | None
+]  # name, array, first place, stride; None: a table, all of it
 
 
 @dataclass(frozen=True)
 class Forms:
     """What differs between languages: `room` for what is kept; a `variable`, its `change`, and a `fixed` one;
     the `table` of numbers that a name stands for; the `head` of a loop, of its run and the names that run
-    through arrays, and its `end`; whether there are such, `sequences`; `only`, the head of what belongs to
-    one piece."""
+    through arrays, and its `end`; whether heads take such names, `sequences`; `only`, the head of what
+    belongs to one piece."""
 
     room: str
     variable: str
@@ -102,9 +104,9 @@ class _Printer:
             return self._entry(access)
         if access.stride is None:
             if access.array == NUMBERS:
-                self.running.append((name, self._table(access.indices), 0, 0))
+                self.running.append((name, self._table(access.indices), 0, None))
                 return forms.number.format(name)
-            self.running.append((f"i{k}", self._table(access.indices), 0, 0))
+            self.running.append((f"i{k}", self._table(access.indices), 0, None))
             return self.dialect.entry(access.array, f"i{k}")
         self.running.append((name, access.array, int(access.indices[0]), access.stride))
         return name

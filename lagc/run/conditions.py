@@ -10,11 +10,11 @@ from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 from lagc.once import once
-from lagc.render.kernels.assembly import of_unknowns, sizes_of_start, stretches, with_quaternions
+from lagc.render.kernels.assembly import of_conditions, sizes_of_start, stretches, with_quaternions
 from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK
 
-MET = 8  # points whose conditions are remembered: the search comes back to them, two times of three
+MET = 8  # points whose conditions are remembered: a search of all of them comes back, two times of three
 UNSTATED, DECLARED, SCENE, RUN, FIXED = range(5)  # how firmly a start value is stated: see `startrecords`
 
 
@@ -29,8 +29,8 @@ class Conditions:
     `columns` of the unknowns), sizes of the terms.  `measures()`: the stated rates, and the largest
     parameter of each unit.  `elsewhere(p)` is `evaluate` with others than `parameters`.  `units[i]` is the
     number of the unit of unknown i; `angles` are the coordinates that are angles.  Where conditions
-    fall into pieces, of which `pieces[i]` alone depends on unknown i, `some(t, x, c, J, sizes, first, last)`
-    fills in what belongs to some of them.
+    fall into pieces that share no unknown, `pieces[i]` makes condition i (-1: none), and `some(t, x, c, J,
+    sizes, first, last)` fills in what belongs to some of them.
     """
 
     def __init__(
@@ -54,9 +54,10 @@ class Conditions:
         self.n, self.own = len(units), len(ends)
         self.sizes = sizes_of_start(nq, nv, self.n - nq - nv, ends, columns, quaternions, pieces)
         self.ends, self.columns = with_quaternions(ends, columns, quaternions)
+        self.row_pieces = of_conditions(pieces, len(self.ends))
         self.evaluate, self.measures = evaluate, measures
         self.parameters, self.elsewhere = list(parameters), elsewhere
-        self.pieces, self.some = of_unknowns(pieces, self.n), some
+        self.some = some
         self._met = lru_cache(MET)(self._evaluated)
         self.lock = RLock()
 
@@ -73,7 +74,7 @@ class Conditions:
             "quaternion": self.quaternions, "level": (UNSTATED,) * self.n, "unit": self.units,
             "angle": tuple([int(i in self.angles) for i in range(self.n)]), "ends": self.ends,
             "stretch_begins": begins, "stretch_ends": stops,
-            "piece": self.pieces, "fn_measures": self._measures,
+            "row_piece": self.row_pieces, "fn_measures": self._measures,
             "fn_conditions": self._conditions, "fn_conditions_some": self._some,
         }  # fmt: skip
         exec(code(tuple([found[name] > 0 for name in SWITCHES])), found)

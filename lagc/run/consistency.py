@@ -51,7 +51,8 @@ def conditions_of(system: System) -> Conditions:
     return Conditions(
         system.nq, system.nv, system.quaternions, interface.start_units, interface.angles,
         interface.condition_ends, interface.condition_columns, system.conditions, system.measures,
-        system.parameters, lambda p: system.bind(p).conditions, interface.pieces, system.some_conditions,
+        system.parameters, lambda p: system.bind(p).conditions,
+        pieces=interface.row_pieces, some=system.some_conditions,
     )  # fmt: skip
 
 

@@ -64,7 +64,7 @@ class Algebra:
         self.atoms: list[Atom] = []
         self.pi: Node | None = None  # what its multiples are written with
         self.named: dict[int, Node] = {}  # sums, by atom, that are written as symbols
-        self.orientations: dict[int, tuple[int, int, int, int]] = {}  # all parts of each that is one of these
+        self.orientations: dict[int, int] = {}  # which one an atom is a part of
         self._numbers: dict[tuple[object, ...], int] = {}
         self._nonnegative = set(nonnegative)
         self._done: dict[Node, Polynomial] = {}

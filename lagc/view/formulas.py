@@ -177,13 +177,12 @@ def motion_polynomials(equations: EquationsOfMotion, algebra: Algebra) -> list[P
 def tidy(equations: EquationsOfMotion, algebra: Algebra, p: Polynomial) -> Polynomial:
     """`p` by the identities of trigonometry and of unit quaternions, without rounding noise."""
     p = shorten(algebra, without_noise(algebra, p))
-    if equations.quaternions and not algebra.orientations:
-        for i in equations.quaternions:
-            w, x, y, z = [algebra.symbol(q) for q in equations.q[i : i + 4]]
-            algebra.orientations.update(dict.fromkeys((w, x, y, z), (w, x, y, z)))
-    squares = {a for monomial in p for a, exponent in monomial if a in algebra.orientations and exponent >= 2}
-    for parts in sorted({algebra.orientations[a] for a in squares}):
-        p = unit_quaternion(algebra, p, parts)
+    own = algebra.orientations
+    if equations.quaternions and not own:
+        own.update((algebra.symbol(q), i) for i in equations.quaternions for q in equations.q[i : i + 4])
+    for i in sorted({own[a] for monomial in p for a, exponent in monomial if a in own and exponent >= 2}):
+        w, x, y, z = [algebra.symbol(q) for q in equations.q[i : i + 4]]
+        p = unit_quaternion(algebra, p, (w, x, y, z))
     return p
 
 

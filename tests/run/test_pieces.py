@@ -5,7 +5,9 @@ from __future__ import annotations
 import random
 import subprocess
 from array import array
+from math import sin
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -137,14 +139,16 @@ model M
 end M;"""
 
 
+STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-c"]
+
+
 @needs_gcc
 def test_compilers_have_nothing_to_say(tmp_path: Path) -> None:
     """Of a piece in several segments one keeps what another reads, each where it is asked for."""
     program = lagc.loads(LARGE).compile(backend="numpy").program
     for name, text in compiler.render(program, "c").items():
         (tmp_path / name).write_text(text)
-    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-c"]
-    done = subprocess.run(["gcc", *flags, "m.c", "-o", "m.o"], cwd=tmp_path, capture_output=True, text=True)
+    done = subprocess.run([*STRICT, "m.c", "-o", "m.o"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
@@ -160,8 +164,8 @@ def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyP
     before = Conditions.__init__
 
     def without(self: Conditions, *given: object, **named: object) -> None:
-        assert len(given) == 13 and not named
-        before(self, *given[:11])  # type: ignore[arg-type]
+        assert named.keys() == {"pieces", "some"}
+        before(self, *given)  # type: ignore[arg-type]
 
     monkeypatch.setattr(Conditions, "__init__", without)
     assert with_them.interface.pieces
@@ -197,3 +201,66 @@ def test_where_arithmetic_raises_in_a_piece_it_is_as_all_together() -> None:
         x[k] = -2.5
         own.some_conditions(0.0, x, *found, pieces[k], pieces[k] + 1)
         assert same(found, own.conditions(0.0, x))
+
+
+# a force from a table, which code looks up by a function `piece`
+LOOKED_UP = BARS.replace(
+    "end FourBar;", "  force drag = {table(time, {0, 1, 3} [s], {0, 2, 5} [N]), 0, 0} at B;\nend FourBar;"
+)
+
+
+@needs_gcc
+def test_they_stand_beside_tables(tmp_path: Path) -> None:
+    program = lagc.loads(LOOKED_UP).compile(backend="numpy").program
+    assert program.interface.pieces
+    ((name, text),) = compiler.render(program, "numpy").items()
+    module: dict[str, Any] = {"__name__": "bars"}
+    exec(compile(text, name, "exec"), module)
+    x = list(module["start"]())
+    for file, text in compiler.render(program, "c").items():
+        (tmp_path / file).write_text(text)
+    done = subprocess.run([*STRICT, "bars.c", "-o", "bars.o"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    in_c = lagc.loads(LOOKED_UP).compile(backend="c")
+    assert list(module["rhs"](0.5, x)) == list(in_c.rhs(0.5, x))
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_a_condition_without_slopes_is_looked_at(backend: str) -> None:
+    """What is made of an unknown, but changes nowhere with it, belongs to that piece too."""
+    bars = BARS.replace(
+        "end FourBar;",
+        """  coordinate Length u(start = U);
+  body side = Particle(mass = 1, at = {u, 0, 0});
+initial
+  sign(u) = 1;
+end FourBar;""",
+    )
+    assert len(lagc.loads(bars.replace("= U", "= 0.3")).compile(backend=backend).start()) == 240
+    with pytest.raises(lagc.Refused):
+        lagc.loads(bars.replace("= U", "= -0.3")).compile(backend=backend).start()
+
+
+@pytest.mark.parametrize("backend", ["numpy", "c"])
+def test_conditions_by_sums_are_made_together(backend: str) -> None:
+    way = """model Way
+      structural Integer n = 24;
+      coordinate Angle x[n](each start = 0.3);
+      point P[0] = {0, 0, 0};
+      for i in 1:n loop
+        body b[i] = Particle(mass = 1, at = {x[i], 0, 0}*1 [m]);
+        point P[i] = P[i-1] + {sin(x[i]), 0, cos(x[i])}*1 [m];
+      end for;
+      constraint far: P[n].x = 3 [m] + 0.01 [m]*n;
+    initial
+      for i in 1:n loop
+        der(P[i].x) = 0;
+      end for;
+    end Way;
+    model Ways
+      Way w[5];
+    end Ways;"""
+    own = system(way, backend)
+    assert own.interface.part_ends and not own.interface.pieces
+    c, _, _ = own.conditions(0.0, [0.3] * (own.nq + own.nv))
+    assert c[0] == pytest.approx(24 * sin(0.3) - 3.24, rel=1e-12)

@@ -120,7 +120,8 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     """The sizes of a model: see `lagc.kernels.sizes`."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
-                           interface.condition_columns, interface.quaternions, interface.pieces)  # fmt: skip
+                           interface.condition_columns, interface.quaternions,
+                           interface.row_pieces)  # fmt: skip
     sums = max(len(interface.part_ends) - len(interface.condition_ends), 0)
     switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
     own = {
@@ -190,7 +191,7 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
         "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
-        "piece": of_unknowns(interface.pieces, len(interface.start_levels)),
+        "row_piece": of_conditions(interface.row_pieces, len(ends)),
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
@@ -203,8 +204,8 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     }  # fmt: skip
 
 
-def of_unknowns(pieces: Sequence[int], count: int) -> tuple[int, ...]:
-    """Of all unknowns of a start, those that no piece depends on too."""
+def of_conditions(pieces: Sequence[int], count: int) -> tuple[int, ...]:
+    """The piece that makes each, of the model's own; none makes those of unit quaternions behind these."""
     return (*pieces, *[-1] * (count - len(pieces)))
 
 

@@ -47,33 +47,34 @@ def _head(run: Run, running: Sequence[Running]) -> str:
     """Through those repetitions that belong to the pieces `first` to `last`."""
     names = ["i", *(name for name, *_ in running)]
     if run.through:
-        begin, end = f"max(first - {run.piece}, 0)", f"max(min(last - {run.piece}, {run.count}), 0)"
-        sequences = [f"range(begin := {begin}, end := {end})"]
-        sequences += [_some_of(array, first, stride) for _, array, first, stride in running]
+        first, last = [f"{name} - {run.piece}" if run.piece else name for name in ("first", "last")]
+        begin = f"max({first}, 0)" if run.piece else first
+        sequences = [f"range(begin := {begin}, end := max(min({last}, {run.count}), 0))"]
+        sequences += [_some_of(array, place, stride) for _, array, place, stride in running]
     else:
         sequences = [f"range({run.count})"]
-        sequences += [_all_of(array, first, stride, run.count) for _, array, first, stride in running]
+        sequences += [_all_of(array, place, stride, run.count) for _, array, place, stride in running]
     if len(names) == 1:
         return f"for i in {sequences[0]}:"
     return f"for {', '.join(names)} in zip({', '.join(sequences)}):"
 
 
-def _all_of(array: str, first: int, stride: int, count: int) -> str:
-    if stride == 0:
+def _all_of(array: str, first: int, stride: int | None, count: int) -> str:
+    if stride is None:
         return array
     end = first + stride * count
     return f"{array}[{first}:{end if end >= 0 else ''}{f':{stride}' if stride != 1 else ''}]"
 
 
-def _some_of(array: str, first: int, stride: int) -> str:
+def _some_of(array: str, first: int, stride: int | None) -> str:
     """Those of the repetitions `begin` to `end`."""
-    if stride == 0:
+    if stride is None:
         return f"{array}[begin:end]"
-    if stride < 0:
-        last = f"{first - stride} - {-stride}*end"
-        return f"{array}[{last}:{first + 1} - {-stride}*begin:{-stride}][::-1]"
-    begin, end = [f"{first} + {stride}*{name}" for name in ("begin", "end")]
-    return f"{array}[{begin}:{end}:{stride}]"
+    if stride < 0:  # there and back
+        return f"{array}[{first - stride} - {-stride}*end:{first + 1} - {-stride}*begin:{-stride}][::-1]"
+    times, before = f"{stride}*" if stride != 1 else "", f"{first} + " if first else ""
+    step = f":{stride}" if stride != 1 else ""
+    return f"{array}[{before}{times}begin:{before}{times}end{step}]"
 
 
 _STRAIGHT = 10_000  # operations that take less time without loops
@@ -284,7 +285,7 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
         body += lines(function, dialect, locals_) or ["pass"]
     description = comment(function.description).replace('"', "'")
     name = f"fn_{function.spelled}_some" if own else f"fn_{function.spelled}"
-    more = [f"first=0, last={max(own) + 1}"] if own else []
+    more = ["first", "last"] if own else []
     text = [f"def {name}({', '.join([*order, *more])}):"]
     if description:
         text.append(f'    """{description}"""')
@@ -294,8 +295,6 @@ def function_text(function: Function, locals_: Mapping[tuple[str, int], str], nu
     arguments = f"({_tuple(inputs)}), ({_tuple(outputs)})" + (", first, last" if own else "")
     along = function.name == "along"
     text.append(f"        {'_each_again' if along else '_again'}({name}, {arguments})")
-    if own:
-        text += ["", "", f"fn_{function.spelled} = {name}"]
     return (_EACH if along else "") + "\n".join(text) + "\n"
 
 

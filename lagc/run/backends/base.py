@@ -122,7 +122,12 @@ class CompiledSystem(ABC):
 
     def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
         n = len(self.interface.condition_ends)
-        c, jacobian, sizes = self._fill("conditions", (n, len(self.interface.condition_columns), n), t, x)
+        lengths = n, len(self.interface.condition_columns), n
+        if self.interface.pieces:
+            c, jacobian, sizes = ([0.0] * length for length in lengths)
+            self.some_conditions(t, x, c, jacobian, sizes, 0, max(self.interface.pieces) + 1)
+        else:
+            c, jacobian, sizes = self._fill("conditions", lengths, t, x)
         return c, jacobian, sizes
 
     @abstractmethod

@@ -11,28 +11,24 @@ Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
 
 
 class Spans:
-    """Of pieces first..last-1, and of what belongs to none: the unknowns in x, the conditions in c and sizes,
-    the derivatives in J."""
+    """Of pieces first..last-1: the unknowns in x; and with what belongs to none the conditions in c and
+    sizes, the derivatives in J."""
 
     def __init__(self, interface: Interface):
-        pieces = interface.pieces
         self.ends = interface.condition_ends
         self.unknowns: dict[int, list[int]] = {}  # of each piece; -1: of none
         self.rows: dict[int, list[int]] = {}
-        for j, piece in enumerate(pieces):
+        for j, piece in enumerate(interface.pieces):
             self.unknowns.setdefault(piece, []).append(j)
-        begin = 0
-        for i, end in enumerate(self.ends):
-            own = [pieces[j] for j in interface.condition_columns[begin:end] if j < len(pieces)]
-            self.rows.setdefault(max(own, default=-1), []).append(i)
-            begin = end
+        for i, piece in enumerate(interface.row_pieces):
+            self.rows.setdefault(piece, []).append(i)
         self.known: dict[tuple[int, int], Found] = {}
 
     def __call__(self, first: int, last: int) -> Found:
         if (first, last) not in self.known:
-            asked, ends = (-1, *range(first, last)), self.ends
+            asked, ends = range(first, last), self.ends
             unknowns = sorted([j for piece in asked for j in self.unknowns.get(piece, ())])
-            rows = sorted([i for piece in asked for i in self.rows.get(piece, ())])
+            rows = sorted([i for piece in (-1, *asked) for i in self.rows.get(piece, ())])
             entries = [k for i in rows for k in range(ends[i - 1] if i > 0 else 0, ends[i])]
             self.known[first, last] = slices(unknowns), slices(rows), slices(entries)
         return self.known[first, last]
