@@ -54,7 +54,11 @@ def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: flo
     if found.imbalance <= 0.1 * explained:
         return found
     drawn = _Drawn(system, times, states, _picked(len(states), RECORDED))
-    return drawn.balance(_explained(system, times, states, groups, accuracy, drawn.work()))
+    explained = accuracy * WORK_MARGIN * drawn.work()
+    found = drawn.balance(explained)
+    if found.holds:  # whatever the states bring: to ask this takes an evaluation for each
+        return found
+    return drawn.balance(explained + _explained(system, times, states, groups, accuracy))
 
 
 class _Drawn:
@@ -120,7 +124,6 @@ def _explained(
     states: Sequence[Sequence[float]],
     groups: Sizes,
     accuracy: float,
-    work: float,
 ) -> float:
     """What errors of the accuracy in the states, and rounding, bring at most."""
     from lagc.run.directed import apart
@@ -128,7 +131,7 @@ def _explained(
     picked = _picked(len(states), PROBED)
     slopes = max(_slopes(system, times[k], states[k], groups) for k in picked)
     noise = apart(lambda: max(_noise(system, times[k], states[k]) for k in picked))
-    return accuracy * (MARGIN * slopes + WORK_MARGIN * work) + ROUNDING * noise
+    return accuracy * MARGIN * slopes + ROUNDING * noise
 
 
 def _picked(n: int, count: int) -> list[int]:
