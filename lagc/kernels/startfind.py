@@ -17,10 +17,12 @@ from lagc.kernels.tables import ends
 from lagc.kernels.words import Length, Params, Real, Vec
 
 SPREADS = 8
+SIDES = 7  # unknowns whose sides are not left to chance
 BESIDE = 2  # the spread that leaves a singular guess well behind
 NEAR = 8.0  # weights from the guess: one farther off is taken if none is nearer
 SURE = 1e3  # times what last places change a derivative by
 ALIKE = 1.01  # what attempts from near the guess miss: they ended at the same place
+MEANINGLESS = 0.5  # of its own terms: what misses so much does so anywhere
 
 
 def spread_of(k: int) -> Real:
@@ -30,6 +32,18 @@ def spread_of(k: int) -> Real:
     if k < 4:
         return 0.1 if k == 2 else 0.5
     return 1.0 if k < 6 else 2.0
+
+
+def side_of(k: int, n: int) -> Real:
+    """To which side of the guess, -1 or 1, beginning k puts unknown n of the first SIDES of a part: any two
+    of them all four ways, and the first two at first to two sides, then to one (a matrix of J. Hadamard,
+    1893, its rows in the order of F. Gray, 1953)."""
+    odd = 0
+    bit = 1
+    while bit <= SIDES:
+        odd += (k // bit + k // (2 * bit)) * ((n + 1) // bit)
+        bit *= 2
+    return -1.0 if odd % 2 == 1 else 1.0
 
 
 def met_alone(p: Params, t: Real, w: StartWork) -> bool:
@@ -62,7 +76,10 @@ def spread(p: Params, t: Real, y: Vec[NU], k: int, stated: bool, w: StartWork) -
         i = w.own[n]
         state = (1103515245 * state + 12345) & 2147483647
         if w.loose[i] == 1 and y[i] == w.home[i]:
-            y[i] += spread_of(k) * w.widths[i] * (float(state) / 1073741824.0 - 1.0)
+            way = float(state) / 1073741824.0 - 1.0
+            if n < SIDES:
+                way = side_of(k, n) * fabs(way)
+            y[i] += spread_of(k) * w.widths[i] * way
     if NQUAT > 0:
         normalise(y)
 
@@ -102,7 +119,7 @@ def stuck(p: Params, t: Real, w: StartWork) -> bool:
     """Whether attempts from beside the guess end where no other is likely to do better."""
     if met_alone(p, t, w):
         return False
-    alike = w.most <= ALIKE * w.least and ALIKE * w.least < inf
+    alike = w.most <= ALIKE * w.least and w.least < MEANINGLESS
     return alike or lacking(p, t, w.best, w)
 
 

@@ -171,3 +171,22 @@ def test_a_rope_of_rods_is_hung_from_a_parabola(backend: str) -> None:
     rods = {"type": "eq", "fun": lambda y: lengths(y) - 0.2}
     nearest = minimize(lambda y: np.sum((y - guess) ** 2), found, method="SLSQP", constraints=rods).x
     assert norm(list(found - guess)) < 1.25 * norm(list(nearest - guess))
+
+
+@pytest.mark.parametrize("product", [100.0, -100.0])
+@pytest.mark.parametrize("beside", [0, 1, 3])
+def test_beginnings_are_on_all_sides(product: float, beside: int) -> None:
+    """A guess between the branches of a hyperbola tells nothing of where they are, whatever else there is."""
+    others = "".join(
+        f"coordinate Length e{k}; constraint c{k}: e{k} = 1 [m];"
+        f"body f{k} = Particle(mass = 1, at = {{e{k}, 0, 0}});\n"
+        for k in range(beside)
+    )
+    text = f"""model Branches
+      {others}
+      coordinate Length x, y;
+      body b = Particle(mass = 1, at = {{x, y, 0}});
+      constraint product: x*y = {product} [m2];
+    end Branches;"""
+    start = lagc.loads(text).compile(backend="numpy").start()
+    assert start[beside] * start[beside + 1] == pytest.approx(product, rel=1e-12)
