@@ -63,8 +63,12 @@ def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> V
 
 def _is_number(e: tree.Quantity, environment: Environment) -> bool:
     """Whether what stands behind a vector is no unit but the number of an element."""
-    text, vector = e.unit.text.strip(), isinstance(e.value, tree.Vector | tree.Family)
-    return vector and (text.isdigit() or text in environment.bindings or text in environment.instance.entries)
+    return isinstance(e.value, tree.Vector | tree.Family) and _is_subscript(e.unit.text.strip(), environment)
+
+
+def _is_subscript(text: str, environment: Environment) -> bool:
+    """Whether it is a number or a known name, though it may be a unit too."""
+    return text.isdigit() or text in environment.bindings or text in environment.instance.entries
 
 
 def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
@@ -134,6 +138,8 @@ def _member(context: Context, e: tree.Member, environment: Environment) -> Value
 
 def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
     base = evaluate(context, e.base, environment)
+    if isinstance(base, Scalar):
+        _no_unit(e, environment)
     if any(isinstance(i, tree.Range) for i in e.indices):
         wanted = [
             integers(context, i, environment)
@@ -144,6 +150,19 @@ def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
         return part(context, base, wanted, e)
     numbers = [integer(context, i, environment, "a subscript") for i in e.indices]
     return element(context, base, numbers, e)
+
+
+def _no_unit(e: tree.Index, environment: Environment) -> None:
+    """Raises Wrong where a unit stands behind something else than a number."""
+    text = e.span.source.text[e.base.span.end : e.span.end].strip()
+    if _is_subscript(text[1:-1].strip(), environment):
+        return
+    try:
+        unit(text[1:-1])
+    except UnknownUnit:
+        return
+    message = "a unit stands after a number or a vector of numbers"
+    raise Wrong("LAG0304", message, e.span, remedy=f"a factor `1 {text}` gives it that unit")
 
 
 def _range(context: Context, e: tree.Range, environment: Environment) -> Value:

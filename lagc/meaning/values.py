@@ -162,6 +162,8 @@ def _to_fit(wanted: Dimension, found: Dimension, span: Span | None) -> str:
     unit = f"[{si_text(wanted)}]"
     written = span.source.text[span.start : span.end] if span else ""
     plain = re.sub(r'"[^"]*"', '""', written)  # names of files and columns are no numbers
+    if found == NONE and written.startswith("{") and written.endswith("}") and "table(" not in plain:
+        return f"give all of it a unit behind the braces: `{{...}} {unit}`"
     if found == NONE and (not span or _NUMBER.search(plain)):
         return f"give a number in it its unit, such as `1 {unit}`"
     if found == NONE and "table(" in plain and '""' in plain:

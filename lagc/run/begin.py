@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isfinite
+from math import inf, isfinite
 from time import perf_counter
 from typing import Any
 
@@ -13,7 +13,7 @@ from lagc.records import replace
 from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
 from lagc.run.request import Request, keep_limits
-from lagc.run.start import Anchor, Start
+from lagc.run.start import Anchor, Start, told
 
 MOST_NAMED = 12  # conditions of a conflict
 
@@ -117,13 +117,17 @@ def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoS
 
 
 def _conflict(start: Start) -> Fault:
-    missed, held = list(map(str, start.missed)), list(start.held)
+    missed, held = told(start.missed), list(start.held)
     named = f"{'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
     message = f"no start was found that meets all conditions: {named}"
     if held:
         verb = "is" if len(held) == 1 else "are"
         message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
-    remedy = "state values nearer to a start, or let one of these conditions go" if len(missed) > 1 else None
+    remedy = (
+        "state values nearer to a start, or let one of these conditions go" if len(start.missed) > 1 else None
+    )
+    if any(not abs(one.amount) < inf for one in start.missed):
+        remedy = "state other values: where they are zero `norm` and `sqrt` have no slope, `log` no value"
     if held:
         remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
     return Fault("LAG0610", message, remedy=remedy)

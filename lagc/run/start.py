@@ -9,6 +9,7 @@ from lagc.records import dataclass
 from lagc.run.names import more
 
 _MOST_FOUND = 6  # values or conditions that are named in one note
+_MOST_ALIKE = 2  # conditions of a family that are named one by one
 _DIGITS = 6  # of a value, more where it differs from another only behind them
 _SLIGHTLY = 0.01  # of their size: moves such as rounding leaves
 
@@ -54,6 +55,25 @@ class Missed:
         if not abs(self.amount) < float("inf"):
             return f"{self.name} is no finite number there"
         return f"{self.name} is missed by {self.amount:.3g}{' ' + self.unit if self.unit else ''}"
+
+
+def told(missed: Sequence[Missed]) -> list[str]:
+    """A sentence for each, and one for those of a family: elements of arrays, and their instances."""
+    import re
+
+    families: dict[tuple[str, bool], list[Missed]] = {}
+    for one in missed:
+        family = re.sub(r"\[[^\]]*\]", "[]", one.name), abs(one.amount) < float("inf")
+        families.setdefault(family, []).append(one)
+    found: list[str] = []
+    for (_, finite), members in families.items():
+        worst = max(members, key=lambda one: abs(one.amount)) if finite else members[0]
+        others = f"{len(members) - 1} more of its kind"
+        if len(members) > _MOST_ALIKE:
+            found.append(f"{worst}, and {others} by less" if finite else f"{worst}, nor are {others}")
+        else:
+            found += map(str, members)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -190,3 +190,22 @@ def test_beginnings_are_on_all_sides(product: float, beside: int) -> None:
     end Branches;"""
     start = lagc.loads(text).compile(backend="numpy").start()
     assert start[beside] * start[beside + 1] == pytest.approx(product, rel=1e-12)
+
+
+def test_a_family_that_cannot_be_met_is_one_sentence() -> None:
+    """Ten rods of a fifth of a metre from here to three metres away."""
+    text = """model Short
+      structural Integer n = 10;
+      coordinate Length x[n](start = {0.3*i for i in 1:n} [m]), z[n];
+      point P[0] = {0, 0, 0};
+      for i in 1:n loop
+        point P[i] = {x[i], 0, z[i]};
+        body b[i] = Particle(mass = 1, at = P[i]);
+        constraint rod[i]: norm(P[i] - P[i-1]) = 0.2 [m];
+      end for;
+      constraint far: x[n] = 3 [m];
+    end Short;"""
+    with pytest.raises(lagc.Refused) as refused:
+        lagc.loads(text).compile(backend="numpy").start()
+    message = refused.value.faults[0].message
+    assert message.count("`rod[") == 1 and "and 9 more of its kind by less" in message
