@@ -90,7 +90,7 @@ CASES = [
     ("a logarithm of a length", "LAG0303", "potential V = 1 [J]*log(«x»);"),
     ("an angle that is a length", "LAG0303", "frame F = rotate_z(world, «x»);"),
     ("an unknown unit", "LAG0304", "parameter Mass k = 1 «[kilogram]»;"),
-    ("a unit behind a name", "LAG0304", "structural Integer n = 2; parameter Length k = 5 [m]/«n [m]»;"),
+    ("a unit behind a name", "LAG0304", "structural Integer n = 2; parameter Length k = 5 [m]/«n [km]»;"),
     ("a unit that is misspelt", "LAG0304", "parameter Length k = 1 «[mmm]»;"),
     ("a unit of no sense", "LAG0304", "parameter Length k = 1 «[m//s]»;"),
     ("an unknown unit of a type", "LAG0304", "parameter Real«[foo]» k = 1;"),
