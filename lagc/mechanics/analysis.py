@@ -14,7 +14,7 @@ from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.symbol import Symbol
 from lagc.expr.vectors import dot, sub
-from lagc.expr.walk import depends, substitute
+from lagc.expr.walk import depends, substitute, symbols
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.energy import WHOLE
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -115,7 +115,7 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
     cyclic = _cyclic(states)
     kept = [(k, row) for k, row in enumerate(rows) if k not in moving.spare]
     spare = tuple([rows[k].label for k in sorted(moving.spare)])
-    conserved, closed = _conserved(equations, states, kept, met, cyclic, moving.proved)
+    conserved, left = _conserved(equations, states, kept, met, cyclic, moving.proved)
     return Analysis(
         coordinates=len(equations.q),
         speeds=len(equations.v),
@@ -137,19 +137,17 @@ def analyse(equations: EquationsOfMotion) -> Analysis:
             degrees_of_freedom=not moving.proved,
             positional_freedom=not (places.proved and integrable.proved and not integrable.open),
         ),
-        not_examined=tuple(_not_examined(moving, integrable, closed)),
+        not_examined=tuple(_not_examined(moving, integrable, left)),
     )
 
 
-def _not_examined(moving: Mobility, integrable: Integrable, totals: bool) -> list[str]:
+def _not_examined(moving: Mobility, integrable: Integrable, quantities: Sequence[str]) -> list[str]:
     found: list[str] = []
     if not moving.examined:
         found.append("the rank of the rows where they hold")
     if integrable.open:
         found.append("whether velocity rows are integrable")
-    if not totals:
-        found.append("total momenta")
-    return found
+    return [*found, *quantities]
 
 
 def _kinds(equations: EquationsOfMotion, integrable: Integrable) -> list[RowKind]:
@@ -217,9 +215,9 @@ def _conserved(
     met: Consistent,
     cyclic: Mapping[str, bool],
     sure: bool,
-) -> tuple[list[Conserved], bool]:
+) -> tuple[list[Conserved], list[str]]:
     """Quantities that are constant along the motion, with the independent `rows`, by index, `sure` or
-    not that these are all; and whether total momenta were examined."""
+    not that these are all; and those that were not examined."""
     kept = [row for _, row in rows]
     small = len(equations.v) + len(rows) <= LARGEST
     tries = _tries(states, kept, met, small)
@@ -229,7 +227,8 @@ def _conserved(
     positions = on_rows(states, kept, tries)
     motion = Judge(along(equations, states, rows, tries) if small else positions)
     at_rows = Judge(positions)
-    steady = motion.vanish([equations.power])
+    fed = small or symbols([equations.power]).isdisjoint([*equations.a, *equations.lam])
+    steady = motion.vanish([equations.power]) if fed else None
     if steady is not None:
         proved = steady and (sure or equations.power.is_zero)
         name, reason = "energy", "nothing brings power or takes it"
@@ -251,7 +250,10 @@ def _conserved(
     if equations.model.bodies and small:
         quantities = Quantities(states, parts, (), free, equations.kinetic, equations.potential)
         found.extend(_totals(states, quantities, motion, at_rows, sure))
-    return [_with_cuts(states, c, at_rows) for c in found], small or not equations.model.bodies
+    left = [] if fed else [equations.balance if equations.balance != WHOLE else "energy"]
+    if not small and equations.model.bodies:
+        left.append("total momenta")
+    return [_with_cuts(states, c, at_rows) for c in found], left
 
 
 def _with_cuts(states: States, c: Conserved, at_rows: Judge) -> Conserved:

@@ -17,6 +17,7 @@ from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquation
 from lagc.optimize.program import Interface, Program
 from lagc.view.expression import Expressions
 from lagc.view.names import where
+from lagc.view.ranges import ranged
 
 Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose
@@ -216,6 +217,8 @@ def text(facts: Facts, verbose: bool = False) -> str:
 
 def _section(title: str, lines: Iterable[str], verbose: bool = True) -> list[str]:
     found = [f"  {line}" for line in lines]
+    if len(found) > MOST and not verbose:
+        found = ranged(found)
     if len(found) > MOST and not verbose:
         found[MOST - 1 :] = [f"  and {len(found) - MOST + 1} more: -v shows them"]
     return [title, *found] if found else []
