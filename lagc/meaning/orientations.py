@@ -12,7 +12,16 @@ from lagc.meaning.model import Orientation, Statement
 from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.units import NONE, Dimension, S, over
 from lagc.meaning.values import Value, Wrong, expect, flat
-from lagc.meaning.written import attributes_of, declared, from_outside, given_scalar, held, no_value, still
+from lagc.meaning.written import (
+    attributes_of,
+    declared,
+    from_outside,
+    given_scalar,
+    held,
+    no_value,
+    own_part,
+    still,
+)
 
 PARTS = "wxyz"
 _SMALLEST = 1e-6  # norm of a start that has a direction
@@ -89,9 +98,8 @@ def _numbers(
         stated = [from_outside(entry, whole)] * len(default)
     if modifier is not None and modifier.argument.value is not None:
         expression = modifier.argument.value
-        scalars = flat(
-            evaluate_as(context, expression, modifier.environment, dimension), expression.span, what
-        )
+        value = evaluate_as(context, expression, modifier.environment, dimension)
+        scalars = flat(own_part(value, modifier, [len(default)], what), expression.span, what)
         if len(scalars) != len(default):
             written = "{w, x, y, z}" if len(default) == 4 else "{x, y, z}"
             raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)

@@ -95,7 +95,7 @@ def elements(
     expression = modifier.argument.value
     assert expression is not None
     value = evaluate_as(context, expression, modifier.environment, dimension)
-    value = _own(value, modifier, sizes, what)
+    value = own_part(value, modifier, sizes, what)
     count = math.prod(sizes)
     if isinstance(value, Scalar):
         found = [value] * count
@@ -109,7 +109,7 @@ def elements(
     return found
 
 
-def _own(value: Value, modifier: Modifier, sizes: list[int], what: str) -> Value:
+def own_part(value: Value, modifier: Modifier, sizes: list[int], what: str) -> Value:
     """Of a value that has more dimensions than `sizes`, what belongs to the instance of the modifier."""
     if modifier.index and len(shape(value)) >= len(modifier.index) + len(sizes):
         for number in modifier.index:
@@ -220,7 +220,7 @@ def fixed(
     if modifier is None or modifier.argument.value is None:
         return [None] * count
     expression = modifier.argument.value
-    value = _own(evaluate(context, expression, modifier.environment), modifier, sizes, f"`{name}`")
+    value = own_part(evaluate(context, expression, modifier.environment), modifier, sizes, f"`{name}`")
     if isinstance(value, Array) and sizes:
         _as_many(value, sizes, expression.span, f"`{name}`")
         return [_said(truth, name, expression.span) for truth in _leaves(value)]
