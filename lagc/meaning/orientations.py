@@ -30,7 +30,8 @@ _SMALLEST = 1e-6  # norm of a start that has a direction
 def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
     """The orientation, its symbols and their time derivatives q' = 1/2 q (0, rate).  Raises Wrong."""
     if source.dimensions:
-        raise Wrong("LAG0221", "there are no arrays of orientations", source.span)
+        remedy = "let a model have one, and declare an array of its instances"
+        raise Wrong("LAG0221", "there are no arrays of orientations", source.span, remedy)
     no_value(entry)
     attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
     graph, name = context.graph, entry.path
