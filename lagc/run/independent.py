@@ -62,9 +62,11 @@ def independent(point: Point, changing: Sequence[bool]) -> Independent:
 def _solved(table: Array, right: Array, scales: Array, liked: Array, first: int) -> tuple[list[int], Array]:
     """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then y.  The
     `first` rows choose before the others."""
-    if not (np.isfinite(table).all() and np.isfinite(right).all()):
+    with np.errstate(over="ignore"):
+        scaled = table * scales
+    if not (np.isfinite(scaled).all() and np.isfinite(table).all() and np.isfinite(right).all()):
         raise ArithmeticError("the derivatives have no finite value there")
-    rows, columns = _pivots(table * scales, liked, first)
+    rows, columns = _pivots(scaled, liked, first)
     free = [j for j in range(table.shape[1]) if j not in columns]
     found = np.zeros((table.shape[1], len(free) + right.shape[1]))
     found[free, range(len(free))] = 1.0
