@@ -10,9 +10,8 @@ from lagc.records import dataclass, replace
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
 
-Running: TypeAlias = tuple[
-    str, str, int, int | None
-]  # name, array, first place, stride; None: a table, all of it
+# name, array, first place, stride; None: a table, all of it
+Running: TypeAlias = tuple[str, str, int, int | None]
 
 
 @dataclass(frozen=True)

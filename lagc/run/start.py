@@ -70,7 +70,7 @@ def told(missed: Sequence[Missed]) -> list[str]:
         worst = max(members, key=lambda one: abs(one.amount)) if finite else members[0]
         others = f"{len(members) - 1} more of its kind"
         if len(members) > _MOST_ALIKE:
-            found.append(f"{worst}, and {others} by less" if finite else f"{worst}, nor are {others}")
+            found.append(f"{worst}, and {others} by no more" if finite else f"{worst}, nor are {others}")
         else:
             found += map(str, members)
     return found

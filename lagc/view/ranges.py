@@ -11,18 +11,23 @@ _FEWEST = 3  # lines that are worth a range
 
 
 def ranged(lines: Iterable[str]) -> list[str]:
-    """`lines`, those of a family in the place of its first where their subscripts fill whole ranges."""
-    families: dict[tuple[str, ...], dict[str, tuple[int, ...]]] = {}
-    for line in lines:
+    """`lines`, those of a family as one, in place of its first, where their subscripts fill whole ranges."""
+    given = [*lines]
+    families: dict[tuple[str, ...], list[tuple[int, tuple[int, ...]]]] = {}
+    for place, line in enumerate(given):
         parts = _SUBSCRIPTS.split(line)  # what is between, and subscripts, in turn
         shape = [part if k % 2 == 0 else str(part.count(",")) for k, part in enumerate(parts)]
         numbers = [int(n) for part in parts[1::2] for n in part.split(",")]
-        families.setdefault(tuple(shape), {})[line] = tuple(numbers)
-    found: list[str] = []
+        families.setdefault(tuple(shape), []).append((place, tuple(numbers)))
+    found = dict(enumerate(given))
     for members in families.values():
-        texts = _texts([*members.values()]) if len(members) >= _FEWEST else None
-        found += members if texts is None else [_with(next(iter(members)), texts)]
-    return found
+        texts = _texts([numbers for _, numbers in members]) if len(members) >= _FEWEST else None
+        if texts is not None:
+            (first, _), *others = members
+            found[first] = _with(given[first], texts)
+            for place, _ in others:
+                del found[place]
+    return [*found.values()]
 
 
 def _texts(rows: Sequence[tuple[int, ...]]) -> list[str] | None:

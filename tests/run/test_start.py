@@ -208,4 +208,4 @@ def test_a_family_that_cannot_be_met_is_one_sentence() -> None:
     with pytest.raises(lagc.Refused) as refused:
         lagc.loads(text).compile(backend="numpy").start()
     message = refused.value.faults[0].message
-    assert message.count("`rod[") == 1 and "and 9 more of its kind by less" in message
+    assert message.count("`rod[") == 1 and "and 9 more of its kind by no more" in message

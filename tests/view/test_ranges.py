@@ -17,6 +17,7 @@ from lagc.view.ranges import ranged
         ([f"row[{i},{j}]" for i in (1, 2) for j in (3, 4, 5)], ["row[1..2, 3..5]"]),
         ([f"c[{i}] of P[{i}].y" for i in range(3)], ["c[0..2] of P[0..2].y"]),
         (["a[1]", "a[2]"], ["a[1]", "a[2]"]),  # few
+        (["a[1]", "b", "a[2]", "b", "a[4]"],) * 2,  # neither lost nor moved
         (["a[1]", "a[2]", "a[4]"], ["a[1]", "a[2]", "a[4]"]),  # with a gap
         ([f"a[{i}] at b[{i + 1}]" for i in range(3)], [f"a[{i}] at b[{i + 1}]" for i in range(3)]),
         (["a[1] starts at 1", "a[2] starts at 2", "a[3] starts at 3"],) * 2,
