@@ -7,7 +7,7 @@ from math import fabs, inf, sqrt
 from lagc.kernels.binding import bind
 from lagc.kernels.kinds import set_apart
 from lagc.kernels.limits import APART, CROSSING, NEARLY
-from lagc.kernels.method import has_parts, last, method_error, method_listened, method_parts, method_stages
+from lagc.kernels.method import has_parts, last, method_error, method_parts, method_stages
 from lagc.kernels.projection import nudge, tangents
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
@@ -19,7 +19,6 @@ from lagc.kernels.words import Count, Mat, Params, Real, Vec, params, size, vect
 
 FADING = 0.9  # of rounding that made a step good, what is left after a step as long as any so far
 FORGOTTEN = 0.03  # what is so little of it that it is forgotten
-LOST = 1e-4  # of its size, an error with which a state is not told at all
 
 
 def shake(turn: Count) -> Real:
@@ -51,24 +50,6 @@ def listen(p: Params, s: State, w: Work) -> None:
     s.rhs += 1
     if not failed(rhs_at(other, t, x, w.xdot, w.lam, w)):
         set_apart(w.xdot, s.k[0], s.noise)
-
-
-def listen_along(p: Params, s: State, h: Real, method: int, w: Work) -> None:
-    """The same in all rates along the step over h that was tried: what is rounding now and then need not be
-    so at the start.  Then with states moved by what that brings to them in the step."""
-    x = vector(NX)
-    other = params()
-    t = shaken(p, s, x, other)
-    heard = vector(NX)
-    for i in range(NX):
-        heard[i] = 0.0
-    s.rhs += 2 * (last(method) - 1)
-    method_listened(method, other, t, x, h, heard, s, w)
-    for i in range(NQ + NV):
-        x[i] += h * heard[i]
-        if heard[i] > s.noise[i]:
-            s.noise[i] = heard[i]
-    method_listened(method, other, t, x, h, s.noise, s, w)
 
 
 def parts_norm(h: Real, parts: Mat[TWO, NX], w: Work) -> Real:
@@ -155,8 +136,6 @@ def forget(s: State, w: Work) -> None:
         s.recalled = 0.0
     for i in range(NX):
         s.noise[i] = left * s.noise[i] if s.recalled > 0.0 else 0.0
-    w.recalled[:] = s.noise
-    w.attempt = 0.0
     for i in range(NX):
         w.play[i] = 0.0
 
@@ -167,24 +146,18 @@ def error_of(s: State, o: Options, h: Real, w: Work) -> Real:
     return method_error(o.method, h, s, w)
 
 
-def reconsider(
-    p: Params, s: State, t: Real, h: Real, o: Options, before: Real, rejected: int, w: Work
-) -> Real:
-    """An error that rejects a step another time, or after steps that went by this, less what rounding
-    contributes: as it is told at the start, and, where that tells too little, along the step."""
+def reconsider(p: Params, s: State, t: Real, h: Real, o: Options, before: Real, w: Work) -> Real:
+    """The error of a rejected step over h to t again, less what round-off contributes.
+
+    Round-off is what last places of the accepted state (s.t, s.x) bring to its rates.  Nothing that the
+    rejected step itself has reached counts: a step that explodes would excuse its own error.
+    """
     if NH > 0:
         if all_but_dependent(p, s, h, w):
             looked = o.project and has_parts(o.method)
             return second_look(p, s, t, h, before, o.method, w) if looked else before
-    error = before
-    if s.recalled == 0.0:
-        listen(p, s, w)
-        error = error_of(s, o, h, w)
-    if error > 1.0:
-        many = rejected > 2 and rejected & (rejected - 1) == 0
-        if s.recalled > 0.0 or (rejected > 1 and error * o.rtol > LOST) or many:
-            listen_along(p, s, h, o.method, w)
-            error = error_of(s, o, h, w)
+    listen(p, s, w)
+    error = error_of(s, o, h, w)
     if error <= 1.0 or error < 0.5 * before:
         s.recalled = 1.0
     return error

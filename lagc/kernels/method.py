@@ -16,25 +16,11 @@ def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State
     return OK
 
 
-def method_listened(method: int, p: Params, t: Real, x: Vec[NX], h: Real, apart: Vec[NX],
-                    s: State, w: Work) -> None:  # fmt: skip
-    for m in static(METHODS):
-        if method == m.NUMBER:
-            m.listened(p, t, x, h, apart, s, w)
-
-
 def method_error(method: int, h: Real, s: State, w: Work) -> Real:
     for m in static(METHODS):
         if method == m.NUMBER:
             return m.error(h, s, w)
     return 0.0
-
-
-def method_doubts(method: int, h: Real, s: State, off: Vec[NX]) -> None:
-    for m in static(METHODS):
-        if len(m.ERROR) > 0:
-            if method == m.NUMBER:
-                m.doubts(h, s, off)
 
 
 def has_parts(method: int) -> bool:

@@ -92,10 +92,7 @@ class Work:
     reached: Vec[NKIND]  # sizes of the kinds of states, with the one that is tried
     weights: Vec[NX]
     longest: Real  # that of the trajectory, in a second attempt at a step
-    attempt: Real  # how long the last attempt at this step was that `foresee` learnt from; 0: none
-    powers: Vec[NKIND]  # of the time, by which kinds grew in that one
     play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
-    recalled: Vec[NX]  # rounding of rates, as it was heard before this step
     end: Vec[NX]  # of what is tried beside the step
     health: Vec[NHEALTH]
     power: Vec[TWO]

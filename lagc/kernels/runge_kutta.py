@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from math import fabs, inf, sqrt
 
-from lagc.kernels.kinds import set_apart
 from lagc.kernels.records import State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NH, NQ, NV, NX
@@ -30,17 +29,6 @@ def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status
     for i in range(NX):
         s.y[i] = own[i] + h * combination(B, s.k, i)
     return OK
-
-
-def listened(p: Params, t: Real, x: Vec[NX], h: Real, apart: Vec[NX], s: State, w: Work) -> None:
-    """Raise `apart` to how far the rates k_2 ... k_s are from those with (t, x) for the start, and p.
-    The k_j that lead there stay as they are: what a step that is too long makes of them is no rounding."""
-    for j in static(range(1, len(C))):
-        for i in range(NX):
-            w.end[i] = x[i] + h * combination(A[j], s.k, i)
-        if failed(rhs_at(p, t + number(C[j]) * h, w.end, w.xdot, w.lam, w)):
-            return
-        set_apart(w.xdot, s.k[j], apart)
 
 
 def error(h: Real, s: State, w: Work) -> Real:
@@ -65,13 +53,6 @@ def error(h: Real, s: State, w: Work) -> Real:
             return inf
         return first / sqrt(total) if total > 0.0 else 0.0
     return sqrt(first / n) if first < inf else inf
-
-
-def doubts(h: Real, s: State, off: Vec[NX]) -> None:
-    """How far the new state may be off, as the first estimate tells."""
-    if len(ERROR) > 0:
-        for i in range(NQ + NV):
-            off[i] = fabs(h * combination(ERROR[0], s.k, i))
 
 
 def error_parts(s: State, w: Work) -> None:

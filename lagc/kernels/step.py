@@ -10,7 +10,7 @@ from lagc.kernels.enclosing import NONE
 from lagc.kernels.events import pass_change
 from lagc.kernels.kinds import enlarge, not_finite
 from lagc.kernels.limits import LEAST_STEP, SPACING
-from lagc.kernels.listening import error_of, forget, reconsider
+from lagc.kernels.listening import forget, reconsider
 from lagc.kernels.locating import (
     LEAST_SLACK,
     MOST_SLACK,
@@ -28,7 +28,7 @@ from lagc.kernels.records import NOWHERE, READY, STAGES, Options, State, Trial, 
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NC, NFREE, NHIDE, NMODE, NQUAT, NTIMED, NWHEN, NX
 from lagc.kernels.statuses import CHATTERING, MAX_STEPS, NOT_FINITE, OK, STEP_UNDERFLOW, failed
-from lagc.kernels.weights import FORETOLD, LOOK_AGAIN, first_step, foresee, weigh_errors
+from lagc.kernels.weights import first_step, weigh_errors
 from lagc.kernels.words import Params, Real, Status
 
 LEAST_SHRUNK = 0.1  # of a step that hides something from its beginning on: how long the next is tried
@@ -72,7 +72,7 @@ def try_step(p: Params, s: State, o: Options, a: Trial, w: Work) -> Status:
     a.error = method_error(o.method, a.h, s, w)
     a.heard = a.error > 1.0 and (a.rejected > 0 or s.listening or s.recalled > 0.0)
     if a.heard:
-        a.error = reconsider(p, s, a.t_new, a.h, o, a.error, a.rejected, w)
+        a.error = reconsider(p, s, a.t_new, a.h, o, a.error, w)
     if a.error <= 1.0 and not uses_new(o.method):
         return arrive(p, s, a.t_new, o, w)
     return status
@@ -182,20 +182,6 @@ def fall_back(p: Params, s: State, t1: Real, o: Options, a: Trial, w: Work) -> N
     retreat(a, o)
 
 
-def looks_again(s: State, o: Options, a: Trial, w: Work) -> bool:
-    """Whether half of a step that was rejected is tried as it may tell how kinds set out; where that is told
-    the error is another."""
-    found = foresee(s, o, a.h, w)
-    if found == FORETOLD:
-        a.error = error_of(s, o, a.h, w)
-    if found != LOOK_AGAIN:
-        return False
-    a.size *= 0.5
-    s.h = a.size  # from where another call goes on
-    s.rejected += 1
-    return True
-
-
 def is_short(s: State, t1: Real, size: Real) -> bool:
     return size <= SHORT * SPACING * (fabs(s.t) + fabs(t1 - s.t))
 
@@ -303,11 +289,7 @@ def step_once(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
             break
         else:
             cause = OK
-            if looks_again(s, o, a, w):
-                continue
-            if a.error > 1.0:
-                fall_back(p, s, t1, o, a, w)
-        s.noise[:] = w.recalled  # what is heard along a step tells nothing of a shorter one
+            fall_back(p, s, t1, o, a, w)
         a.rejected += 1
         s.rejected += 1
     accept(p, s, t1, o, a, w)

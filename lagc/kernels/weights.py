@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from math import fabs, inf, sqrt
+from math import fabs, sqrt
 
 from lagc.kernels.control import raised
 from lagc.kernels.kinds import enlarge
 from lagc.kernels.limits import NEARLY_THERE, SPACING, TINY
-from lagc.kernels.method import beta, exponent, last, method_doubts, method_error
+from lagc.kernels.method import beta, exponent
 from lagc.kernels.records import Options, State, Work
 from lagc.kernels.rhs import rhs_at
 from lagc.kernels.sizes import NKIND, NQ, NV, NX
@@ -17,25 +17,18 @@ from lagc.kernels.words import Params, Real, Vec, vector
 
 BEYOND = 1e-3  # of a look ahead are the times in which kinds change: it tells nothing of the start
 NEARER = 1e-5  # of it is the next
-UNTOLD = 0
-FORETOLD = 1
-LOOK_AGAIN = 2
-STEADY = 0.1  # of a power, that two attempts at a step tell of
-STEEPEST = 20.0  # power of the time by which a kind departs from zero
 
 
-def departing(s: State, o: Options, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
-    """Enlarge sizes of zero to those that kinds take from rest over the longest step so far, as they set out
-    in this one: where a motion begins with a kink, no step is short enough to be exact by what it reaches
-    itself."""
+def departing(s: State, h: Real, w: Work, sizes: Vec[NKIND]) -> None:
+    """Enlarge sizes of kinds that are exactly at rest to those that they take over the longest step so far,
+    as they set out in this one: where a motion begins with a kink, no step is short enough to be exact by
+    what it reaches itself."""
     longer = w.longest / fabs(h)
     for i in range(NQ + NV):
-        way = fabs(s.y[i] - s.x[i]) * longer
-        if way > sizes[kind[i]]:
-            sizes[kind[i]] = way
-    for i in range(NKIND):
-        if s.sizes[i] > o.rtol * sizes[i]:  # it moves already
-            sizes[i] = 0.0
+        if s.sizes[kind[i]] == 0.0:
+            way = fabs(s.y[i] - s.x[i]) * longer
+            if way > sizes[kind[i]]:
+                sizes[kind[i]] = way
 
 
 def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
@@ -46,7 +39,7 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
     for k in range(NKIND):
         sizes[k] = 0.0
     if w.longest > 0.0:
-        departing(s, o, h, w, sizes)
+        departing(s, h, w, sizes)
     w.reached[:] = s.sizes
     enlarge(s.y, w.reached)
     for k in range(NKIND):
@@ -61,58 +54,6 @@ def weigh_errors(s: State, o: Options, h: Real, w: Work) -> None:
             size = fabs(s.y[i]) if fabs(s.y[i]) > 1.0 else 1.0
         weight = atol + rtol * size + blur * (s.noise[i] + w.play[i])
         w.weights[i] = weight if weight > TINY else TINY
-
-
-def powers_of(s: State, h: Real, k: int, w: Work, powers: Vec[NKIND]) -> None:
-    """By which power of the time each kind grows in a step over h: its rates at stage k, the end, say."""
-    for i in range(NKIND):
-        powers[i] = 0.0
-    enlarge(s.k[k], powers)
-    for i in range(NKIND):
-        powers[i] = fabs(h) * powers[i] / w.reached[i] if w.reached[i] > 0.0 else 0.0
-
-
-def foresee(s: State, o: Options, h: Real, w: Work) -> int:
-    """Kinds that depart from zero get the size to which a step over h, which was rejected, takes them, where
-    it tells that to half and is good enough for all that moves already: by a power that no method follows
-    they are as wrong in every shorter step, by what they reach themselves.  They are to grow by the power of
-    the time that an attempt over twice that tells, too: steps that are far too long for what is stiff
-    explode, by another in each.  FORETOLD where any gets one; LOOK_AGAIN where an attempt over half of h may
-    tell.  w.weights are none of this step any more."""
-    for i in range(NQ + NV):
-        if not s.sizes[kind[i]] > o.rtol * w.reached[kind[i]]:
-            w.weights[i] = inf
-    end = last(o.method) - 1
-    if end < 0 or not method_error(o.method, h, s, w) <= 1.0:
-        return UNTOLD
-    before = vector(NKIND)
-    before[:] = w.powers
-    first = not w.attempt > 0.0
-    alike = True
-    if not first and fabs(h) > 0.5 * w.attempt:
-        return UNTOLD
-    w.attempt = fabs(h)
-    powers_of(s, h, end, w, w.powers)
-    for k in range(NKIND):
-        if s.sizes[k] <= o.rtol * w.reached[k]:
-            power = w.powers[k]
-            if power > STEEPEST or not (first or fabs(before[k] - power) <= STEADY * power):
-                alike = False
-    off = vector(NX)
-    for i in range(NX):
-        off[i] = 0.0
-    method_doubts(o.method, h, s, off)
-    doubts = vector(NKIND)
-    for k in range(NKIND):
-        doubts[k] = 0.0
-    enlarge(off, doubts)
-    found = UNTOLD
-    for k in range(NKIND):
-        if alike and s.sizes[k] <= o.rtol * w.reached[k] and 2.0 * doubts[k] < w.reached[k]:
-            found = LOOK_AGAIN if first else FORETOLD
-            if not first:
-                s.sizes[k] = w.reached[k]
-    return found
 
 
 def lost_in_time(s: State) -> Real:
