@@ -13,10 +13,10 @@ from types import CodeType
 from typing import Any
 
 from lagc import cache
+from lagc.base.records import dataclass, names
 from lagc.cache.sources import tool_fingerprint
 from lagc.library import LARGEST_DATA, Unreadable, content, fingerprint
 from lagc.optimize.program import Clause, Field, Interface
-from lagc.records import dataclass, names
 from lagc.version import __version__
 
 # Of an interface, what is made of which records.

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lagc.base.records import dataclass, replace
 from lagc.compiler import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.limits import Exhausted, go_on, stage
-from lagc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from lagc.frontend.tree import Tree

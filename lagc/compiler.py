@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 
 from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
+from lagc.base.once import RLock, once
+from lagc.base.records import dataclass, field, replace
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.library import folder_of
 from lagc.limits import stage
-from lagc.once import RLock, once
 from lagc.optimize.program import Field
-from lagc.records import dataclass, field, replace
 from lagc.run.request import Given, Quantity
 
 if TYPE_CHECKING:

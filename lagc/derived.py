@@ -131,8 +131,8 @@ class Differentiable:
         at time t (s), of which `progress` is told as in a run.  Raises Refused where there is no start or
         no such time, ValueError where x has another length, ArithmeticError where the motion does not get
         to t or there are no finite derivatives."""
+        from lagc.base.records import replace
         from lagc.diagnostics.faults import Fault, Refused
-        from lagc.records import replace
         from lagc.run.linearize import linearize
 
         t = real("t", t)
@@ -159,8 +159,8 @@ class Differentiable:
         of their potential energy; of families of equilibria one each.  Some may have no linear model, or
         be no rest as rows are solved, which a note of the first says; raises ArithmeticError where none has
         a linear model."""
+        from lagc.base.records import replace
         from lagc.limits import stage
-        from lagc.records import replace
         from lagc.run import equilibria
         from lagc.run.linearize import linearize
 

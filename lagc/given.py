@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
+from lagc.base.numerals import number
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.numerals import number
 from lagc.run.request import Quantity, expression, si
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from lagc.base.once import RLock, once
 from lagc.compiler import Compilation
-from lagc.once import RLock, once
 from lagc.run.problem import System
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from lagc import records
-from lagc.records import dataclass, field, names, replace
+from lagc.base import records
+from lagc.base.records import dataclass, field, names, replace
 
 
 @dataclass(frozen=True, slots=True)

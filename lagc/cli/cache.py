@@ -9,11 +9,11 @@ import argparse
 from typing import Any
 
 from lagc import cache
+from lagc.base.printable import one_line
 from lagc.cache import upkeep
 from lagc.cli.exits import DONE, REFUSED
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_json, show
-from lagc.printable import one_line
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

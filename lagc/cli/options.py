@@ -7,8 +7,8 @@ from collections.abc import Callable
 from math import inf
 from typing import TYPE_CHECKING
 
+from lagc.base.numerals import number, seconds, size
 from lagc.cli.exits import Usage
-from lagc.numerals import number, seconds, size
 
 if TYPE_CHECKING:
     from lagc.compiler import Choice

@@ -12,9 +12,9 @@ from collections.abc import Iterable
 from contextlib import suppress
 from typing import TextIO
 
+from lagc.base.printable import json_text, one_line, printable
 from lagc.cli.exits import DONE, UNWRITTEN
 from lagc.diagnostics.faults import Fault
-from lagc.printable import json_text, one_line, printable
 
 _lost: list[str] = []  # why standard output took no more, where that is a fault
 

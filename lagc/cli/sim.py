@@ -10,6 +10,8 @@ import argparse
 from math import inf
 from typing import TYPE_CHECKING
 
+from lagc.base.numerals import whole
+from lagc.base.records import replace
 from lagc.cli.deliver import deliver, picture_of
 from lagc.cli.exits import Unwritten, Usage
 from lagc.cli.options import (
@@ -23,8 +25,6 @@ from lagc.cli.options import (
 )
 from lagc.cli.spare import spare
 from lagc.kernels import METHODS
-from lagc.numerals import whole
-from lagc.records import replace
 
 if TYPE_CHECKING:
     from lagc.meaning.model import Model

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from functools import cached_property
 
-from lagc.records import dataclass, field
+from lagc.base.records import dataclass, field
 
 
 @dataclass(frozen=True)

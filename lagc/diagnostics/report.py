@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from lagc.base.printable import one_line
 from lagc.diagnostics.faults import Fault, Span
-from lagc.printable import one_line
 
 TAB = 4
 WIDEST = 100  # columns of a source line that are shown; longer lines are windowed

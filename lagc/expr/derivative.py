@@ -10,10 +10,10 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TypeVar
 
+from lagc.base.records import dataclass
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import END, OPERATORS, POLE
 from lagc.expr.walk import reachable, symbols
-from lagc.records import dataclass
 
 T = TypeVar("T")
 

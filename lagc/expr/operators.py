@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+from lagc.base.records import dataclass
 from lagc.expr.table import Table
-from lagc.records import dataclass
 
 Interval: TypeAlias = tuple[float, float]
 # graph, node, its arguments -> d(node)/d(argument), one an argument; `graph` stands above this file.

@@ -11,10 +11,10 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
+from lagc.base.records import dataclass, replace
 from lagc.expr.derivative import gradient
 from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import depends, reachable, substitute, union, within
-from lagc.records import dataclass, replace
 
 _WORTH = 2  # times as many derivatives as by sums
 

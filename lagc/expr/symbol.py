@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.records import dataclass, replace
+from lagc.base.records import dataclass, replace
 
 QUANTITIES = ("energy", "kinetic", "potential", "power", "momentum", "angular_momentum")
 _RATES = {"coordinate": "rate", "rate": "acceleration", "speed": "acceleration"}

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend import tree
 from lagc.frontend.expressions import MOST_PARTS, Children, Expressions
 from lagc.frontend.lexer import Token
 from lagc.frontend.places import FILE, arrange
-from lagc.records import replace
 
 _PLAIN = frozenset({"Real", "Integer", "Boolean"})
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any, TypeAlias, TypeVar
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend import tree
 from lagc.frontend.lexer import Token
-from lagc.records import replace
 
 _PARTS = (tree.Name, tree.Member, tree.Index, tree.Call)
 MOST_PARTS = 100  # parts of one name, `a.b[1].c`

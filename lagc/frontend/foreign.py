@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 OPERATORS: dict[str, str | None] = {
     "**": "^", "!=": "<>", "&&": "and", "||": "or", "&": "and", "|": "or", "!": "not", ":=": "=", ".*": "*",

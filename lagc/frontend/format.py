@@ -7,11 +7,11 @@ on one line stays there.  The tokens are never changed, so that the meaning cann
 
 from __future__ import annotations
 
+from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Refused, Source
 from lagc.frontend.lexer import END, WORD, Lexed, Token
 from lagc.frontend.parse import read
 from lagc.frontend.spacing import Spacing, wrapped
-from lagc.records import dataclass, field
 
 WIDTH = 100
 INDENT = "  "

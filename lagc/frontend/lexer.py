@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 
+from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.records import dataclass, replace
 
 WORD, NUMBER, STRING, UNIT, SYMBOL, END = "word", "number", "string", "unit", "symbol", "end"
 

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.frontend.build import Builder
 from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
 from lagc.frontend.tables import Tables
-from lagc.records import dataclass
 
 DEEPEST = 100  # brackets, `if`s, signs and blocks inside one another
 MOST_FAULTS = 50

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend import tree
-from lagc.records import replace
 
 FILE = "a file"
 _MECHANICS = frozenset({"model", "effect"})

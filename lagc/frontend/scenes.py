@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import replace
 from lagc.frontend.tree import Declaration, ModelDeclaration, Package, Scene, Tree
-from lagc.records import replace
 
 
 class ByScene:

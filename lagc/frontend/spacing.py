@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from math import inf
 
+from lagc.base.records import dataclass
 from lagc.frontend import tree
 from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
-from lagc.records import dataclass
 
 _OPENING = ("(", "[", "{")
 _CLOSING = (")", "]", "}")

@@ -16,8 +16,8 @@ from functools import cache
 from typing import Any
 
 from lagc import cache as store
+from lagc.base.records import dataclass
 from lagc.cache.sources import grammar_path
-from lagc.records import dataclass
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
 

@@ -2,15 +2,15 @@
 
 Every node carries the `span` it was read from.  Sequences are tuples.  `None` means
 "not written".  Nodes are compared by their fields, spans included, and never changed
-(`lagc.records.replace` makes changed copies).
+(`lagc.base.records.replace` makes changed copies).
 """
 
 from __future__ import annotations
 
 from typing import TypeAlias
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Source, Span
-from lagc.records import dataclass
 
 # -- expressions ------------------------------------------------------------------
 

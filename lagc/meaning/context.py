@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Sequence
 from typing import TYPE_CHECKING, Any
 
+from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector
@@ -15,7 +16,6 @@ from lagc.meaning.namespace import Importer
 from lagc.meaning.scope import LARGEST, Entry, Environment
 from lagc.meaning.uses import Uses
 from lagc.meaning.values import Poisoned, Value, Wrong
-from lagc.records import dataclass, replace
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Sequence
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 MOST_ROWS = 1_000_000
 _INDEX = re.compile(r"\s*\d+(?:\s*,\s*\d+)*\s*", re.ASCII)

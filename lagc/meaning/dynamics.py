@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, sub
@@ -30,7 +31,6 @@ from lagc.meaning.values import (
     vector_value,
 )
 from lagc.meaning.written import no_rates
-from lagc.records import replace
 
 
 def _written(entry: Entry) -> tree.Construct:

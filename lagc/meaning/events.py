@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
+from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
@@ -19,7 +20,6 @@ from lagc.meaning.scope import Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Scalar, Truth, Wrong, flat, kind, shape
-from lagc.records import dataclass, field
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _USES = '`reinit(x, value)`, `terminate("why")`, `mark("name")`'

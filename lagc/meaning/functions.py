@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from typing import TypeAlias
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.expr import vectors
 from lagc.expr.graph import Node
@@ -27,7 +28,6 @@ from lagc.meaning.values import (
     vector_of,
     vector_value,
 )
-from lagc.records import dataclass
 
 Apply: TypeAlias = Callable[..., Value]
 

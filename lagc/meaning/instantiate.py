@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
@@ -15,7 +16,6 @@ from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Indexed, Part, Scalar, Wrong
-from lagc.records import dataclass, replace
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")

@@ -32,12 +32,12 @@ from __future__ import annotations
 from itertools import chain
 from typing import TypeAlias
 
+from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, dot, matvec
 from lagc.expr.walk import reachable
 from lagc.frontend.tree import Expression
-from lagc.records import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.expr.text import number as number_text
 from lagc.frontend import tree
@@ -14,7 +15,6 @@ from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
 from lagc.meaning.values import Scalar, Wrong
 from lagc.meaning.written import elements, given_elements, given_scalar, written_value
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.symbol import derived, underived
@@ -15,7 +16,6 @@ from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.settings import Settings
 from lagc.meaning.uses import Uses, keys, without_subscripts
 from lagc.meaning.values import Wrong
-from lagc.records import dataclass
 
 MOST_LISTED = 12  # effects, in a message
 

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
@@ -18,7 +19,6 @@ from lagc.meaning.functions import Argument, Table
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Text, Value, Wrong, common_dimension, kind, scalar_of
-from lagc.records import dataclass
 
 TABLE = Table()
 BEYOND = ("hold", "line")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from lagc.base.records import dataclass
 from lagc.meaning.units import NONE, Dimension, si_text, unit
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

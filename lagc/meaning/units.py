@@ -12,7 +12,7 @@ import re
 from functools import lru_cache
 from typing import TypeAlias
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 Dimension: TypeAlias = tuple[int, ...]
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 _SUBSCRIPT = re.compile(r"\[[^]]*\]")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from lagc.base.records import dataclass
 from lagc.frontend import tree
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scope import DEEPEST
 from lagc.meaning.values import Wrong
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

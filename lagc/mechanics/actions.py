@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Node
 from lagc.expr.vectors import scale
@@ -18,7 +19,6 @@ from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential
 from lagc.mechanics.equations import Contribution
 from lagc.mechanics.jacobian import gradients, opposite, weighted
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import chain
 
+from lagc.base.records import dataclass, replace
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.symbol import Symbol
@@ -30,7 +31,6 @@ from lagc.mechanics.moving import triples
 from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
-from lagc.records import dataclass, replace
 
 _STATES = 3
 _FEW = 20  # rows with which states far away are tried

@@ -18,6 +18,7 @@ from functools import partial
 from itertools import pairwise
 from typing import TypeAlias
 
+from lagc.base.records import dataclass, field
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
@@ -29,7 +30,6 @@ from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.states import States
 from lagc.mechanics.switches import ENDS, STEPS, State, Switch, switches, unlike_quotients, ways_of, where
 from lagc.mechanics.zeros import zeros
-from lagc.records import dataclass, field
 
 Ranks: TypeAlias = Mapping[Node, int]  # leaves, with their order
 Way: TypeAlias = tuple[Node, Node, Node]  # a switch, its side, and a leaf that moves

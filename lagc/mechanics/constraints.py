@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
@@ -19,7 +20,6 @@ from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
 from lagc.mechanics.jacobian import formed_of, gradients
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

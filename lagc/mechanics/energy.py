@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Node
 from lagc.expr.vectors import dot
@@ -24,7 +25,6 @@ from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 WHOLE, BY_DEGREES, BY_MOMENTA = "K + V", "K2 - K0 + V", "p.v - L"
 

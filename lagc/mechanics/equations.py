@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from enum import Enum
 from functools import cached_property
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.derivative import gradient, seeds
 from lagc.expr.graph import Graph, Node
@@ -21,7 +22,6 @@ from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.jacobian import formed_of
 from lagc.mechanics.moving import Inertia, Moving, inertial_forces
-from lagc.records import dataclass
 
 
 class Relation(Enum):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import replace
 from lagc.expr.modular import Undefined
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
@@ -13,7 +14,6 @@ from lagc.mechanics.judge import Judge
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
-from lagc.records import replace
 
 _STATES = 3
 

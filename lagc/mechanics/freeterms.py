@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Graph, Node
@@ -17,7 +18,6 @@ from lagc.expr.vectors import cross
 from lagc.expr.walk import depends
 from lagc.meaning.model import Coordinate, Lagrangian, Model
 from lagc.mechanics.states import States, position_symbols, quaternion_rate
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

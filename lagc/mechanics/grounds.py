@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 from typing import TypeVar
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
@@ -32,7 +33,6 @@ from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import dense
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 Number = TypeVar("Number", int, float)
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 
+from lagc.base.records import dataclass, field
 from lagc.expr.graph import Node
 from lagc.expr.modular import P, Point, Undefined
 from lagc.mechanics.brackets import LARGEST, TooLong, reachable_directions
@@ -26,7 +27,6 @@ from lagc.mechanics.forms import Form, exact_form, places, spelt, unit_forms, ve
 from lagc.mechanics.grounds import on_rows
 from lagc.mechanics.judge import Judge, Truths
 from lagc.mechanics.states import States
-from lagc.records import dataclass, field
 
 
 @dataclass(frozen=True, slots=True)

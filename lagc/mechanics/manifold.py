@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
@@ -20,7 +21,6 @@ from lagc.mechanics.linear import Span, dimension, least_norm
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.samples import Chance, samples, unit_sizes
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 _ITERATIONS = 40
 _CONVERGED = 1e-12

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.graph import Node
 from lagc.expr.modular import Undefined
 from lagc.expr.walk import depends
@@ -24,7 +25,6 @@ from lagc.mechanics.linear import Span
 from lagc.mechanics.manifold import Consistent, jacobian, scales
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

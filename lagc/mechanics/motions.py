@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.evaluate import evaluate, extend
 from lagc.expr.graph import Node
 from lagc.expr.vectors import dot, sub
@@ -13,7 +14,6 @@ from lagc.mechanics.equations import Row
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 _STATES = 4  # positions that are tried
 _MOTIONS = 16  # from each of them

@@ -12,12 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient, seeds, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, matvec, scale
 from lagc.expr.walk import depends, linked
 from lagc.meaning.model import Body
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

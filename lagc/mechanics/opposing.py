@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, combinations, groupby, islice
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, add, cross, dot, sub
@@ -32,7 +33,6 @@ from lagc.mechanics.motions import (
     values,
 )
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 Load = Force | Torque
 _PLACES = 2  # at which a load is asked whether it takes energy from every motion

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.graph import Node
 from lagc.expr.operators import CHOICE, CORNER, STEP, smooth_as
@@ -24,7 +25,6 @@ from lagc.mechanics.manifold import onto
 from lagc.mechanics.reduced import Reduced, tables
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 _STATES = 3
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12

@@ -10,13 +10,13 @@ from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import extend
 from lagc.expr.graph import Node
 from lagc.expr.walk import leaves_below, reachable, union
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 _MANY = 24  # unknowns
 _NEAR = 8  # speeds

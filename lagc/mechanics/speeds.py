@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient
 from lagc.expr.evaluate import evaluate
@@ -18,7 +19,6 @@ from lagc.expr.graph import Graph, Node
 from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Model, Speed
 from lagc.mechanics.samples import samples
-from lagc.records import dataclass
 
 _LARGEST_CRAMER = 4
 _SMALL = 1e-9  # relative; a pivot that cancels is about 1e-16, one that does not about 1

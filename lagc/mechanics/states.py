@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 
+from lagc.base.records import dataclass
 from lagc.expr.derivative import gradient, seeds
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import Interval
@@ -13,7 +14,6 @@ from lagc.expr.walk import substitute
 from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
 from lagc.mechanics.equations import StartValue, StatedRate
 from lagc.mechanics.speeds import choose_speeds
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import TypeAlias
 
+from lagc.base.records import dataclass
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
 from lagc.expr.lines import Shape
@@ -19,7 +20,6 @@ from lagc.expr.text import brief
 from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.intervals import intervals
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 State: TypeAlias = dict[Node, float]
 

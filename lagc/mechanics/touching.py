@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.evaluate import evaluate
@@ -28,7 +29,6 @@ from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.sections import Section, Sections
 from lagc.mechanics.states import States
-from lagc.records import dataclass
 
 _STATES = 3
 _STEPS = 200

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 Function = Callable[[float], float]
 

@@ -11,11 +11,11 @@ from math import isfinite
 from operator import add, mul, sub, truediv
 from typing import Any, TypeAlias
 
+from lagc.base.records import replace
 from lagc.expr.doubles import double
 from lagc.expr.operators import TRUTHS
 from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
-from lagc.records import replace
 
 STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
 ARRAYS = (

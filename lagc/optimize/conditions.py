@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from lagc.base.records import replace
 from lagc.expr.graph import Node
 from lagc.expr.slopes import Slopes, slopes
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.records import replace
 
 
 def condition_rows(equations: EquationsOfMotion) -> list[Node]:

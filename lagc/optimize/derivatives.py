@@ -21,6 +21,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from lagc.base.records import replace
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Node
 from lagc.expr.walk import depends, within
@@ -30,7 +31,6 @@ from lagc.optimize.conditions import condition_rows
 from lagc.optimize.freezing import Switch
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
-from lagc.records import replace
 
 MOST = 16  # times that a sweep a row may pass each part of the equations: beyond, one goes along a direction
 TOGETHER = 1024  # rows whose sweeps are counted at once

@@ -25,7 +25,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 from math import inf
 
-from lagc.records import dataclass, field
+from lagc.base.records import dataclass, field
 
 Entry = tuple[int, int]  # row, column; row >= column
 

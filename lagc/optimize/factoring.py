@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.base.records import dataclass, field
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination, Entry, Step, Structure, entry
-from lagc.records import dataclass, field
 
 
 @dataclass(frozen=True)

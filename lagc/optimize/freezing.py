@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import dataclass, replace
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
@@ -24,7 +25,6 @@ from lagc.mechanics.intervals import extended
 from lagc.mechanics.jacobian import formed_of, with_values
 from lagc.optimize.program import FARTHEST
 from lagc.optimize.prune import sources
-from lagc.records import dataclass, replace
 
 _SWITCHING = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")

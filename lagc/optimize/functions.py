@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
+from lagc.base.records import replace
 from lagc.expr.derivative import gradient, tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.slopes import Slopes
@@ -17,7 +18,6 @@ from lagc.optimize.kkt import row_comments
 from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
-from lagc.records import replace
 
 _MOST_ZEROS = 3000  # that are stored one by one
 _TINY = 1e-300  # stands for zero where it divides zero

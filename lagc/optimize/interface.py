@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from itertools import accumulate
 
 from lagc import cache
+from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.slopes import Slopes
@@ -16,7 +17,6 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface
-from lagc.records import names, replace
 
 _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.

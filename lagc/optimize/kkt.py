@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
 from lagc.mechanics.equations import Row
@@ -28,7 +29,6 @@ from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
-from lagc.records import dataclass
 
 
 @dataclass(frozen=True)

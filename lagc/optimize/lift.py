@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
+from lagc.base.records import dataclass, replace
 from lagc.expr.derivative import gradient, partial
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Graph, Node
@@ -27,7 +28,6 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import rate_symbols
 from lagc.optimize.elimination import Entry, Structure, entry
-from lagc.records import dataclass, replace
 
 _Slopes = dict[int, Node]  # by unknown
 

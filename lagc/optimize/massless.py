@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import rate_symbols
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.lift import plain
-from lagc.records import replace
 
 
 def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.base.records import replace
 from lagc.expr.graph import Node
 from lagc.expr.slopes import Slopes
 from lagc.mechanics.equations import EquationsOfMotion
@@ -28,7 +29,6 @@ from lagc.optimize.rolling import rolled
 from lagc.optimize.switching import in_boxes, switching
 from lagc.optimize.symbols import Places, places, weight
 from lagc.optimize.whens import changing, whens
-from lagc.records import replace
 
 OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
 

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from itertools import accumulate
 from typing import Any, TypeAlias
 
+from lagc.base.records import replace
 from lagc.optimize.block import STRAIGHT, reordered
 from lagc.optimize.program import LEAVES, Function, Run
 from lagc.optimize.rolling import Letter, lettered, rolled, rolled_between
-from lagc.records import replace
 
 _LEAST = 3  # pieces, and alike that make a loop
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
-from lagc.records import dataclass, field, replace
+from lagc.base.records import dataclass, field, replace
 
 FARTHEST = 1.7e308  # in tables: an end that no number comes to
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.base.records import replace
 from lagc.expr.derivative import tangent
 from lagc.expr.enclosure import Ends, enclosures
 from lagc.expr.graph import Node
@@ -11,7 +12,6 @@ from lagc.optimize.freezing import Switch
 from lagc.optimize.functions import made
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places
-from lagc.records import replace
 
 
 def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> list[Function]:

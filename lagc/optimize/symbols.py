@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.graph import Graph, Node
 from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import reachable
@@ -16,7 +17,6 @@ from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
 from lagc.optimize.preparation import FIXED, dependence
 from lagc.optimize.program import Function
-from lagc.records import dataclass
 
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes

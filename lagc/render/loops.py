@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
+from lagc.base.records import dataclass, replace
 from lagc.optimize.program import Function, Run
-from lagc.records import dataclass, replace
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
 

@@ -13,9 +13,9 @@ from collections.abc import Hashable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import TypeAlias
 
+from lagc.base.records import dataclass, replace
 from lagc.optimize.block import reordered
 from lagc.optimize.program import LEAVES, Function, Operation, Run, Store
-from lagc.records import dataclass, replace
 
 KEPT = "kept"  # the array of values that other segments need
 NUMBERS = ""  # stands for an array whose entries are their indices

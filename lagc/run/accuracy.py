@@ -14,9 +14,9 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
+from lagc.base.numerals import FINEST
+from lagc.base.records import dataclass, field
 from lagc.kernels.methods import order
-from lagc.numerals import FINEST
-from lagc.records import dataclass, field
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays

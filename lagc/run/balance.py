@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.run.distance import Sizes
 from lagc.run.problem import System, Trajectory
 

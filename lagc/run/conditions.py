@@ -9,7 +9,7 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import Any, TypeAlias
 
-from lagc.once import once
+from lagc.base.once import once
 from lagc.render.kernels.assembly import of_conditions, sizes_of_start, stretches, with_quaternions
 from lagc.render.numpy.search import SWITCHES, code
 from lagc.run.problem import OK

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.run.derivatives import Array, Point
 from lagc.run.linearize import size_of_states
 

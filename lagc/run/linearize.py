@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lagc.records import dataclass, replace
+from lagc.base.records import dataclass, replace
 from lagc.run.derivatives import ROUNDING, Array, Point, largest_beside, rounded
 from lagc.run.halted import is_halted
 from lagc.run.independent import independent

@@ -6,8 +6,8 @@ import marshal
 from collections.abc import Sequence
 
 from lagc import cache
+from lagc.base.records import dataclass, names
 from lagc.cache.sources import tool_fingerprint
-from lagc.records import dataclass, names
 from lagc.run.distance import Sizes
 from lagc.run.problem import System, Trajectory
 

@@ -7,12 +7,12 @@ from math import isfinite
 from operator import index
 from typing import Any, SupportsFloat
 
+from lagc.base.numerals import FINEST, MOST_POINTS
+from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
-from lagc.numerals import FINEST, MOST_POINTS
 from lagc.optimize.program import Field, Interface
-from lagc.records import dataclass, field
 from lagc.run.problem import System
 
 ACCURACY = 1e-6  # global relative error where nothing is said

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lagc.base.numerals import FINEST
+from lagc.base.records import dataclass, field, replace
 from lagc.expr.symbol import derived
 from lagc.meaning.units import UnknownUnit, quotient
-from lagc.numerals import FINEST
-from lagc.records import dataclass, field, replace
 from lagc.run.accuracy import longest_step
 from lagc.run.derivatives import Array, Point
 from lagc.run.problem import Options

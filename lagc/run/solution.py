@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, TypeAlias
 
+from lagc.base.records import dataclass, field, replace
 from lagc.expr.symbol import derived
-from lagc.records import dataclass, field, replace
 from lagc.run.problem import System
 from lagc.run.request import unknown
 from lagc.version import __version__

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeAlias
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.run.names import more
 
 _MOST_FOUND = 6  # values or conditions that are named in one note

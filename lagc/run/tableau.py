@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.run.derivatives import Array
 
 

@@ -11,7 +11,7 @@ from types import CodeType
 from typing import Any
 
 from lagc import cache as store
-from lagc.once import once
+from lagc.base.once import once
 from lagc.optimize.program import Program
 from lagc.render.numpy.render import evaluation
 from lagc.run.backends.numpy import NumpyModel, compiled, executed

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import floor, inf, log10
 
-from lagc.numerals import FINEST
+from lagc.base.numerals import FINEST
 from lagc.run.distance import Sizes, spread
 from lagc.run.problem import Trajectory
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.run.derivatives import Array, Point
 from lagc.run.problem import OK, TERMINATED, Options
 from lagc.run.saltation import Changes, Stopped, end_of_step

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.optimize.program import Field, Interface
-from lagc.records import dataclass
 from lagc.run.request import unknown
 
 

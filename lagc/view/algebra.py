@@ -15,11 +15,11 @@ from fractions import Fraction
 from math import comb, factorial, inf, isqrt
 from typing import Any, TypeAlias
 
+from lagc.base.records import dataclass
 from lagc.expr.graph import Node
 from lagc.expr.modular import turns_of
 from lagc.expr.operators import OPERATORS
 from lagc.expr.walk import missing, within
-from lagc.records import dataclass
 from lagc.view.polynomials import (
     Exponent,
     Frozen,

@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 from lagc.view.algebra import Algebra
 from lagc.view.polynomials import Exponent, Monomial, Polynomial, divided, scaled
 

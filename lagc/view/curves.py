@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from lagc.records import dataclass, replace
+from lagc.base.records import dataclass, replace
 
 if TYPE_CHECKING:
     from lagc.run.problem import Trajectory

@@ -12,8 +12,8 @@ from collections.abc import Callable, Hashable, Mapping
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from lagc.base.records import dataclass, replace
 from lagc.expr.graph import Node
-from lagc.records import dataclass, replace
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Names
 from lagc.view.polynomials import Exponent

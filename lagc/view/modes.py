@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-from lagc.printable import printable
+from lagc.base.printable import printable
 from lagc.run.linearize import damping, frequency
 from lagc.view.plot import COLORS, entitle, panels, save, styled
 

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import chain, count
 from typing import TypeAlias
 
+from lagc.base.printable import one_line
+from lagc.base.records import dataclass
 from lagc.expr.graph import Node
 from lagc.expr.operators import OPERATORS
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.printable import one_line
-from lagc.records import dataclass
 from lagc.view.algebra import TABLE
 
 

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from lagc.once import RLock
-from lagc.printable import printable
+from lagc.base.once import RLock
+from lagc.base.printable import printable
 from lagc.saving import Files, fitting
 from lagc.view.curves import Scales, scales, with_corners
 

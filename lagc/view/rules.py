@@ -11,7 +11,7 @@ from collections.abc import Hashable, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from lagc.records import dataclass, replace
+from lagc.base.records import dataclass, replace
 from lagc.view.forms import (
     INDEX,
     Call,

@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 
-from lagc import cache, library, load, records
+from lagc import cache, library, load
+from lagc.base import records
 from lagc.cache import folders, upkeep
 from lagc.cli.main import main
 from lagc.compiler import Choice, Compilation

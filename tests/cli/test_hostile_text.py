@@ -12,10 +12,10 @@ from xml.etree import ElementTree
 
 import pytest
 
+from lagc.base.printable import json_text, one_line, printable
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.report import report
-from lagc.printable import json_text, one_line, printable
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 Capture = pytest.CaptureFixture[str]

@@ -20,9 +20,9 @@ import pytest
 
 import lagc
 from lagc import limits
+from lagc.base.numerals import seconds, size
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from lagc.numerals import seconds, size
 from lagc.run import forecast
 from lagc.run.backends.compile import compiler
 from lagc.run.request import Request

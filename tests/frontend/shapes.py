@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from lagc.base.records import names
 from lagc.diagnostics.faults import Source, Span
 from lagc.frontend.parse import parse
-from lagc.records import names
 
 
 def shape(node: Any) -> Any:

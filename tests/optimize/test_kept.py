@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.base.records import replace
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.forms import solvers
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import lifted
-from lagc.records import replace
 from tests.mechanics.numbers import consistent_state
 from tests.mechanics.random_systems import model, random_system
 from tests.optimize import large

@@ -8,12 +8,12 @@ import random
 import pytest
 
 from lagc import library
+from lagc.base.records import replace
 from lagc.compiler import Choice, derive, parse, resolve
 from lagc.optimize.block import ordered
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import LEAVES, Function, Program
 from lagc.optimize.rolling import local, rolled
-from lagc.records import replace
 from lagc.render.c.render import render
 from lagc.render.segments import segments
 from tests.optimize import large

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
+from lagc.base.records import replace
 from lagc.expr.operators import LOOKED_UP
 from lagc.optimize.program import Function, Program, operands
-from lagc.records import replace
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers

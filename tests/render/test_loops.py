@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.base.records import replace
 from lagc.optimize.program import LEAVES, Function, uses
 from lagc.optimize.rolling import local, rolled
-from lagc.records import replace
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.optimize.interpret import interpret
 from tests.render.programs import Builder, repeated_function

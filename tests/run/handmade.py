@@ -7,8 +7,8 @@ from functools import cache
 from types import CodeType, ModuleType
 from typing import Any
 
+from lagc.base.records import replace
 from lagc.optimize.program import Program
-from lagc.records import replace
 from lagc.render.numpy.render import render
 from lagc.run.problem import FAILED, Options, Trajectory, Vector
 

@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 
 import lagc
 from lagc import compiler
+from lagc.base.records import replace
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
@@ -28,7 +29,6 @@ from lagc.mechanics.states import build_states
 from lagc.optimize import forms
 from lagc.optimize.massless import with_pivots
 from lagc.optimize.prune import prune
-from lagc.records import replace
 from lagc.render.c.render import render as render_c
 from lagc.run.backends.compile import compiler as compiler_of_c
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, Options, System

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import importlib
 
-from lagc.records import dataclass
+from lagc.base.records import dataclass
 
 ROOMS = ("syntax", "meaning", "mechanics", "optimize", "run", "files", "limits")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
 from lagc.frontend.lexer import END, SYMBOL, UNIT, WORD, Token
-from lagc.records import dataclass
 
 if TYPE_CHECKING:
     from lagc.frontend.recovery import Recovery

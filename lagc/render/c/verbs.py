@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from lagc.base.records import dataclass
 from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
-from lagc.records import dataclass
 from lagc.render.c.header import members
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.statements import loads

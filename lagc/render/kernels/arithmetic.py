@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import copysign, inf, isqrt, ulp
 from typing import TYPE_CHECKING
 
+from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.optimize.program import FARTHEST
-from lagc.records import dataclass
 
 if TYPE_CHECKING:
     from fractions import Fraction

@@ -8,9 +8,9 @@ from itertools import pairwise
 from math import isfinite
 from typing import Any
 
+from lagc.base.records import dataclass
 from lagc.kernels import MOST_ACTS
 from lagc.optimize.program import Interface
-from lagc.records import dataclass
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
 # Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from functools import partial
 
+from lagc.base.records import replace
 from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function, Run
-from lagc.records import replace
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, cast
 
-from lagc.once import RLock
+from lagc.base.once import RLock
 from lagc.optimize.program import Interface
 from lagc.run.problem import System, Vector
 

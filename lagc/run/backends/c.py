@@ -8,8 +8,8 @@ from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
 from typing import Any
 
+from lagc.base.once import once
 from lagc.kernels import METHODS, MOST_ACTS
-from lagc.once import once
 from lagc.render.numpy.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem

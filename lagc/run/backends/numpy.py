@@ -12,7 +12,7 @@ from time import perf_counter
 from types import CodeType
 from typing import Any
 
-from lagc.once import once
+from lagc.base.once import once
 from lagc.optimize.program import Interface
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.problem import OK, Options, Trajectory, Vector

@@ -8,7 +8,7 @@ import os
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
-from lagc.printable import printable
+from lagc.base.printable import printable
 from lagc.saving import is_straight, obstacle, output
 
 if TYPE_CHECKING:

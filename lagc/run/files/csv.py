@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from lagc.printable import json_text
+from lagc.base.printable import json_text
 from lagc.saving import Files
 
 if TYPE_CHECKING:

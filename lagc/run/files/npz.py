@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from lagc.printable import json_text
+from lagc.base.printable import json_text
 from lagc.saving import Files
 
 if TYPE_CHECKING:
