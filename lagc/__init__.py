@@ -19,7 +19,7 @@ __all__ = ["CompiledModel", "Limits", "ModelFile", "Refused", "__version__", "lo
 if TYPE_CHECKING:
     from lagc.api import CompiledModel, ModelFile, load, loads
     from lagc.diagnostics.faults import Refused
-    from lagc.limits import Limits
+    from lagc.host.budgets import Limits
 
 
 def __getattr__(name: str) -> object:
@@ -30,7 +30,7 @@ def __getattr__(name: str) -> object:
 
         return found
     if name == "Limits":
-        from lagc.limits import Limits as limits
+        from lagc.host.budgets import Limits as limits
 
         return limits
     from lagc import api

@@ -14,13 +14,13 @@ from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
-from lagc import library
 from lagc.base.records import dataclass, names, replace
 from lagc.compiler import Choice, Compilation
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.given import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
-from lagc.limits import of_this_machine, running
+from lagc.host import model_library as library
+from lagc.host.budgets import of_this_machine, running
 from lagc.loaded import Loaded
 from lagc.run.forecast import check_memory
 from lagc.run.problem import System

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping
 from types import CodeType
 from typing import Any
 
-from lagc import cache
 from lagc.base.records import dataclass, names
-from lagc.cache.sources import tool_fingerprint
-from lagc.library import LARGEST_DATA, Unreadable, content, fingerprint
+from lagc.host import cache
+from lagc.host.cache.sources import tool_fingerprint
+from lagc.host.model_library import LARGEST_DATA, Unreadable, content, fingerprint
 from lagc.optimize.program import Clause, Field, Interface
 from lagc.version import __version__
 

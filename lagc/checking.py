@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lagc.base.records import dataclass, replace
 from lagc.compiler import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.limits import Exhausted, go_on, stage
+from lagc.host.budgets import Exhausted, go_on, stage
 
 if TYPE_CHECKING:
     from lagc.frontend.tree import Tree

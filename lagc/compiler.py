@@ -14,13 +14,13 @@ from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from lagc import cache
 from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.base.once import RLock, once
 from lagc.base.records import dataclass, field, replace
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.library import folder_of
-from lagc.limits import stage
+from lagc.host import cache
+from lagc.host.budgets import stage
+from lagc.host.model_library import folder_of
 from lagc.optimize.program import Field
 from lagc.run.request import Given, Quantity
 

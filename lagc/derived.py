@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.compiler import PER_OPERATION
 from lagc.given import real, reals
-from lagc.limits import Exhausted, reached
+from lagc.host.budgets import Exhausted, reached
 from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ class Differentiable:
         be no rest as rows are solved, which a note of the first says; raises ArithmeticError where none has
         a linear model."""
         from lagc.base.records import replace
-        from lagc.limits import stage
+        from lagc.host.budgets import stage
         from lagc.run import equilibria
         from lagc.run.linearize import linearize
 

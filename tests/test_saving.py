@@ -17,7 +17,7 @@ from typing import IO, Any
 
 import pytest
 
-from lagc import saving
+from lagc.host import atomic_write as saving
 
 OPERATIONS = ("open", "stat", "fsync", "replace", "link", "chmod")
 OLD, NEW = b"old " * 1000, b"new " * 50_000

@@ -13,7 +13,7 @@ from lagc.cli.options import add_general_options, add_model_options, choice_of
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.cli.spare import spare
-from lagc.saving import Files, folder, no_folder
+from lagc.host.atomic_write import Files, folder, no_folder
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +33,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import compiler, library
+    from lagc import compiler
+    from lagc.host import model_library as library
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")

@@ -8,12 +8,12 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from lagc import cache
 from lagc.base.printable import one_line
-from lagc.cache import upkeep
 from lagc.cli.exits import DONE, REFUSED
 from lagc.cli.options import add_general_options
 from lagc.cli.output import print_json, show
+from lagc.host import cache
+from lagc.host.cache import upkeep
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -60,7 +60,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
-    from lagc import checking, compiler, library
+    from lagc import checking, compiler
+    from lagc.host import model_library as library
 
     try:
         source = library.read(name)

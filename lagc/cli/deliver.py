@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from lagc.cli.exits import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN
 from lagc.cli.output import print_json, say, show
 from lagc.cli.signals import SIGNALS
-from lagc.limits import reached, rest
-from lagc.saving import output
+from lagc.host.atomic_write import output
+from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import Run
@@ -94,7 +94,7 @@ def kept(
     """Let `write` make the file `path` or, where that fails in the end, one of a new name in the current
     folder or in that of temporary files, of the `usual` ending where it has none, and say so; the name of
     what was written.  What waits for others is given up where a signal comes."""
-    from lagc.saving import may_wait, shortened
+    from lagc.host.atomic_write import may_wait, shortened
 
     waiting = may_wait(path)
     try:

@@ -20,8 +20,9 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import compiler, library
-    from lagc.limits import stage
+    from lagc import compiler
+    from lagc.host import model_library as library
+    from lagc.host.budgets import stage
     from lagc.view.explain import explanation, text
 
     equations = compiler.equations(library.read(options.file), choice_of(options))

@@ -8,11 +8,12 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc import library, saving
 from lagc.cli.exits import DONE, REFUSED, Usage, cannot_write
 from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
+from lagc.host import atomic_write as saving
+from lagc.host import model_library as library
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

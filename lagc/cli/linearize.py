@@ -50,11 +50,11 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import library
     from lagc.api import CompiledModel
     from lagc.cli.deliver import beside
     from lagc.cli.sim import check_picture
     from lagc.compiler import Compilation
+    from lagc.host import model_library as library
 
     _check_output(options.output)
     check_picture(options)
@@ -132,7 +132,7 @@ def _notes(found: list[Linear]) -> list[str]:
 
 def _check_output(path: str | None) -> None:
     """What is no regular file, as the standard output, takes JSON where its name does not say."""
-    from lagc.saving import is_straight, obstacle
+    from lagc.host.atomic_write import is_straight, obstacle
 
     if path is not None:
         if os.path.splitext(path)[1].lower() not in FORMATS and not is_straight(path):
@@ -151,7 +151,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
     written = True
     if options.output:
         data = _content(found, facts, options.output)
-        from lagc.saving import write
+        from lagc.host.atomic_write import write
 
         path = kept(options.output, lambda name: write(name, data), (OSError,), ".json")
         written = path == options.output
@@ -173,7 +173,7 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
 
 def _picture(interface: Interface, named: str | None) -> str:
     """The file that modes are drawn into: the one named, or one beside; none where nobody asks."""
-    from lagc.saving import fitting
+    from lagc.host.atomic_write import fitting
 
     beside = f"{fitting(f'{interface.model}_{interface.scene}_modes')}.png"
     return beside if named == "" else named or ""

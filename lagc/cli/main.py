@@ -119,7 +119,7 @@ def _overview() -> str:
 
 def _tell_of_the_cache() -> None:
     """What was wrong with it; nobody needs to know, all is made again."""
-    from lagc import cache
+    from lagc.host import cache
 
     for note in cache.notes:
         say(f"cache: {note}")

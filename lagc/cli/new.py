@@ -7,11 +7,12 @@ import argparse
 import os
 import re
 
-from lagc import library, saving
 from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options
 from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
+from lagc.host import atomic_write as saving
+from lagc.host import model_library as library
 
 TEMPLATE = """\
 model {name} "A mass on a massless string"

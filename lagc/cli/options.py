@@ -12,7 +12,7 @@ from lagc.cli.exits import Usage
 
 if TYPE_CHECKING:
     from lagc.compiler import Choice
-    from lagc.limits import Limits
+    from lagc.host.budgets import Limits
     from lagc.run.request import Quantity
 
 _SPACES = " \t\n\r\f\v"
@@ -37,7 +37,7 @@ def add_limit_options(parser: argparse.ArgumentParser) -> None:
 
 def limits_of(options: argparse.Namespace) -> Limits:
     """The limits of a command; without these options, those of each stage and of this machine."""
-    from lagc.limits import Limits, of_this_machine
+    from lagc.host.budgets import Limits, of_this_machine
 
     time = _limit(getattr(options, "max_time", None), "--max-time", seconds, "90, 10min or 2h")
     memory = _limit(getattr(options, "max_memory", None), "--max-memory", size, "500M or 8G")

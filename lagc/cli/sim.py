@@ -81,10 +81,10 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import library
     from lagc.api import CompiledModel
     from lagc.cli.progress import Bar
     from lagc.compiler import Compilation
+    from lagc.host import model_library as library
     from lagc.run.backends.compile import CannotCompile
     from lagc.run.files import targets
     from lagc.run.forecast import MOST_MEMORY, Forecast, check_memory
@@ -147,7 +147,7 @@ def check_picture(options: argparse.Namespace) -> None:
         if find_spec("matplotlib") is None:
             raise Usage("a picture needs matplotlib: pip install matplotlib")
     if options.plot:
-        from lagc.saving import obstacle
+        from lagc.host.atomic_write import obstacle
         from lagc.view.plot import check_ending
 
         try:

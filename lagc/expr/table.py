@@ -6,7 +6,7 @@ import struct
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 
-from lagc import cache
+from lagc.host import cache
 
 
 def digest(numbers: Sequence[float]) -> str:

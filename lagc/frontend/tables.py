@@ -15,9 +15,9 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-from lagc import cache as store
 from lagc.base.records import dataclass
-from lagc.cache.sources import grammar_path
+from lagc.host import cache as store
+from lagc.host.cache.sources import grammar_path
 
 _LAYOUT = "tables 1"  # of the data below; another one where it changes
 

@@ -13,7 +13,7 @@ from typing import TypeAlias
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.frontend import tree
-from lagc.library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
+from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
 from lagc.meaning.data import Columns, Unfit, columns
 from lagc.meaning.imports import Imports
 from lagc.meaning.values import Wrong

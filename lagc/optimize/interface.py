@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from itertools import accumulate
 
-from lagc import cache
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Node
 from lagc.expr.slopes import Slopes
 from lagc.expr.vectors import Matrix
 from lagc.expr.walk import depends, symbols
+from lagc.host import cache
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.freezing import Switch

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Collection, Iterable
 
-from lagc.saving import fitting
+from lagc.host.atomic_write import fitting
 
 # Of C, C++ and Python.
 _KEYWORDS = """

@@ -9,7 +9,7 @@ from typing import Any
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.limits import doing
+from lagc.host.budgets import doing
 from lagc.run.names import more, row_name, speed_name, state_name
 from lagc.run.problem import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
 from lagc.run.request import Request, keep_limits

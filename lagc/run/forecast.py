@@ -7,7 +7,7 @@ from math import inf
 from time import monotonic
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.limits import size_text, time_text
+from lagc.host.budgets import size_text, time_text
 from lagc.run.request import Request
 
 MOST_MEMORY = 2e9  # bytes that a run takes without being told to

@@ -5,9 +5,9 @@ from __future__ import annotations
 import marshal
 from collections.abc import Sequence
 
-from lagc import cache
 from lagc.base.records import dataclass, names
-from lagc.cache.sources import tool_fingerprint
+from lagc.host import cache
+from lagc.host.cache.sources import tool_fingerprint
 from lagc.run.distance import Sizes
 from lagc.run.problem import System, Trajectory
 

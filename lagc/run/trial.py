@@ -10,8 +10,8 @@ from functools import cache
 from types import CodeType
 from typing import Any
 
-from lagc import cache as store
 from lagc.base.once import once
+from lagc.host import cache as store
 from lagc.optimize.program import Program
 from lagc.render.numpy.render import evaluation
 from lagc.run.backends.numpy import NumpyModel, compiled, executed

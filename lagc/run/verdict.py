@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass
-from lagc.limits import reached
+from lagc.host.budgets import reached
 from lagc.run.accuracy import MEANINGLESS, Verified
 from lagc.run.names import event_names, more, row_name, speed_name, state_name
 from lagc.run.problem import (

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.base.once import RLock
 from lagc.base.printable import printable
-from lagc.saving import Files, fitting
+from lagc.host.atomic_write import Files, fitting
 from lagc.view.curves import Scales, scales, with_corners
 
 if TYPE_CHECKING:

@@ -13,8 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lagc import library
 from lagc.compiler import Choice, program, render
+from lagc.host import model_library as library
 from lagc.run.backends.compile import FLAGS, compiler
 
 DRIVER = r"""

@@ -13,10 +13,11 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from lagc import checking, compiler, library
+from lagc import checking, compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.limits import Limits
+from lagc.host import model_library as library
+from lagc.host.budgets import Limits
 from lagc.optimize.program import Program
 from tests.benchmarks.tables import Cell, machine, table
 

@@ -14,11 +14,13 @@ from typing import Any
 
 import pytest
 
-from lagc import cache, library, load
+from lagc import load
 from lagc.base import records
-from lagc.cache import folders, upkeep
 from lagc.cli.main import main
 from lagc.compiler import Choice, Compilation
+from lagc.host import cache
+from lagc.host import model_library as library
+from lagc.host.cache import folders, upkeep
 from lagc.optimize.program import Field
 
 POSIX = os.name == "posix"

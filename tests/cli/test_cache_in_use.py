@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc import cache
 from lagc.cli.main import main
+from lagc.host import cache
 from lagc.run.backends import library
 from lagc.run.backends.compile import build_library, compiler
 from tests.cli.test_cache import DAMAGES
@@ -189,7 +189,7 @@ def test_libraries_are_told_apart(in_memory: bool, monkeypatch: pytest.MonkeyPat
 CROWD = """
 import os, random, signal, sys, time
 from lagc import cache
-from lagc.cache import upkeep
+from lagc.host.cache import upkeep
 
 BODIES = {cache.key(str(k)): bytes([k]) * random.Random(k).randrange(1, 60_000) for k in range(24)}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc.cache import sources
+from lagc.host.cache import sources
 
 
 @pytest.fixture()

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
-from lagc.library import library_models
+from lagc.host.model_library import library_models
 
 WRONG = "model M\n  coordinate Length x;\n  body b = Particle(mass = 1 [kg], at = {y, 0, 0});\nend M;\n"
 Capture = pytest.CaptureFixture[str]

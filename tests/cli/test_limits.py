@@ -19,10 +19,10 @@ from time import monotonic
 import pytest
 
 import lagc
-from lagc import limits
 from lagc.base.numerals import seconds, size
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
+from lagc.host import budgets as limits
 from lagc.run import forecast
 from lagc.run.backends.compile import compiler
 from lagc.run.request import Request

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from lark import Lark, Token
 
-from lagc import cache
 from lagc.diagnostics.faults import Source
 from lagc.frontend import tables
 from lagc.frontend.lexer import tokenise
 from lagc.frontend.machine import Machine
 from lagc.frontend.recovery import recover
+from lagc.host import cache
 
 MODELS = sorted((Path(__file__).resolve().parents[2] / "models").rglob("*.lag"))
 

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import lagc
 from lagc.api import Run
-from lagc.library import read as read_model
+from lagc.host.model_library import read as read_model
 from lagc.run.backends.compile import compiler
 from lagc.run.problem import OK, Options
 from lagc.run.verdict import verdict

@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc import library
 from lagc.checking import check
 from lagc.cli.main import main
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.host import model_library as library
 from lagc.meaning.namespace import TOGETHER
 
 POSIX = os.name == "posix"

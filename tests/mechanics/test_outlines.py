@@ -7,9 +7,9 @@ import pstats
 
 import pytest
 
-from lagc import library
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Refused, Source
+from lagc.host import model_library as library
 from lagc.mechanics.derive import derive
 from lagc.mechanics.smoothness import refuse_breaks
 from lagc.mechanics.states import build_states

@@ -10,10 +10,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from lagc import compiler, library
+from lagc import compiler
 from lagc.compiler import Choice
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
+from lagc.host import model_library as library
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.optimize import optimize

@@ -7,9 +7,9 @@ import random
 
 import pytest
 
-from lagc import library
 from lagc.base.records import replace
 from lagc.compiler import Choice, derive, parse, resolve
+from lagc.host import model_library as library
 from lagc.optimize.block import ordered
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import LEAVES, Function, Program

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import lagc
-from lagc.library import library_models
+from lagc.host.model_library import library_models
 
 
 @cache

@@ -8,7 +8,7 @@ import numpy
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc.library import library_models
+from lagc.host.model_library import library_models
 
 ASKED = 1e-8
 G = 9.81

@@ -7,8 +7,8 @@ import re
 import pytest
 
 import lagc
-from lagc.library import library_models
-from lagc.library import read as read_model
+from lagc.host.model_library import library_models
+from lagc.host.model_library import read as read_model
 from tests.physics.library import brief, compiled, scenes
 
 SCENES = scenes()

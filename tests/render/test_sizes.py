@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
-from lagc import library
 from lagc.compiler import Choice
 from lagc.compiler import program as compiled
+from lagc.host import model_library as library
 from lagc.optimize.program import LEAVES, Program
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import tables_of

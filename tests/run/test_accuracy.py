@@ -9,7 +9,7 @@ import pytest
 
 import lagc
 from lagc.api import Run
-from lagc.library import library_models
+from lagc.host.model_library import library_models
 from lagc.run.cause import losing_rank
 from lagc.run.distance import difference, sizes
 from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory

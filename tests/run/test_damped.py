@@ -21,7 +21,7 @@ from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.library import read as read_model
+from lagc.host.model_library import read as read_model
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.manifold import walk

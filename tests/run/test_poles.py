@@ -181,7 +181,7 @@ def counted(module: dict[str, Any], ending: str) -> list[str]:
 
 def test_what_has_none_pays_nothing() -> None:
     from lagc.compiler import Choice, program
-    from lagc.library import read
+    from lagc.host.model_library import read
 
     assert program(read("kepler"), Choice()).interface.poles == 1
     assert "poles" not in program(read("double_pendulum"), Choice()).functions

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from lagc.compiler import Choice, Compilation
-from lagc.library import read
+from lagc.host.model_library import read
 from lagc.optimize.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix

@@ -9,7 +9,7 @@ from functools import cache
 
 import pytest
 
-from lagc.library import library_models, read
+from lagc.host.model_library import library_models, read
 from lagc.optimize.program import Program
 from lagc.run.backends.compile import compiler
 from lagc.run.begin import consistent_start

@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc import cache
 from lagc.compiler import Choice, Compilation, render
-from lagc.library import read
+from lagc.host import cache
+from lagc.host.model_library import read
 from lagc.run.backends import compile as c_compiler
 from lagc.run.backends import load
 from lagc.run.problem import Options, System

@@ -18,7 +18,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from lagc import library
+from lagc.host import model_library as library
 from tests.render.everywhere import LEVELS, compilers, prepare, printed, tools
 from tests.render.tools import STRICT, of_model
 from tests.supply.bounds import ROOT, lowest

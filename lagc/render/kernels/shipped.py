@@ -11,8 +11,8 @@ import os
 from functools import cache
 from typing import Any
 
-from lagc import cache as store
-from lagc.cache.sources import tool_fingerprint
+from lagc.host import cache as store
+from lagc.host.cache.sources import tool_fingerprint
 from lagc.kernels import FILES, METHODS, WORDS
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import cache
 from types import CodeType
 
-from lagc import cache as store
-from lagc.cache.sources import tool_fingerprint
+from lagc.host import cache as store
+from lagc.host.cache.sources import tool_fingerprint
 
 ROOTS = ("prepare", "reach_start", "meet_all")
 SWITCHES = ("NCOND", "NRATE", "NQUAT", "NPOSITION", "NP", "NPIECE")

@@ -10,9 +10,9 @@ from contextlib import suppress
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from lagc import cache
-from lagc.limits import stage
-from lagc.saving import scratch
+from lagc.host import cache
+from lagc.host.atomic_write import scratch
+from lagc.host.budgets import stage
 
 if TYPE_CHECKING:
     from subprocess import CompletedProcess

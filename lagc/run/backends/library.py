@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from itertools import count
 
-from lagc import cache
+from lagc.host import cache
 from lagc.run.backends.compile import SUFFIX, CannotCompile, build_library, library_key
 
 _loaded = count(1)

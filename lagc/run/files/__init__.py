@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from lagc.base.printable import printable
-from lagc.saving import is_straight, obstacle, output
+from lagc.host.atomic_write import is_straight, obstacle, output
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution

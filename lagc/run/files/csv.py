@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from lagc.base.printable import json_text
-from lagc.saving import Files
+from lagc.host.atomic_write import Files
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution

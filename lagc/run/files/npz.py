@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from lagc.base.printable import json_text
-from lagc.saving import Files
+from lagc.host.atomic_write import Files
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution

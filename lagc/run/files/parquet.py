@@ -6,7 +6,7 @@ import importlib
 from typing import TYPE_CHECKING
 
 from lagc.base.printable import json_text
-from lagc.saving import Files
+from lagc.host.atomic_write import Files
 
 if TYPE_CHECKING:
     from lagc.run.solution import Solution

@@ -14,7 +14,7 @@ from stat import S_ISREG
 from types import CodeType
 from typing import TypeVar
 
-from lagc.cache.folders import Folder, Unfit, hashed, note, notes, reason
+from lagc.host.cache.folders import Folder, Unfit, hashed, note, notes, reason
 
 __all__ = [
     "PYTHON",
@@ -108,7 +108,7 @@ def store(kind: str, key: str, body: bytes) -> None:
         with place:
             place.write(name, body)
             if key.startswith("00"):  # one in 256
-                from lagc.cache.upkeep import shrink
+                from lagc.host.cache.upkeep import shrink
 
                 shrink(place)
     except FileNotFoundError:

@@ -19,7 +19,7 @@ from io import BufferedWriter
 from time import monotonic, sleep
 from types import TracebackType
 
-from lagc.leftovers import FILES, FOLDERS, mark, sweep
+from lagc.host.orphans import FILES, FOLDERS, mark, sweep
 
 LONGEST = 60  # bytes of a file's name in that of another one, which has to stay a name
 READER = 5.0  # s in which the reader of a pipe has to come

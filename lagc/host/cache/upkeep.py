@@ -10,8 +10,8 @@ from time import time
 
 from lagc.base import numerals
 from lagc.base.records import dataclass
-from lagc.cache.folders import Folder, Unfit, note, reason
-from lagc.leftovers import SOON, gone
+from lagc.host.cache.folders import Folder, Unfit, note, reason
+from lagc.host.orphans import SOON, gone
 
 LIMIT = 1_000_000_000  # bytes, where LAGC_CACHE_SIZE says nothing
 BLOCK = 4096  # bytes of the disk that a file takes at least

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from time import time
 
-from lagc import cache
-from lagc.cache.folders import hashed
+from lagc.host import cache
+from lagc.host.cache.folders import hashed
 
-PACKAGE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PACKAGE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 ENDINGS = (".py", ".c", ".h", ".lark", ".json")
 FRESH = 2.0  # s in which a file may change without a change of its times
 

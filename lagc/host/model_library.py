@@ -7,8 +7,8 @@ import sys
 from contextlib import suppress
 from stat import S_ISDIR, S_ISFIFO, S_ISREG
 
-from lagc import cache
 from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.host import cache
 
 SUFFIX = ".lag"
 LARGEST = 4_000_000  # bytes of one model file
@@ -19,7 +19,7 @@ _READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) 
 def models_folder() -> str:
     """The folder of the models that come with lagc: beside the package in a checkout, inside it
     where lagc was installed from a wheel."""
-    package = os.path.dirname(os.path.abspath(__file__))
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     inside = os.path.join(package, "models")
     return inside if os.path.isdir(inside) else os.path.join(os.path.dirname(package), "models")
 
