@@ -12,8 +12,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 class CustomBuildHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         sys.path.insert(0, self.root)
-        from lagc.frontend import tables
         from lagc.render.kernels import shipped
+        from lagc.syntax import lalr_tables as tables
 
         for made in (tables, shipped):
             with open(made.shipped_path(), "w", encoding="utf-8") as file:

@@ -14,9 +14,9 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host.budgets import Exhausted, go_on, stage
 
 if TYPE_CHECKING:
-    from lagc.frontend.tree import Tree
     from lagc.meaning.model import Model
     from lagc.mechanics.equations import EquationsOfMotion
+    from lagc.syntax.tree import Tree
 
 
 STAGES = ("syntax", "names and dimensions", "equations", "starts")
@@ -44,9 +44,9 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
-    from lagc.frontend.scenes import ByScene
     from lagc.meaning.degrees import whole_radians
     from lagc.meaning.variants import variants
+    from lagc.syntax.scenes import ByScene
 
     try:
         tree = parse(source)

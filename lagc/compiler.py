@@ -27,12 +27,12 @@ from lagc.run.request import Given, Quantity
 if TYPE_CHECKING:
     from types import CodeType
 
-    from lagc.frontend.tree import Tree
     from lagc.meaning.context import Points
     from lagc.meaning.model import Model
     from lagc.meaning.scene import Inputs
     from lagc.mechanics.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
+    from lagc.syntax.tree import Tree
 
 
 PER_CHARACTER = 1e-3  # s that a stage may take longer for each character of the model
@@ -86,7 +86,7 @@ _uncollected = _Uncollected()
 
 @_uncollected
 def parse(source: Source) -> Tree:
-    from lagc.frontend.parse import parse as run
+    from lagc.syntax.parse import parse as run
 
     with stage("reading the model", PER_CHARACTER * len(source.text)):
         return run(source)

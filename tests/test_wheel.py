@@ -83,7 +83,7 @@ def test_code_is_generated(installed: Path) -> None:
 def test_nothing_is_left_behind(installed: Path) -> None:
     for name in (
         "grammar/lag.lark",
-        "frontend/tables.json",
+        "syntax/tables.json",
         "render/kernels/kernels.json",
         "models/classic/kepler.lag",
     ):

@@ -26,7 +26,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.frontend.format import format_source
+    from lagc.syntax.formatter.format import format_source
 
     differs = False
     for name in options.files:

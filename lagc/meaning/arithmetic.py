@@ -7,13 +7,13 @@ from collections.abc import Callable
 
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
-from lagc.frontend import tree
 from lagc.meaning.bare import unit_remedy
 from lagc.meaning.context import Context
 from lagc.meaning.model import Body
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, over, raised, times
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, kind, shape
+from lagc.syntax import tree
 
 LARGEST_EXPONENT = 1000  # of a quantity with a dimension
 

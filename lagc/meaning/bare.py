@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from lagc.frontend import tree
 from lagc.meaning.units import NONE, Dimension, over, si_text
 from lagc.meaning.values import Wrong, expect
+from lagc.syntax import tree
 
 
 def is_bare(expression: tree.Expression) -> bool:

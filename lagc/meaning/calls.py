@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from functools import partial
 
 from lagc.diagnostics.suggest import did_you_mean, foreign
-from lagc.frontend import tree
 from lagc.meaning import functions, motion, rotations, tables
 from lagc.meaning.bare import is_bare
 from lagc.meaning.constants import dotted, space_only
@@ -17,6 +16,7 @@ from lagc.meaning.scope import Entry, Environment
 from lagc.meaning.typenames import type_of
 from lagc.meaning.types import QuantityType
 from lagc.meaning.values import Poisoned, Scalar, Value, Wrong, expect, flat
+from lagc.syntax import tree
 
 BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE, **tables.TABLE}
 

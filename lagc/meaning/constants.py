@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
-from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
 from lagc.meaning.namespace import Declared, Namespace
 from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.typenames import type_of
 from lagc.meaning.values import Value, Wrong, expect, flat
+from lagc.syntax import tree
 
 
 def constant_of(

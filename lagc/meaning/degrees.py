@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Fault
-from lagc.frontend import tree
+from lagc.syntax import tree
 
 Models: TypeAlias = Mapping[str, Sequence[tree.Declaration]]  # what is declared in each
 _NAMED = (tree.ModelDeclaration, tree.Package)

@@ -6,7 +6,6 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Span
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector, sub
-from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of, unit_remedy
 from lagc.meaning.clock import LATE, VELOCITY
@@ -31,6 +30,7 @@ from lagc.meaning.values import (
     vector_value,
 )
 from lagc.meaning.written import no_rates
+from lagc.syntax import tree
 
 
 def _written(entry: Entry) -> tree.Construct:

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 from lagc.diagnostics.faults import Span
-from lagc.frontend import tree
 from lagc.meaning.bare import is_bare
 from lagc.meaning.context import Context
 from lagc.meaning.scope import Environment
 from lagc.meaning.units import NONE, Dimension
 from lagc.meaning.values import Array, Poisoned, Scalar, Value, Wrong, kind
+from lagc.syntax import tree
 
 T = TypeVar("T")
 Item = TypeVar("Item")

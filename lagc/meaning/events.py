@@ -10,7 +10,6 @@ from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
 from lagc.expr.walk import reachable
-from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE, MOVING
@@ -20,6 +19,7 @@ from lagc.meaning.scope import Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Scalar, Truth, Wrong, flat, kind, shape
+from lagc.syntax import tree
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _USES = '`reinit(x, value)`, `terminate("why")`, `mark("name")`'
@@ -57,7 +57,7 @@ def when_clause(
 def ending(context: Context, until: str) -> tree.When:
     """The clause that ends a run where the condition `until` of a command or a caller becomes true.  Raises
     Refused where it is no expression."""
-    from lagc.frontend.parse import parse_expression
+    from lagc.syntax.parse import parse_expression
 
     source = Source("<until>", until, asked=True)
     context.importer.free.append(source)

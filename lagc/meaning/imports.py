@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from lagc.frontend import tree
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 if TYPE_CHECKING:
     from lagc.meaning.namespace import Found, Namespace

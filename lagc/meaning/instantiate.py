@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import integer, integers
 from lagc.meaning.members import MOST_NAMED
@@ -16,6 +15,7 @@ from lagc.meaning.namespace import Namespace
 from lagc.meaning.scope import DEEPEST, Entry, Environment, Instance, Item, Modifier, Modifiers, Source
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Indexed, Part, Scalar, Wrong
+from lagc.syntax import tree
 
 ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
 _CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.units import KG, NONE, M, S, over
 from lagc.meaning.values import Array, Indexed, Part, Scalar, Thing, Value, Wrong, kind, vector_value
+from lagc.syntax import tree
 
 MOST_NAMED = 8  # names that a remedy lists
 _MOTION = (

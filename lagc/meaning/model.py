@@ -37,7 +37,7 @@ from lagc.diagnostics.faults import Fault, Span
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, dot, matvec
 from lagc.expr.walk import reachable
-from lagc.frontend.tree import Expression
+from lagc.syntax.tree import Expression
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
-from lagc.frontend import tree
 from lagc.meaning.scope import LARGEST, Environment, Modifier, Modifiers
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 # of models, by identity: what each extends, with what it gives there
 Extended: TypeAlias = dict[int, list[tuple[tree.ModelDeclaration, Modifiers]]]

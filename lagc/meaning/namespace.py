@@ -12,11 +12,11 @@ from typing import TypeAlias
 
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.frontend import tree
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
 from lagc.meaning.data import Columns, Unfit, columns
 from lagc.meaning.imports import Imports
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 TOGETHER = 40_000_000  # bytes of all imports
 
@@ -244,7 +244,7 @@ class Importer:
 
     def _parse(self, path: str, span: Span) -> None:
         """Into `files`, or `broken`."""
-        from lagc.frontend.parse import parse
+        from lagc.syntax.parse import parse
 
         try:
             data = content(path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from lagc.expr.graph import Node
-from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
 from lagc.meaning.model import Orientation, Statement
@@ -22,6 +21,7 @@ from lagc.meaning.written import (
     own_part,
     still,
 )
+from lagc.syntax import tree
 
 PARTS = "wxyz"
 _SMALLEST = 1e-6  # norm of a start that has a direction

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
-from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE
@@ -35,6 +34,7 @@ from lagc.meaning.written import (
     still,
     written_value,
 )
+from lagc.syntax import tree
 
 _ATTRIBUTES = {
     "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.frontend import tree
 from lagc.meaning import model as nouns
 from lagc.meaning.calls import look_at_uncalled
 from lagc.meaning.clock import MOVING
@@ -34,6 +33,7 @@ from lagc.meaning.scene import (
 from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.uses import Uses
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
 T = TypeVar("T")

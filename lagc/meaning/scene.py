@@ -8,7 +8,6 @@ from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Source, Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.symbol import derived, underived
-from lagc.frontend import tree
 from lagc.meaning.context import Context, Given, Points
 from lagc.meaning.evaluate import integer
 from lagc.meaning.namespace import Namespace
@@ -16,6 +15,7 @@ from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.settings import Settings
 from lagc.meaning.uses import Uses, keys, without_subscripts
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 MOST_LISTED = 12  # effects, in a message
 
@@ -259,7 +259,7 @@ def target_text(context: Context, e: tree.Expression, environment: Environment) 
 def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:
     """Note the inputs that the command or a Python caller gives.  Their files may be anywhere: who asks names
     them.  Raises Refused where a text is no expression."""
-    from lagc.frontend.parse import parse_expression
+    from lagc.syntax.parse import parse_expression
 
     for name, given in inputs.items():
         plain = "".join(name.split())

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Span
-from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
+from lagc.syntax import tree
 
 if TYPE_CHECKING:
     from lagc.meaning import model as nouns

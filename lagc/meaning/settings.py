@@ -8,12 +8,12 @@ from typing import NamedTuple
 from lagc.base.numerals import FINEST, MOST_POINTS
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.frontend import tree
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
 from lagc.meaning.scope import Environment
 from lagc.meaning.units import NONE, Dimension, S
 from lagc.meaning.values import Scalar, Wrong, expect, kind
+from lagc.syntax import tree
 
 _SETTINGS: dict[str, Dimension] = {
     "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,

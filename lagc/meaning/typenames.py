@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from lagc.base.records import replace
 from lagc.diagnostics.suggest import did_you_mean, foreign_type
-from lagc.frontend import tree
 from lagc.meaning.namespace import Namespace
 from lagc.meaning.types import TYPES, QuantityType, quantity_type
 from lagc.meaning.units import UnknownUnit, si_text, unit
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 DEEPEST = 32  # types that stand for types
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from lagc.base.records import dataclass
-from lagc.frontend import tree
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.scope import DEEPEST
 from lagc.meaning.values import Wrong
+from lagc.syntax import tree
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.expr.graph import Node
-from lagc.frontend import tree
 from lagc.meaning.clock import LATE, MOVING, VELOCITY
 from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate, evaluate_as
@@ -17,6 +16,7 @@ from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.tables import over_time
 from lagc.meaning.units import Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
+from lagc.syntax import tree
 
 
 def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:

@@ -3,7 +3,7 @@ that `a = b`, of `x^2 + y^2 = 0` that `x = 0` and `y = 0`.  Read off the syntax 
 
 from __future__ import annotations
 
-from lagc.frontend import tree
+from lagc.syntax import tree
 
 _FLAT = ("cos", "cosh")  # 1 at an argument of 0, which is an extreme
 _BENT = ("max", "min", "abs")  # no rows by themselves

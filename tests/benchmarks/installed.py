@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from lagc.frontend.tables import packed, shipped_path
+from lagc.syntax.lalr_tables import packed, shipped_path
 
 CHECKOUT = Path(__file__).parents[2]
 
@@ -24,7 +24,7 @@ def folder() -> str:
     shutil.copytree(CHECKOUT / "lagc", package, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("grammar", "models"):
         shutil.copytree(CHECKOUT / name, package / name)
-    (package / "frontend" / os.path.basename(shipped_path())).write_text(packed(), encoding="utf-8")
+    (package / "syntax" / os.path.basename(shipped_path())).write_text(packed(), encoding="utf-8")
     compileall.compile_dir(package, quiet=1)
     return str(root)
 

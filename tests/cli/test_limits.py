@@ -38,7 +38,7 @@ model Spring
 end Spring;
 """
 STAGES = [  # where it is done, by which command, what it is called
-    ("lagc.frontend.parse.parse", "check", "reading the model"),
+    ("lagc.syntax.parse.parse", "check", "reading the model"),
     ("lagc.meaning.resolve.resolve", "check", "finding what its names mean"),
     ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
     ("lagc.optimize.optimize.optimize", "check", "simplifying the equations"),

@@ -6,7 +6,7 @@ from typing import Any
 
 from lagc.base.records import names
 from lagc.diagnostics.faults import Source, Span
-from lagc.frontend.parse import parse
+from lagc.syntax.parse import parse
 
 
 def shape(node: Any) -> Any:

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend import tree
-from lagc.frontend.format import format_source
-from lagc.frontend.lexer import tokenise
-from lagc.frontend.parse import parse, parse_recovering
+from lagc.syntax import tree
+from lagc.syntax.formatter.format import format_source
+from lagc.syntax.lexer import tokenise
+from lagc.syntax.parse import parse, parse_recovering
 
 MODELS = sorted((Path(__file__).resolve().parents[2] / "models").glob("*/*.lag"))
 

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.format import format_source
-from lagc.frontend.lexer import tokenise
+from lagc.syntax.formatter.format import format_source
+from lagc.syntax.lexer import tokenise
 from tests.frontend.shapes import meaning
 
 MODELS = sorted((Path(__file__).resolve().parents[2] / "models").rglob("*.lag"))

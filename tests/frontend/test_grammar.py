@@ -8,11 +8,11 @@ import pytest
 from lark import Lark, Token
 
 from lagc.diagnostics.faults import Source
-from lagc.frontend import tables
-from lagc.frontend.lexer import tokenise
-from lagc.frontend.machine import Machine
-from lagc.frontend.recovery import recover
 from lagc.host import cache
+from lagc.syntax import lalr_tables as tables
+from lagc.syntax.lalr import Machine
+from lagc.syntax.lexer import tokenise
+from lagc.syntax.recovery import recover
 
 MODELS = sorted((Path(__file__).resolve().parents[2] / "models").rglob("*.lag"))
 

@@ -6,9 +6,9 @@ import pytest
 
 from lagc.diagnostics.catalogue.syntax import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend import tree
-from lagc.frontend.parse import parse, parse_recovering
 from lagc.meaning.resolve import resolve
+from lagc.syntax import tree
+from lagc.syntax.parse import parse, parse_recovering
 
 # The mistake, the marked text (None: not looked at), the code, a part of the message or the remedy.
 MISTAKES = [

@@ -7,9 +7,9 @@ import keyword
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.frontend import tree
-from lagc.frontend.parse import parse
-from lagc.frontend.tables import tables
+from lagc.syntax import tree
+from lagc.syntax.lalr_tables import tables
+from lagc.syntax.parse import parse
 
 SIMPLE_PENDULUM = """
 model SimplePendulum "A mass on a massless string"

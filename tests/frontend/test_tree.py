@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.frontend import tree
-from lagc.frontend.parse import parse
+from lagc.syntax import tree
+from lagc.syntax.parse import parse
 
 
 def declarations(body: str) -> tuple[tree.Declaration, ...]:

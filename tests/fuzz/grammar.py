@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable
 
 from lagc.diagnostics.faults import Source
-from lagc.frontend.lexer import tokenise
-from lagc.frontend.machine import Machine
-from lagc.frontend.recovery import recover
-from lagc.frontend.tables import tables
+from lagc.syntax.lalr import Machine
+from lagc.syntax.lalr_tables import tables
+from lagc.syntax.lexer import tokenise
+from lagc.syntax.recovery import recover
 
 
 class _Counting(Machine):

@@ -15,13 +15,13 @@ import lagc
 from lagc import compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.diagnostics.report import as_json, report
-from lagc.frontend.format import format_source
+from lagc.syntax.formatter.format import format_source
 from tests.fuzz import workers
 from tests.fuzz.mutations import mutated
 from tests.fuzz.statements import spliced
 
 _PACKAGE = os.path.dirname(lagc.__file__)
-ROOMS = tuple(os.path.join(_PACKAGE, room) + os.sep for room in ("frontend", "meaning"))
+ROOMS = tuple(os.path.join(_PACKAGE, room) + os.sep for room in ("syntax", "semantics"))
 
 
 class Steps:

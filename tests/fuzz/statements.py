@@ -9,7 +9,7 @@ from functools import lru_cache
 from typing import Any
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.parse import parse
+from lagc.syntax.parse import parse
 
 
 @lru_cache(maxsize=4096)

@@ -8,9 +8,9 @@ from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.symbol import derived
-from lagc.frontend.parse import parse
 from lagc.meaning.model import Model
 from lagc.meaning.resolve import resolve
+from lagc.syntax.parse import parse
 
 HEAD = "model M parameter Mass m = 2; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"
 

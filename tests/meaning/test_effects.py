@@ -11,9 +11,9 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.frontend import tree
-from lagc.frontend.parse import parse
 from lagc.meaning.variants import Variant, variants
+from lagc.syntax import tree
+from lagc.syntax.parse import parse
 from lagc.view.explain import explanation
 
 MODELS = Path(__file__).resolve().parents[2] / "models"

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.parse import parse
 from lagc.meaning.instantiate import Builder
 from lagc.meaning.scope import DEEPEST
 from lagc.meaning.variants import Variant, variants
+from lagc.syntax.parse import parse
 from tests.meaning.reading import read
 
 BASE = """

@@ -11,10 +11,10 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.parse import parse
 from lagc.meaning.model import Model
 from lagc.meaning.namespace import Importer, Namespace
 from lagc.meaning.resolve import resolve
+from lagc.syntax.parse import parse
 from tests.meaning.reading import output
 
 MANY = 1000

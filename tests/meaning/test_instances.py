@@ -9,9 +9,9 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import Variant, variants
+from lagc.syntax.parse import parse
 from tests.meaning.reading import read, value
 
 CHAIN = """

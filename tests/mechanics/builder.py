@@ -8,7 +8,6 @@ from lagc.diagnostics.faults import Source, Span
 from lagc.expr.derivative import tangent
 from lagc.expr.graph import Graph, Node
 from lagc.expr.vectors import Matrix, Vector, matmul, matvec, transpose
-from lagc.frontend.tree import Name
 from lagc.meaning.model import (
     FIXED,
     UNSTATED,
@@ -32,6 +31,7 @@ from lagc.meaning.model import (
     Torque,
 )
 from lagc.mechanics.states import quaternion_rate
+from lagc.syntax.tree import Name
 
 SPAN = Span(Source("built.lag", "built\n"), 0, 5)
 SIDE = Name("built", SPAN)

@@ -10,10 +10,10 @@ import pytest
 import lagc.mechanics
 from lagc.diagnostics.catalogue.mechanics import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.syntax.parse import parse
 
 
 def derived(text: str) -> EquationsOfMotion:

@@ -16,12 +16,12 @@ from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
 from lagc.expr.vectors import Vector
-from lagc.frontend.parse import parse
 from lagc.meaning.model import Body, Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.mechanics import opposing
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.syntax.parse import parse
 from tests.oracle.lagrange import STEP, Expressions, mp
 
 

@@ -13,12 +13,12 @@ import pytest
 from lagc.diagnostics.faults import Source
 from lagc.expr.evaluate import evaluate
 from lagc.expr.graph import Node
-from lagc.frontend.parse import parse
 from lagc.meaning.model import Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import variants
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.syntax.parse import parse
 from tests.oracle.lagrange import Oracle
 
 MODELS = Path(__file__).resolve().parents[2] / "models"

@@ -12,12 +12,12 @@ import pytest
 
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Source
-from lagc.frontend.format import format_source
 from lagc.render.c.functions import function_text
 from lagc.render.c.header import places
 from lagc.render.c.render import render as render_c
 from lagc.render.locals import local_names
 from lagc.render.numpy.render import render as render_numpy
+from lagc.syntax.formatter.format import format_source
 from tests.render.tools import MODELS, of_model
 
 FOLDER = Path(__file__).parent / "golden"

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.frontend.parse import parse
 from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import Variant, variants
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
 from lagc.render.c.render import render
+from lagc.syntax.parse import parse
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 FILES = sorted(MODELS.rglob("*.lag"))

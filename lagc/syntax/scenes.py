@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.frontend.tree import Declaration, ModelDeclaration, Package, Scene, Tree
+from lagc.syntax.tree import Declaration, ModelDeclaration, Package, Scene, Tree
 
 
 class ByScene:

@@ -8,9 +8,9 @@ from typing import Any
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.frontend.build import Builder
-from lagc.frontend.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
-from lagc.frontend.tables import Tables
+from lagc.syntax.lalr_tables import Tables
+from lagc.syntax.lexer import END, NUMBER, STRING, SYMBOL, UNIT, WORD, Lexed, Token
+from lagc.syntax.tree_builder import Builder
 
 DEEPEST = 100  # brackets, `if`s, signs and blocks inside one another
 MOST_FAULTS = 50

@@ -7,8 +7,8 @@ from itertools import pairwise
 from math import inf
 
 from lagc.base.records import dataclass
-from lagc.frontend import tree
-from lagc.frontend.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
+from lagc.syntax import tree
+from lagc.syntax.lexer import NUMBER, SYMBOL, UNIT, WORD, Token
 
 _OPENING = ("(", "[", "{")
 _CLOSING = (")", "]", "}")

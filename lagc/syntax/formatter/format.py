@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Refused, Source
-from lagc.frontend.lexer import END, WORD, Lexed, Token
-from lagc.frontend.parse import read
-from lagc.frontend.spacing import Spacing, wrapped
+from lagc.syntax.formatter.spacing import Spacing, wrapped
+from lagc.syntax.lexer import END, WORD, Lexed, Token
+from lagc.syntax.parse import read
 
 WIDTH = 100
 INDENT = "  "

@@ -7,7 +7,7 @@ from typing import Any
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Span
-from lagc.frontend import tree
+from lagc.syntax import tree
 
 FILE = "a file"
 _MECHANICS = frozenset({"model", "effect"})

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Refused, Source, Span
-from lagc.frontend.lexer import SYMBOL, WORD, Lexed, Token, tokenise
-from lagc.frontend.machine import MOST_FAULTS, Machine
-from lagc.frontend.tables import tables
-from lagc.frontend.tree import Declarator, Expression, Quantities, Tree
+from lagc.syntax.lalr import MOST_FAULTS, Machine
+from lagc.syntax.lalr_tables import tables
+from lagc.syntax.lexer import SYMBOL, WORD, Lexed, Token, tokenise
+from lagc.syntax.tree import Declarator, Expression, Quantities, Tree
 
 
 def parse(source: Source) -> Tree:
@@ -57,7 +57,7 @@ def read(source: Source) -> tuple[Tree, Lexed, list[Fault]]:
 
 
 def _recover(machine: Machine) -> bool:
-    from lagc.frontend.recovery import recover  # where there is a fault
+    from lagc.syntax.recovery import recover  # where there is a fault
 
     return recover(machine)
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault
-from lagc.frontend.mistakes import signs, words
-from lagc.frontend.mistakes.where import Explained, Where
+from lagc.syntax.mistakes import keywords as words
+from lagc.syntax.mistakes import punctuation as signs
+from lagc.syntax.mistakes.context import Explained, Where
 
 
 def explain(where: Where) -> Explained:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.frontend.lexer import END, SYMBOL, UNIT, WORD, Token
+from lagc.syntax.lexer import END, SYMBOL, UNIT, WORD, Token
 
 if TYPE_CHECKING:
-    from lagc.frontend.recovery import Recovery
+    from lagc.syntax.recovery import Recovery
 
 HEADERS = frozenset(("model", "package", "effect", "scene", "for", "when"))  # words that open a block
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault
-from lagc.frontend.foreign import FOREIGN
-from lagc.frontend.lexer import NUMBER, STRING, WORD
-from lagc.frontend.mistakes.where import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.lexer import NUMBER, STRING, WORD
+from lagc.syntax.mistakes.context import HEADERS, Explained, Repair, Where, token_of
+from lagc.syntax.mistakes.foreign import FOREIGN
 
 
 def first_word(w: Where) -> Explained | None:

@@ -10,10 +10,10 @@ from typing import Any
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Source, Span
-from lagc.frontend import tree
-from lagc.frontend.expressions import MOST_PARTS, Children, Expressions
-from lagc.frontend.lexer import Token
-from lagc.frontend.places import FILE, arrange
+from lagc.syntax import tree
+from lagc.syntax.expression_builder import MOST_PARTS, Children, Expressions
+from lagc.syntax.lexer import Token
+from lagc.syntax.places import FILE, arrange
 
 _PLAIN = frozenset({"Real", "Integer", "Boolean"})
 
@@ -269,8 +269,8 @@ class Excludes(Requires):
 def _no_kind(made: tree.TypeName) -> Fault:
     """`Length x = 3;`, `bod b = Particle(...);`: an instance has no value."""
     from lagc.diagnostics.suggest import closest
-    from lagc.frontend.foreign import FOREIGN
-    from lagc.frontend.tables import tables
+    from lagc.syntax.lalr_tables import tables
+    from lagc.syntax.mistakes.foreign import FOREIGN
 
     word = made.path[-1]
     foreign = FOREIGN.get(word.lower())

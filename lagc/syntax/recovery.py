@@ -7,10 +7,10 @@ reads on); else the declaration is given up and reading goes on behind it.
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.frontend.lexer import END, SYMBOL, WORD, Token
-from lagc.frontend.machine import MOST_FAULTS, Machine
-from lagc.frontend.mistakes.explain import explain
-from lagc.frontend.mistakes.where import Repair, Where
+from lagc.syntax.lalr import MOST_FAULTS, Machine
+from lagc.syntax.lexer import END, SYMBOL, WORD, Token
+from lagc.syntax.mistakes.context import Repair, Where
+from lagc.syntax.mistakes.explain import explain
 
 MOST_RECOVERIES = 200
 
