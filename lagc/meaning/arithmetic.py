@@ -6,13 +6,13 @@ import math
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Span
-from lagc.expr.graph import Node
 from lagc.meaning.bare import unit_remedy
 from lagc.meaning.context import Context
 from lagc.meaning.model import Body
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, over, raised, times
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, kind, shape
+from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
 LARGEST_EXPONENT = 1000  # of a quantity with a dimension

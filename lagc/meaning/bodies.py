@@ -7,8 +7,6 @@ from typing import Any
 
 from lagc.diagnostics.faults import Fault, Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, dot
 from lagc.meaning import model as nouns
 from lagc.meaning.calls import look_at_arguments, match
 from lagc.meaning.clock import LATE, VELOCITY
@@ -21,6 +19,8 @@ from lagc.meaning.scope import Entry
 from lagc.meaning.units import KG, NONE, M, S, dimension, over
 from lagc.meaning.values import Array, Scalar, Thing, Value, Wrong, expect, flat, kind, scalar_of, vector_of
 from lagc.meaning.written import given_scalar
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, dot
 from lagc.syntax import tree
 
 INERTIA = dimension(kg=1, m=2)

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from lagc.expr.derivative import partials
-from lagc.expr.graph import Graph, Node
-from lagc.expr.symbol import QUANTITIES
-from lagc.expr.vectors import Matrix, axis_rates
 from lagc.meaning.model import Frame
+from lagc.symbolic.derivative import partials
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.leaves import QUANTITIES
+from lagc.symbolic.vectors import Matrix, axis_rates
 
 T = TypeVar("T")
 

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Matrix, Vector
 from lagc.meaning.clock import Clock
 from lagc.meaning.model import Frame, Table
 from lagc.meaning.namespace import Importer
 from lagc.meaning.scope import LARGEST, Entry, Environment
 from lagc.meaning.uses import Uses
 from lagc.meaning.values import Poisoned, Value, Wrong
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Matrix, Vector
 from lagc.syntax import tree
 
 if TYPE_CHECKING:

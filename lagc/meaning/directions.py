@@ -10,12 +10,12 @@ from collections.abc import Container, Sequence
 from typing import TypeAlias
 
 from lagc.diagnostics.faults import Span
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, matvec, norm, transpose
 from lagc.meaning.clock import LATE, MOVING
 from lagc.meaning.context import Context
 from lagc.meaning.model import Frame
 from lagc.meaning.values import Wrong
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
 
 _MOST = 300  # parts of a vector that are looked at
 _ABOVE = 6  # frames that are

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Span
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, sub
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of, unit_remedy
 from lagc.meaning.clock import LATE, VELOCITY
@@ -30,6 +28,8 @@ from lagc.meaning.values import (
     vector_value,
 )
 from lagc.meaning.written import no_rates
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, sub
 from lagc.syntax import tree
 
 

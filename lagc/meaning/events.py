@@ -8,8 +8,6 @@ from collections.abc import Callable
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE, MOVING
@@ -19,6 +17,8 @@ from lagc.meaning.scope import Environment
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE
 from lagc.meaning.values import Scalar, Truth, Wrong, flat, kind, shape
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 from lagc.syntax import tree
 
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean, foreign
-from lagc.expr.graph import Node
 from lagc.meaning.arithmetic import binary, negative, select
 from lagc.meaning.bare import is_bare, unit_remedy
 from lagc.meaning.calls import call, written
@@ -19,6 +18,7 @@ from lagc.meaning.scope import Environment, Instance
 from lagc.meaning.types import CONSTANTS, describe
 from lagc.meaning.units import NONE, Dimension, S, UnknownUnit, unit
 from lagc.meaning.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
+from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
 

@@ -8,9 +8,6 @@ from typing import TypeAlias
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
-from lagc.expr import vectors
-from lagc.expr.graph import Node
-from lagc.expr.operators import END, ENTIRE, OPERATORS, POLE
 from lagc.meaning.context import Context
 from lagc.meaning.directions import length_of, unit_vector
 from lagc.meaning.types import describe
@@ -28,6 +25,9 @@ from lagc.meaning.values import (
     vector_of,
     vector_value,
 )
+from lagc.symbolic import vectors
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import END, ENTIRE, OPERATORS, POLE
 
 Apply: TypeAlias = Callable[..., Value]
 

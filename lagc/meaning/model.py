@@ -34,9 +34,9 @@ from typing import TypeAlias
 
 from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Matrix, Vector, dot, matvec
-from lagc.expr.walk import reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Matrix, Vector, dot, matvec
+from lagc.symbolic.walk import reachable
 from lagc.syntax.tree import Expression
 
 

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
-from lagc.expr import vectors
-from lagc.expr.graph import Node
 from lagc.meaning.clock import BIT, LATE, VELOCITY
 from lagc.meaning.context import Context
 from lagc.meaning.functions import Argument, Table
@@ -23,6 +21,8 @@ from lagc.meaning.values import (
     vector_of,
     vector_value,
 )
+from lagc.symbolic import vectors
+from lagc.symbolic.graph import Node
 
 TABLE = Table()
 

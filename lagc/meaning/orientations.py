@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from lagc.expr.graph import Node
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate_as
 from lagc.meaning.model import Orientation, Statement
@@ -21,6 +20,7 @@ from lagc.meaning.written import (
     own_part,
     still,
 )
+from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
 PARTS = "wxyz"

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from lagc.expr.graph import Node
-from lagc.expr.symbol import derived
 from lagc.meaning import model as nouns
 from lagc.meaning.bare import expect_of
 from lagc.meaning.clock import LATE
@@ -34,6 +32,8 @@ from lagc.meaning.written import (
     still,
     written_value,
 )
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
 from lagc.syntax import tree
 
 _ATTRIBUTES = {

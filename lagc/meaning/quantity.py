@@ -6,7 +6,6 @@ import math
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
-from lagc.expr.text import number as number_text
 from lagc.meaning.context import Context
 from lagc.meaning.evaluate import evaluate
 from lagc.meaning.modifications import subscripts
@@ -14,6 +13,7 @@ from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.types import QuantityType
 from lagc.meaning.values import Scalar, Wrong
 from lagc.meaning.written import elements, given_elements, given_scalar, written_value
+from lagc.symbolic.text import number as number_text
 from lagc.syntax import tree
 
 

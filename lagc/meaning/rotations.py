@@ -8,14 +8,14 @@ brings one component.
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Span
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
 from lagc.meaning.context import Context
 from lagc.meaning.directions import direction, in_frame, known_in_frame, still
 from lagc.meaning.functions import Argument, Table, number
 from lagc.meaning.model import Frame, Orientation
 from lagc.meaning.motion import derivative
 from lagc.meaning.values import Value, Wrong, kind, vector_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, add, cross, matmul, matvec, scale, transpose
 
 TABLE = Table()
 

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Source, Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.expr.symbol import derived, underived
 from lagc.meaning.context import Context, Given, Points
 from lagc.meaning.evaluate import integer
 from lagc.meaning.namespace import Namespace
@@ -15,6 +14,7 @@ from lagc.meaning.scope import DEEPEST, Environment
 from lagc.meaning.settings import Settings
 from lagc.meaning.uses import Uses, keys, without_subscripts
 from lagc.meaning.values import Wrong
+from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree
 
 MOST_LISTED = 12  # effects, in a message

@@ -10,8 +10,6 @@ from itertools import pairwise
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.expr.graph import Node
-from lagc.expr.interpolants import KINDS, interpolant, key_of
 from lagc.meaning import model as nouns
 from lagc.meaning.context import Context, Points
 from lagc.meaning.data import Columns, Unfit
@@ -19,6 +17,8 @@ from lagc.meaning.functions import Argument, Table
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Text, Value, Wrong, common_dimension, kind, scalar_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.interpolants import KINDS, interpolant, key_of
 
 TABLE = Table()
 BEYOND = ("hold", "line")

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Vector
 from lagc.meaning.model import Body, Frame, Orientation
 from lagc.meaning.types import describe
 from lagc.meaning.units import NONE, Dimension, M, over, si_text
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Vector
 
 if TYPE_CHECKING:
     from lagc.meaning.scope import Entry, Instance

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
-from lagc.expr.graph import Node
 from lagc.meaning.clock import LATE, MOVING, VELOCITY
 from lagc.meaning.context import Context, Given
 from lagc.meaning.evaluate import evaluate, evaluate_as
@@ -16,6 +15,7 @@ from lagc.meaning.scope import Entry, Modifier
 from lagc.meaning.tables import over_time
 from lagc.meaning.units import Dimension, UnknownUnit, unit
 from lagc.meaning.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
+from lagc.symbolic.graph import Node
 from lagc.syntax import tree
 
 

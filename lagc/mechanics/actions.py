@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Node
-from lagc.expr.vectors import scale
-from lagc.expr.walk import depends
 from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.mechanics.equations import Contribution
 from lagc.mechanics.jacobian import gradients, opposite, weighted
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import scale
+from lagc.symbolic.walk import depends
 
 
 @dataclass(frozen=True, slots=True)

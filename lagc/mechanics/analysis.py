@@ -11,11 +11,6 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 
 from lagc.base.records import dataclass, replace
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Node
-from lagc.expr.symbol import Symbol
-from lagc.expr.vectors import dot, sub
-from lagc.expr.walk import depends, substitute, symbols
 from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.energy import WHOLE
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -31,6 +26,11 @@ from lagc.mechanics.moving import triples
 from lagc.mechanics.quantities import Quantities, momenta
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import Symbol
+from lagc.symbolic.vectors import dot, sub
+from lagc.symbolic.walk import depends, substitute, symbols
 
 _STATES = 3
 _FEW = 20  # rows with which states far away are tried

@@ -12,14 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import Point
-from lagc.expr.walk import reachable
 from lagc.mechanics.finite import Echelon, Entries
 from lagc.mechanics.forms import Form
 from lagc.mechanics.judge import Truths
 from lagc.mechanics.speeds import solve_rows
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable
+from lagc.symbolic.zero_test.finite_field import Point
 
 LARGEST = 16  # positions; the brackets of more become long
 LONGEST = 10_000  # nodes of fields whose brackets are formed

@@ -15,11 +15,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from lagc.base.records import dataclass
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import P, Point
-from lagc.expr.operators import COMPARISONS, OPERATORS
-from lagc.expr.walk import reachable, substitute, symbols
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import COMPARISONS, OPERATORS
+from lagc.symbolic.walk import reachable, substitute, symbols
+from lagc.symbolic.zero_test.finite_field import P, Point
 
 Signs = dict[Node, int]  # difference of two sides -> 1 or -1, or 0: both are blended
 _SIDES = {op: row.sides for op, row in OPERATORS.items() if row.sides is not None}

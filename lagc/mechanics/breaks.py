@@ -19,17 +19,17 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.base.records import dataclass, field
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.lines import Lines, Shape, terms
-from lagc.expr.modular import Point, Undefined
-from lagc.expr.operators import ENTIRE, LOGIC, smooth_as
-from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.states import States
 from lagc.mechanics.switches import ENDS, STEPS, State, Switch, switches, unlike_quotients, ways_of, where
 from lagc.mechanics.zeros import zeros
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.directional import Lines, Shape, terms
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import ENTIRE, LOGIC, smooth_as
+from lagc.symbolic.walk import reachable, symbols
+from lagc.symbolic.zero_test.finite_field import Point, Undefined
 
 Ranks: TypeAlias = Mapping[Node, int]  # leaves, with their order
 Way: TypeAlias = tuple[Node, Node, Node]  # a switch, its side, and a leaf that moves

@@ -12,14 +12,14 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Node
-from lagc.expr.text import text
-from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Constraint
 from lagc.mechanics.equations import Law, Level, Mode, Relation, Row
 from lagc.mechanics.jacobian import formed_of, gradients
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.text import text
+from lagc.symbolic.walk import depends, symbols
 
 
 @dataclass(frozen=True, slots=True)

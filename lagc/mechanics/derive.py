@@ -6,10 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault
-from lagc.expr.derivative import seeds
-from lagc.expr.graph import Node
-from lagc.expr.operators import is_analytic
-from lagc.expr.walk import depends
 from lagc.meaning.model import Model, Potential
 from lagc.mechanics.actions import Acting, act
 from lagc.mechanics.constraints import Classified, classify
@@ -21,6 +17,10 @@ from lagc.mechanics.jacobian import added
 from lagc.mechanics.quantities import output_equations
 from lagc.mechanics.states import States, build_states
 from lagc.mechanics.whens import when_equations
+from lagc.symbolic.derivative import seeds
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import is_analytic
+from lagc.symbolic.walk import depends
 
 if TYPE_CHECKING:
     from lagc.mechanics.redundancy import Dropped

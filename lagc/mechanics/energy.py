@@ -16,15 +16,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import tangent
-from lagc.expr.graph import Node
-from lagc.expr.vectors import dot
-from lagc.expr.walk import depends
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import dot
+from lagc.symbolic.walk import depends
 
 WHOLE, BY_DEGREES, BY_MOMENTA = "K + V", "K2 - K0 + V", "p.v - L"
 

@@ -16,12 +16,12 @@ from functools import cached_property
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.derivative import gradient, seeds
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import symbols
 from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.jacobian import formed_of
 from lagc.mechanics.moving import Inertia, Moving, inertial_forces
+from lagc.symbolic.derivative import gradient, seeds
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import symbols
 
 
 class Relation(Enum):

@@ -13,16 +13,16 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.equations import Contribution, Row
 from lagc.mechanics.linear import Span as Spanned
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import jacobian, scales
 from lagc.mechanics.motions import KEPT, Motion, random_motions
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends, reachable, symbols
 
 _LARGEST = 60  # speeds beyond which a form is not looked at
 _SIZES = tuple([10.0**k for k in range(-4, 5)])  # of the speeds, beside those of the motions

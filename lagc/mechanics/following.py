@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.expr.modular import Undefined
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
 from lagc.mechanics.finite import RIGHT, Echelon
@@ -14,6 +13,7 @@ from lagc.mechanics.judge import Judge
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.symbolic.zero_test.finite_field import Undefined
 
 _STATES = 3
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Coordinate
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States, quaternion_rate, rate_symbols
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import substitute, symbols
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import cross
-from lagc.expr.walk import depends
 from lagc.meaning.model import Coordinate, Lagrangian, Model
 from lagc.mechanics.states import States, position_symbols, quaternion_rate
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import cross
+from lagc.symbolic.walk import depends
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,11 +18,6 @@ from itertools import chain
 from typing import TypeVar
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.modular import P, Point, Undefined, is_square, power
-from lagc.expr.walk import reachable, symbols
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import EquationsOfMotion, Row
 from lagc.mechanics.finite import RIGHT
@@ -33,6 +28,11 @@ from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.manifold import dense
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable, symbols
+from lagc.symbolic.zero_test.finite_field import P, Point, Undefined, is_square, power
 
 Number = TypeVar("Number", int, float)
 

@@ -17,13 +17,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import seeds, tangent
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Matrix, Vector, add, cross
-from lagc.expr.walk import depends
 from lagc.meaning.model import Body
 from lagc.mechanics.moving import Moving, triples
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import seeds, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, add, cross
+from lagc.symbolic.walk import depends
 
 
 def moving_parts(states: States) -> list[Moving]:

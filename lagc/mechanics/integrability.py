@@ -18,8 +18,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 
 from lagc.base.records import dataclass, field
-from lagc.expr.graph import Node
-from lagc.expr.modular import P, Point, Undefined
 from lagc.mechanics.brackets import LARGEST, TooLong, reachable_directions
 from lagc.mechanics.equations import Row
 from lagc.mechanics.finite import Echelon, Entries
@@ -27,6 +25,8 @@ from lagc.mechanics.forms import Form, exact_form, places, spelt, unit_forms, ve
 from lagc.mechanics.grounds import on_rows
 from lagc.mechanics.judge import Judge, Truths
 from lagc.mechanics.states import States
+from lagc.symbolic.graph import Node
+from lagc.symbolic.zero_test.finite_field import P, Point, Undefined
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from lagc.expr.derivative import gradient
-from lagc.expr.graph import Graph, Node
-from lagc.expr.slopes import Slopes, by_sums, slopes
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.jacobians import Slopes, by_sums, slopes
 
 _FEW = 2000  # entries, which are all formed
 

@@ -13,12 +13,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Graph, Node
-from lagc.expr.modular import WRITTEN, Point, Undefined, has_root
-from lagc.expr.walk import reachable
 from lagc.meaning.model import Model
 from lagc.mechanics.branches import Branches, Signs, spelt_out
 from lagc.mechanics.magnitude import magnitudes
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable
+from lagc.symbolic.zero_test.finite_field import WRITTEN, Point, Undefined, has_root
 
 Truths: TypeAlias = Mapping[Node, int]  # of a blended condition any number of the field
 State: TypeAlias = Mapping[Node, float]

@@ -13,10 +13,10 @@ import math
 from collections.abc import Mapping, Sequence
 from random import Random
 
-from lagc.expr.evaluate import evaluate, value_of
-from lagc.expr.graph import Node
-from lagc.expr.operators import FLAT, LOGIC, STEP, smooth_as
-from lagc.expr.walk import reachable
+from lagc.symbolic.evaluate import evaluate, value_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import FLAT, LOGIC, STEP, smooth_as
+from lagc.symbolic.walk import reachable
 
 VANISHES = 1e-9  # of its terms
 _OFF = 2.0**-26  # of a result: far more than rounding, and what goes with its square is far less

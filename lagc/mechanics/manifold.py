@@ -11,16 +11,16 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.meaning.model import UNSTATED
 from lagc.mechanics.equations import Row
 from lagc.mechanics.linear import Span, dimension, least_norm
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.samples import Chance, samples, unit_sizes
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 
 _ITERATIONS = 40
 _CONVERGED = 1e-12

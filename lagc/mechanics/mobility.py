@@ -13,9 +13,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Node
-from lagc.expr.modular import Undefined
-from lagc.expr.walk import depends
 from lagc.mechanics.branches import spelt_out
 from lagc.mechanics.equations import Row
 from lagc.mechanics.finite import Echelon
@@ -25,6 +22,9 @@ from lagc.mechanics.linear import Span
 from lagc.mechanics.manifold import Consistent, jacobian, scales
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends
+from lagc.symbolic.zero_test.finite_field import Undefined
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,14 +6,14 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.evaluate import evaluate, extend
-from lagc.expr.graph import Node
-from lagc.expr.vectors import dot, sub
 from lagc.meaning.model import Frame
 from lagc.mechanics.equations import Row
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.states import States
+from lagc.symbolic.evaluate import evaluate, extend
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import dot, sub
 
 _STATES = 4  # positions that are tried
 _MOTIONS = 16  # from each of them

@@ -13,11 +13,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Matrix, Vector, matvec, scale
-from lagc.expr.walk import depends, linked
 from lagc.meaning.model import Body
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Matrix, Vector, matvec, scale
+from lagc.symbolic.walk import depends, linked
 
 
 @dataclass(frozen=True, slots=True)

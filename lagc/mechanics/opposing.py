@@ -13,9 +13,6 @@ from itertools import chain, combinations, groupby, islice
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, add, cross, dot, sub
-from lagc.expr.walk import depends, symbols
 from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
 from lagc.mechanics.equations import Contribution, Row
 from lagc.mechanics.feeding import takes
@@ -33,6 +30,9 @@ from lagc.mechanics.motions import (
     values,
 )
 from lagc.mechanics.states import States
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, add, cross, dot, sub
+from lagc.symbolic.walk import depends, symbols
 
 Load = Force | Torque
 _PLACES = 2  # at which a load is asked whether it takes energy from every motion

@@ -12,12 +12,12 @@ from collections.abc import Container, Sequence
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.expr.evaluate import extend
-from lagc.expr.graph import Node
-from lagc.expr.walk import leaves_below, missing
 from lagc.mechanics.linear import dimension
 from lagc.mechanics.samples import Chance
 from lagc.mechanics.states import States
+from lagc.symbolic.evaluate import extend
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import leaves_below, missing
 
 _MANY = 24  # leaves
 _MOST = 8  # sums, with the leaves beside them

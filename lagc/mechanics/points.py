@@ -12,10 +12,6 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from lagc.diagnostics.faults import Fault
-from lagc.expr.derivative import tangent
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, cross, sub
-from lagc.expr.walk import symbols
 from lagc.meaning.model import Body, Force, Frame
 from lagc.mechanics.equations import Row
 from lagc.mechanics.motions import (
@@ -29,6 +25,10 @@ from lagc.mechanics.motions import (
     values,
 )
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, cross, sub
+from lagc.symbolic.walk import symbols
 
 _EACH = 2  # motions from a place
 _MOST = 8  # bodies that a point is compared with

@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Node
-from lagc.expr.symbol import QUANTITIES, Symbol
-from lagc.expr.vectors import Matrix, Vector, add, cross, matvec
-from lagc.expr.walk import substitute, symbols
 from lagc.meaning.model import Body, Output
 from lagc.mechanics.actions import Acting
 from lagc.mechanics.energy import Energies
@@ -16,6 +11,11 @@ from lagc.mechanics.equations import OutputEquation
 from lagc.mechanics.freeterms import FreeTerms
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import States, rate_symbols
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import QUANTITIES, Symbol
+from lagc.symbolic.vectors import Matrix, Vector, add, cross, matvec
+from lagc.symbolic.walk import substitute, symbols
 
 _AXES = "xyz"
 

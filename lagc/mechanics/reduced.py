@@ -12,12 +12,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import Row
 from lagc.mechanics.jacobian import Entries
 from lagc.mechanics.magnitude import VANISHES, magnitudes
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.symbolic.graph import Node
 
 _WORTH = 0.1  # of a line's largest entry: less is no pivot
 

@@ -14,9 +14,6 @@ from typing import NamedTuple
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.graph import Node
-from lagc.expr.operators import CHOICE, CORNER, STEP, smooth_as
-from lagc.expr.walk import reachable, symbols
 from lagc.meaning.model import Output
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
@@ -25,6 +22,9 @@ from lagc.mechanics.manifold import onto
 from lagc.mechanics.reduced import Reduced, tables
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
+from lagc.symbolic.walk import reachable, symbols
 
 _STATES = 3
 _KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12

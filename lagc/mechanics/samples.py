@@ -10,9 +10,9 @@ import math
 from collections.abc import Iterator, Mapping
 
 from lagc.base.records import dataclass
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.meaning.model import Coordinate, Model, Parameter
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 
 _TRIES = 8  # states tried for every one wanted, where expressions leave their domain
 

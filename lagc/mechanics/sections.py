@@ -11,12 +11,12 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import extend
-from lagc.expr.graph import Node
-from lagc.expr.walk import leaves_below, reachable, union
 from lagc.mechanics.equations import Row
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import extend
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import leaves_below, reachable, union
 
 _MANY = 24  # unknowns
 _NEAR = 8  # speeds

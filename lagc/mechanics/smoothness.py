@@ -14,12 +14,12 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.expr.graph import Node
 from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
 from lagc.mechanics.breaks import Break, Ranks, Way, find_break, ranked
 from lagc.mechanics.outlines import Outlines
 from lagc.mechanics.states import States
 from lagc.mechanics.tips import find_tip
+from lagc.symbolic.graph import Node
 
 _ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"
 

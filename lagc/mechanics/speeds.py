@@ -13,12 +13,12 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends, substitute
 from lagc.meaning.model import Model, Speed
 from lagc.mechanics.samples import samples
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends, substitute
 
 _LARGEST_CRAMER = 4
 _SMALL = 1e-9  # relative; a pivot that cancels is about 1e-16, one that does not about 1

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, seeds
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import Interval
-from lagc.expr.vectors import axis_rates
-from lagc.expr.walk import substitute
 from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
 from lagc.mechanics.equations import StartValue, StatedRate
 from lagc.mechanics.speeds import choose_speeds
+from lagc.symbolic.derivative import gradient, seeds
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import Interval
+from lagc.symbolic.vectors import axis_rates
+from lagc.symbolic.walk import substitute
 
 
 @dataclass(frozen=True)

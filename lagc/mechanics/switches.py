@@ -12,14 +12,14 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.lines import Shape
-from lagc.expr.operators import CORNER, END, ENTIRE, OPERATORS, POLE, STEP, Interval, smooth_as
-from lagc.expr.text import brief
-from lagc.expr.walk import depends, reachable, symbols
-from lagc.mechanics.intervals import intervals
 from lagc.mechanics.states import States
+from lagc.symbolic.directional import Shape
+from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import CORNER, END, ENTIRE, OPERATORS, POLE, STEP, Interval, smooth_as
+from lagc.symbolic.text import brief
+from lagc.symbolic.walk import depends, reachable, symbols
 
 State: TypeAlias = dict[Node, float]
 

@@ -11,16 +11,16 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.walk import symbols
 from lagc.mechanics.breaks import Ranks
 from lagc.mechanics.linear import least_norm
 from lagc.mechanics.magnitude import magnitudes
 from lagc.mechanics.samples import Chance
 from lagc.mechanics.states import States
 from lagc.mechanics.switches import State, switches, together, where
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import symbols
 
 _ROOTS = frozenset(("sqrt", "mul", "pow"))  # what may have a tip; `mul`: a quotient
 _ITERATIONS = 40

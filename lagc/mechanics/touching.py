@@ -15,11 +15,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.text import brief
-from lagc.expr.walk import depends, reachable, symbols
 from lagc.mechanics.constraints import Classified
 from lagc.mechanics.equations import Row
 from lagc.mechanics.held import held
@@ -29,6 +24,11 @@ from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.samples import Chance, samples
 from lagc.mechanics.sections import Section, Sections
 from lagc.mechanics.states import States
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.text import brief
+from lagc.symbolic.walk import depends, reachable, symbols
 
 _STATES = 3
 _STEPS = 200

@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 
-from lagc.expr.operators import OPERATORS
 from lagc.optimize.block import Block, Row
 from lagc.optimize.program import Function, Operation
+from lagc.symbolic.operators import OPERATORS
 
 # About how many cycles until a result can be used.
 _CYCLES = {

@@ -12,10 +12,10 @@ from operator import add, mul, sub, truediv
 from typing import Any, TypeAlias
 
 from lagc.base.records import replace
-from lagc.expr.doubles import double
-from lagc.expr.operators import TRUTHS
-from lagc.expr.table import Table
 from lagc.optimize.program import LEAVES, Function, Operation, Store
+from lagc.symbolic.doubles import double
+from lagc.symbolic.operators import TRUTHS
+from lagc.symbolic.table import Table
 
 STRAIGHT = 1500  # operations and stores; more are in the order in which they were made, see `rolling`
 ARRAYS = (

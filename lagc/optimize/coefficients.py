@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import TRUTHS
-from lagc.expr.walk import reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import TRUTHS
+from lagc.symbolic.walk import reachable
 
 
 class Coefficients:

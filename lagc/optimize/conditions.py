@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.expr.graph import Node
-from lagc.expr.slopes import Slopes, slopes
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
+from lagc.symbolic.jacobians import Slopes, slopes
 
 
 def condition_rows(equations: EquationsOfMotion) -> list[Node]:

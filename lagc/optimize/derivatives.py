@@ -22,15 +22,15 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Node
-from lagc.expr.walk import depends, within
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows
 from lagc.optimize.freezing import Switch
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends, within
 
 MOST = 16  # times that a sweep a row may pass each part of the equations: beyond, one goes along a direction
 TOGETHER = 1024  # rows whose sweeps are counted at once

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import inf
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import TWINS
-from lagc.expr.squares import exchanged
-from lagc.expr.walk import reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import TWINS
+from lagc.symbolic.squares import exchanged
+from lagc.symbolic.walk import reachable
 
 Monomial = tuple[tuple[Node, int], ...]  # bases by index, exponents not zero
 Polynomial = dict[Monomial, float]

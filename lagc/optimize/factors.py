@@ -9,9 +9,9 @@ from collections.abc import Iterable, Sequence
 from heapq import heapify, heappop, heappush, heapreplace
 from math import isfinite
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable
 from lagc.optimize.lower import Product, inverse, is_divisor, split
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable
 
 Term = tuple[float, dict[Node, int]]  # coefficient, powers of the bases
 Partners = dict[Node, set[Node]]

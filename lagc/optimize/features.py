@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Set
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.intervals import intervals
 from lagc.optimize.freezing import deciding
+from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends
 
 _STEEP = ("exp", "tanh", "atan")
 MOST = 10_000  # beyond, none is looked at

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lagc.base.records import replace
-from lagc.expr.graph import Node
-from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.elimination import Elimination, Structure, eliminate
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together
 from lagc.optimize.prune import sources
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import symbols
 
 LARGEST = 3000  # operations of a straight solve; beyond, it is a loop
 LARGEST_GROWING = 2_000_000  # the same where work grows with the model

@@ -13,18 +13,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass, replace
-from lagc.expr.derivative import tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
-from lagc.expr.table import Table
-from lagc.expr.text import Texts, brief
-from lagc.expr.vectors import Matrix, Vector
-from lagc.expr.walk import depends, missing, symbols, union
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.intervals import extended
 from lagc.mechanics.jacobian import formed_of, with_values
 from lagc.optimize.program import FARTHEST
 from lagc.optimize.prune import sources
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.enclosures.numeric import extended
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import COMPARISONS, CORNER, STEP, Interval, smooth_as
+from lagc.symbolic.table import Table
+from lagc.symbolic.text import Texts, brief
+from lagc.symbolic.vectors import Matrix, Vector
+from lagc.symbolic.walk import depends, missing, symbols, union
 
 _SWITCHING = smooth_as(CORNER, STEP)
 _COUNTING = ("floor", "piece")

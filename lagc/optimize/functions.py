@@ -6,10 +6,6 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.slopes import Slopes
-from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, start_units
@@ -18,6 +14,10 @@ from lagc.optimize.kkt import row_comments
 from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places, cheapest, lower
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.jacobians import Slopes
+from lagc.symbolic.walk import reachable, substitute, symbols
 
 _MOST_ZEROS = 3000  # that are stored one by one
 _TINY = 1e-300  # stands for zero where it divides zero

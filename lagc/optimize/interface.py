@@ -7,16 +7,16 @@ from itertools import accumulate
 
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
-from lagc.expr.graph import Node
-from lagc.expr.slopes import Slopes
-from lagc.expr.vectors import Matrix
-from lagc.expr.walk import depends, symbols
 from lagc.host import cache
 from lagc.meaning.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.freezing import Switch
 from lagc.optimize.kinds import kinds
 from lagc.optimize.program import Clause, Field, Function, Interface
+from lagc.symbolic.graph import Node
+from lagc.symbolic.jacobians import Slopes
+from lagc.symbolic.vectors import Matrix
+from lagc.symbolic.walk import depends, symbols
 
 _DEFINITE = 1e-12  # of the product of the moments: minors that may be rounding
 # Of no bearing on the numbers.

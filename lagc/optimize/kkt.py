@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Node
-from lagc.expr.symbol import derived
 from lagc.mechanics.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination
@@ -29,6 +27,8 @@ from lagc.optimize.interface import place
 from lagc.optimize.lift import Lifted
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, cheapest, lower
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
 
 
 @dataclass(frozen=True)

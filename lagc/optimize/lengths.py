@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.derivative import partial
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import leaves_below, reachable
+from lagc.symbolic.derivative import partial
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import leaves_below, reachable
 
 _MOST_TERMS = 1000
 _ROOT = 3  # products that a root costs, with what stands about it

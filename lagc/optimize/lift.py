@@ -20,14 +20,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from lagc.base.records import dataclass, replace
-from lagc.expr.derivative import gradient, partial
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import reachable, substitute, symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.moving import Moving
 from lagc.mechanics.states import rate_symbols
 from lagc.optimize.elimination import Entry, Structure, entry
+from lagc.symbolic.derivative import gradient, partial
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable, substitute, symbols
 
 _Slopes = dict[int, Node]  # by unknown
 

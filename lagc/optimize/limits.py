@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from math import inf
 
 from lagc.base.records import replace
-from lagc.expr.graph import Node
-from lagc.expr.walk import symbols
 from lagc.meaning.model import Limit, Model
-from lagc.mechanics.intervals import intervals
+from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import symbols
 
 FLAT = 1.0 + 1e-9  # rounding of a flat body's moments, of which one is the sum of the others
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import PARITY
-from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import PARITY
+from lagc.symbolic.walk import reachable
 
 Product = tuple[tuple[Node, int], ...]  # bases by index, with exponents
 Plan = Mapping[Product, tuple[Product, Product]]  # a product -> the two that it is made of

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
-from lagc.expr.graph import Node
-from lagc.expr.slopes import Slopes
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import functions, kkt
 from lagc.optimize.balance import balanced
@@ -29,6 +27,8 @@ from lagc.optimize.rolling import rolled
 from lagc.optimize.switching import in_boxes, switching
 from lagc.optimize.symbols import Places, places, weight
 from lagc.optimize.whens import changing, whens
+from lagc.symbolic.graph import Node
+from lagc.symbolic.jacobians import Slopes
 
 OFTEN = ("rhs", "watch", "system")  # are called at every stage of a step
 

@@ -6,12 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends, reachable
 from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.intervals import intervals
 from lagc.optimize.features import MOST, divisors
 from lagc.optimize.freezing import deciding
+from lagc.symbolic.enclosures.numeric import intervals
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends, reachable
 
 
 def poles(equations: EquationsOfMotion) -> tuple[Node, ...]:

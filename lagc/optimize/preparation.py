@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lagc.base.records import replace
-from lagc.expr.operators import TRUTHS
 from lagc.optimize.block import Block
 from lagc.optimize.program import Function, Operation, uses
+from lagc.symbolic.operators import TRUTHS
 
 PREPARED = "prepared"  # the array that `bind` fills
 NUMBER, FIXED, MOVING = range(3)  # what a value is made of

@@ -15,7 +15,7 @@ from lagc.base.records import dataclass, field, replace
 FARTHEST = 1.7e308  # in tables: an end that no number comes to
 
 if TYPE_CHECKING:
-    from lagc.expr.table import Table
+    from lagc.symbolic.table import Table
 
 LEAVES = ("const", "load")
 
@@ -23,7 +23,7 @@ LEAVES = ("const", "load")
 def operands() -> dict[str, int]:
     """op -> number of operands.  `load` and `const` have none.  Integer powers are products by now, x*x,
     never pow(x, 2).  Comparisons give truth values, used by select/and/or/not only."""
-    from lagc.expr.operators import OPERATORS  # a run from the cache has no use for it
+    from lagc.symbolic.operators import OPERATORS  # a run from the cache has no use for it
 
     arithmetic = {"const": 0, "load": 0, "neg": 1, "add": 2, "sub": 2, "mul": 2, "div": 2}
     return arithmetic | {op: row.arity for op, row in OPERATORS.items()}
@@ -121,7 +121,7 @@ class Function:
 
 def tables(functions: Iterable[Function]) -> list[Table]:
     """Those in which `functions` look numbers up, in the order of their first use."""
-    from lagc.expr.table import Table
+    from lagc.symbolic.table import Table
 
     found = [o.payload for f in functions for o in f.operations if isinstance(o.payload, Table)]
     return list(dict.fromkeys(found))

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from itertools import chain
 
 from lagc.base.records import replace
-from lagc.expr.graph import Node
-from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.jacobian import with_places
 from lagc.mechanics.states import position_symbols
 from lagc.optimize.lift import Lifted
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import symbols
 
 _MOST_NAMED = 8  # independent parts that a note lists
 

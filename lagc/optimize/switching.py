@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.expr.derivative import tangent
-from lagc.expr.enclosure import Ends, enclosures
-from lagc.expr.graph import Node
 from lagc.optimize.freezing import Switch
 from lagc.optimize.functions import made
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.enclosures.symbolic import Ends, enclosures
+from lagc.symbolic.graph import Node
 
 
 def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> list[Function]:

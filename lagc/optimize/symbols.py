@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import OPERATORS
-from lagc.expr.walk import reachable
 from lagc.meaning.model import Parameter
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.block import Block
@@ -17,6 +14,9 @@ from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
 from lagc.optimize.preparation import FIXED, dependence
 from lagc.optimize.program import Function
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import OPERATORS
+from lagc.symbolic.walk import reachable
 
 STATE = ("p", "t", "x")
 _LARGEST_TRIAL = 800  # nodes

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.expr.walk import symbols
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.freezing import Switch
 from lagc.optimize.functions import made
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import STATE, Places
+from lagc.symbolic.walk import symbols
 
 
 def changing(

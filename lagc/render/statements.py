@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from lagc.base.records import dataclass
-from lagc.expr.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
-from lagc.expr.table import Table
 from lagc.optimize.program import Function, Operation, uses
+from lagc.symbolic.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
+from lagc.symbolic.table import Table
 
 SIMPLE = ("load", "const", "add", "sub", "mul", "neg")  # computed ahead for an angle, and how many
 MOST_AHEAD = 16

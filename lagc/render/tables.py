@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.table import Table
 from lagc.optimize.program import Program, tables
 from lagc.render.kernels.arithmetic import Arithmetic
+from lagc.symbolic.table import Table
 
 Numbers = Mapping[Table, int]
 NONE: Numbers = {}

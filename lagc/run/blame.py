@@ -6,15 +6,15 @@ from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.symbol import Symbol
-from lagc.expr.text import text
-from lagc.expr.walk import reachable
 from lagc.meaning.model import Body, Potential
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import Symbol
+from lagc.symbolic.text import text
+from lagc.symbolic.walk import reachable
 
 LONGEST = 60  # characters of an expression that is shown
 MOST_SHOWN = 4  # further places

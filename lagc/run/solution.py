@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass, field, replace
-from lagc.expr.symbol import derived
 from lagc.run.problem import System
 from lagc.run.request import unknown
+from lagc.symbolic.leaves import derived
 from lagc.version import __version__
 
 if TYPE_CHECKING:

@@ -16,10 +16,10 @@ from math import comb, factorial, inf, isqrt
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Node
-from lagc.expr.modular import turns_of
-from lagc.expr.operators import OPERATORS
-from lagc.expr.walk import missing, within
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import OPERATORS
+from lagc.symbolic.walk import missing, within
+from lagc.symbolic.zero_test.finite_field import turns_of
 from lagc.view.polynomials import (
     Exponent,
     Frozen,

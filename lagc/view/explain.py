@@ -7,14 +7,14 @@ from collections.abc import Iterable
 from typing import Any
 
 from lagc.diagnostics.report import as_json
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.symbol import derived
-from lagc.expr.walk import symbols
 from lagc.meaning.model import UNSTATED, Lagrangian
 from lagc.mechanics.analysis import RowKind, analyse
 from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
 from lagc.optimize.program import Interface, Program
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
+from lagc.symbolic.walk import symbols
 from lagc.view.expression import Expressions
 from lagc.view.names import where
 from lagc.view.ranges import ranged

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 from lagc.view.algebra import TooLarge
 from lagc.view.forms import Former
 from lagc.view.formulas import collector_of, nonnegative, tidy

@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass, replace
-from lagc.expr.graph import Node
+from lagc.symbolic.graph import Node
 from lagc.view.collect import Collector, Product, Sum
 from lagc.view.names import Names
 from lagc.view.polynomials import Exponent

@@ -11,9 +11,9 @@ from fractions import Fraction
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 from lagc.view.algebra import LONG, Algebra, TooLarge
 from lagc.view.collect import Collector, Sum, positive_first
 from lagc.view.names import pi_of

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import INFIX, spelling
-from lagc.expr.symbol import Symbol as Leaf
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import Symbol as Leaf
+from lagc.symbolic.operators import INFIX, spelling
 from lagc.view.algebra import TABLE
 from lagc.view.forms import INDEX, Counters, Line, Symbol, filled
 from lagc.view.names import Names, where

@@ -31,7 +31,7 @@ def matrices(equations: EquationsOfMotion) -> Matrices:
         import sympy
     except ModuleNotFoundError:
         raise ImportError("matrices need SymPy: pip install sympy") from None
-    from lagc.expr.sympy import to_sympy
+    from lagc.symbolic.sympy import to_sympy
 
     zero, nv, nc = equations.graph.zero, len(equations.v), len(equations.rows)
     pairs = [(max(i, j), min(i, j)) for i in range(nv) for j in range(nv)]

@@ -9,9 +9,9 @@ from typing import TypeAlias
 
 from lagc.base.printable import one_line
 from lagc.base.records import dataclass
-from lagc.expr.graph import Node
-from lagc.expr.operators import OPERATORS
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import OPERATORS
 from lagc.view.algebra import TABLE
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf
 
-from lagc.expr.graph import Graph, Node
+from lagc.symbolic.graph import Graph, Node
 from lagc.view.algebra import HIGHEST, LONG, Parts
 from lagc.view.polynomials import Frozen, Polynomial, frozen
 from lagc.view.trigonometry import ShortAlgebra

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
 from lagc.view.algebra import TooLarge
 from lagc.view.forms import Former, Line, indices
 from lagc.view.formulas import (

@@ -12,10 +12,10 @@ from collections.abc import Hashable, Sequence
 from fractions import Fraction
 
 from lagc.base.records import dataclass
-from lagc.expr.derivative import gradient, seeds, tangent
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.moving import triples
+from lagc.symbolic.derivative import gradient, seeds, tangent
+from lagc.symbolic.graph import Node
 from lagc.view.forms import Call, Form, Line, Numbers, Part, Series, Symbol, Term, Total, pattern
 from lagc.view.names import Name, Names
 from lagc.view.rules import LEAST

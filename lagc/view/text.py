@@ -8,8 +8,8 @@ from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import INFIX
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import INFIX
 from lagc.view.algebra import HALF, TABLE
 from lagc.view.forms import Call, Counters, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
 from lagc.view.names import Name, Names

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import TWINS
-from lagc.expr.squares import exchanged
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import TWINS
+from lagc.symbolic.squares import exchanged
 from lagc.view.algebra import Algebra
 from lagc.view.polynomials import READABLE, Exponent, Monomial, Polynomial, accumulate, frozen, scaled
 

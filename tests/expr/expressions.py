@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hypothesis import strategies as st
 
-from lagc.expr.graph import Graph, Node
+from lagc.symbolic.graph import Graph, Node
 
 NAMES = ("x", "y", "z")
 Function = Callable[[Sequence[complex]], complex]

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import assume, given, settings
 
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 from tests.expr.expressions import NAMES, grow, points, programs
 
 STEP = 1e-30  # f(x + ih) = f(x) + ih f'(x) + O(h^2): Squire & Trapp, SIAM Review 40, 1998

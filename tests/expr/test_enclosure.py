@@ -7,9 +7,9 @@ from random import Random
 
 import pytest
 
-from lagc.expr.enclosure import UNKNOWN, enclosures
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
+from lagc.symbolic.enclosures.symbolic import UNKNOWN, enclosures
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 
 UNARY = ("sin", "cos", "abs", "tanh", "atan", "cosh", "sinh", "tan", "floor", "sign")
 

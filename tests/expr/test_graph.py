@@ -9,11 +9,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from lagc.expr.derivative import gradient, tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.text import text
-from lagc.expr.walk import depends, reachable, substitute, symbols
+from lagc.symbolic.derivative import gradient, tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.text import text
+from lagc.symbolic.walk import depends, reachable, substitute, symbols
 from tests.expr.expressions import NAMES, grow, points, programs
 
 

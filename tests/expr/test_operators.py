@@ -8,10 +8,11 @@ import random
 import mpmath
 import pytest
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph
-from lagc.expr.operators import (
+from lagc.render.numpy.verbs import verbs
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph
+from lagc.symbolic.operators import (
     CHOICE,
     COMPARISONS,
     CORNER,
@@ -23,7 +24,6 @@ from lagc.expr.operators import (
     Operator,
     spelling,
 )
-from lagc.render.numpy.verbs import verbs
 from tests.render.programs import pendulum
 
 ROWS = list(OPERATORS.values())

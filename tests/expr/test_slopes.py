@@ -6,11 +6,11 @@ import random
 
 import pytest
 
-from lagc.expr import slopes as module
-from lagc.expr.derivative import gradient
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.slopes import Slopes, slopes
+from lagc.symbolic import jacobians as module
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.jacobians import Slopes, slopes
 
 STEP = 1e-6
 

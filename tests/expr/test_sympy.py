@@ -6,11 +6,11 @@ import pytest
 import sympy
 from hypothesis import assume, given, settings
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph
-from lagc.expr.operators import LOOKED_UP, OPERATORS
-from lagc.expr.sympy import from_sympy, to_sympy
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph
+from lagc.symbolic.operators import LOOKED_UP, OPERATORS
+from lagc.symbolic.sympy import from_sympy, to_sympy
 from tests.expr.expressions import NAMES, grow, points, programs
 
 SYMBOLS = [sympy.Symbol(name, real=True) for name in NAMES]

@@ -9,10 +9,10 @@ import re
 import pytest
 from hypothesis import assume, given, settings
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import VALUES
-from lagc.expr.text import brief, text
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import VALUES
+from lagc.symbolic.text import brief, text
 from tests.expr.expressions import NAMES, grow, points, programs
 
 

@@ -7,11 +7,11 @@ import random
 
 import pytest
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.turning import MOST
-from lagc.expr.vectors import Vector, add, dot, norm, scale
-from lagc.expr.walk import reachable, symbols
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.simplify.rotations import MOST
+from lagc.symbolic.vectors import Vector, add, dot, norm, scale
+from lagc.symbolic.walk import reachable, symbols
 
 
 def turned(graph: Graph, axes: tuple[Vector, ...], k: int, angle: Node) -> tuple[Vector, ...]:

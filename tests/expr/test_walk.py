@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lagc.expr import vectors
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends, reachable, substitute, symbols
+from lagc.symbolic import vectors
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends, reachable, substitute, symbols
 from tests.expr.expressions import NAMES, grow, points, programs
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from lagc.diagnostics.faults import Source
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.symbol import derived
 from lagc.meaning.model import Model
 from lagc.meaning.resolve import resolve
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
 from lagc.syntax.parse import parse
 
 HEAD = "model M parameter Mass m = 2; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"

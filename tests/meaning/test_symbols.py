@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from lagc.diagnostics.faults import Refused
-from lagc.expr.symbol import derived
+from lagc.symbolic.leaves import derived
 from tests.meaning.reading import read
 
 TEXT = """

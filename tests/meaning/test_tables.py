@@ -14,11 +14,11 @@ from scipy.interpolate import CubicSpline, PPoly
 
 import lagc
 from lagc.diagnostics.faults import Refused
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph
-from lagc.expr.interpolants import interpolant
 from lagc.meaning.data import columns
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph
+from lagc.symbolic.interpolants import interpolant
 from lagc.view.equations import write
 from tests.render.tools import bits
 

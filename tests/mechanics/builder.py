@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Source, Span
-from lagc.expr.derivative import tangent
-from lagc.expr.graph import Graph, Node
-from lagc.expr.vectors import Matrix, Vector, matmul, matvec, transpose
 from lagc.meaning.model import (
     FIXED,
     UNSTATED,
@@ -31,6 +28,9 @@ from lagc.meaning.model import (
     Torque,
 )
 from lagc.mechanics.states import quaternion_rate
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Matrix, Vector, matmul, matvec, transpose
 from lagc.syntax.tree import Name
 
 SPAN = Span(Source("built.lag", "built\n"), 0, 5)

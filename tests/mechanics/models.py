@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lagc.expr.vectors import add, cross, matvec, norm, sub
 from lagc.meaning.model import Model
+from lagc.symbolic.vectors import add, cross, matvec, norm, sub
 from tests.mechanics.builder import Builder
 
 

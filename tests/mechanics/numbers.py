@@ -8,11 +8,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.manifold import onto
 from lagc.mechanics.states import build_states
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 
 Array = NDArray[np.float64]
 State = dict[Node, float]

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from lagc.expr.graph import Node
 from lagc.meaning.model import Model
 from lagc.mechanics.states import rate_symbols
+from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 
 Vector = list[Any]

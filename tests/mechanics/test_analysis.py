@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,

@@ -15,11 +15,11 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
-from lagc.expr.walk import reachable
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.smoothness import refuse_breaks
 from lagc.mechanics.states import build_states
+from lagc.symbolic.walk import reachable
 from tests.mechanics.numbers import motion, random_state, vector
 
 mp = mpmath.mp.clone() if hasattr(mpmath.mp, "clone") else mpmath.MPContext()

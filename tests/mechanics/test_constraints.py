@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from lagc.diagnostics.faults import Refused
-from lagc.expr.graph import Node
 from lagc.mechanics import redundancy
 from lagc.mechanics.derive import derive
+from lagc.symbolic.graph import Node
 from tests.mechanics.builder import SPAN, Builder
 
 

@@ -8,9 +8,9 @@ from math import cos, sin, sqrt
 import pytest
 
 import lagc
-from lagc.expr.graph import Graph, Node
 from lagc.mechanics.analysis import analyse
 from lagc.mechanics.magnitude import magnitudes
+from lagc.symbolic.graph import Graph, Node
 from tests.view.models import equations_of
 
 CHAIN = """

@@ -7,12 +7,12 @@ import time
 import numpy as np
 import pytest
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.walk import reachable
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import build_states
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.walk import reachable
 from tests.mechanics.builder import Builder
 from tests.mechanics.models import (
     ALL,

@@ -9,11 +9,11 @@ from itertools import pairwise
 
 import pytest
 
-from lagc.expr.derivative import gradient
-from lagc.expr.graph import Node
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
 from lagc.mechanics.finite import Echelon
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 
 

@@ -7,10 +7,10 @@ from random import Random
 
 import pytest
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.mechanics.intervals import EVERYWHERE, intervals
 from lagc.mechanics.zeros import zeros
+from lagc.symbolic.enclosures.numeric import EVERYWHERE, intervals
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 
 ONE = (
     "sin",

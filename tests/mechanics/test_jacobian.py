@@ -10,7 +10,6 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
-from lagc.expr import slopes
 from lagc.meaning.model import Model
 from lagc.mechanics import jacobian as module
 from lagc.mechanics import sections
@@ -19,6 +18,7 @@ from lagc.mechanics.jacobian import Entries, formed_of
 from lagc.mechanics.reduced import tables
 from lagc.mechanics.redundancy import dependent_rows
 from lagc.mechanics.states import build_states
+from lagc.symbolic import jacobians as slopes
 from tests.mechanics.numbers import jacobian, random_state, vector
 from tests.mechanics.random_systems import model, random_system
 from tests.rejected.motion import CASES

@@ -13,14 +13,14 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Source
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector
 from lagc.meaning.model import Body, Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.mechanics import opposing
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector
 from lagc.syntax.parse import parse
 from tests.oracle.lagrange import STEP, Expressions, mp
 

@@ -11,9 +11,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.vectors import Vector, add, matmul, matvec, sub, transpose
 from lagc.meaning.model import Frame
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.constraints import classify
@@ -22,6 +19,9 @@ from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.manifold import walk
 from lagc.mechanics.mobility import mobility
 from lagc.mechanics.states import build_states
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, add, matmul, matvec, sub, transpose
 from tests.mechanics.builder import Builder
 
 Made = tuple[Builder, int]  # with its mobility

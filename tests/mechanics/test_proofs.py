@@ -9,9 +9,9 @@ from collections.abc import Callable
 
 import pytest
 
-from lagc.expr.graph import Node
 from lagc.mechanics.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
+from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 
 Breaker = Callable[[Builder, Node, random.Random], Node]

@@ -10,11 +10,11 @@ import os
 import numpy as np
 import pytest
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.states import build_states
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector
 from tests.mechanics.oracle import Oracle
 from tests.mechanics.random_systems import System, model, random_system

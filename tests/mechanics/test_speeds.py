@@ -6,11 +6,11 @@ import random
 
 import pytest
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
 from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
 from lagc.mechanics.states import build_states
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
 from tests.mechanics.builder import Builder
 from tests.mechanics.numbers import mass_matrix, motion, random_state
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import mpmath as mp
 
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 
 DIGITS = 50
 STEP = mp.mpf(10) ** -20  # errors of central differences are 1e-40, those of rounding 1e-30

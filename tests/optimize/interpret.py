@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.table import Table
 from lagc.optimize.program import Function, Program
+from lagc.symbolic.table import Table
 
 FUNCTIONS = {
     "neg": lambda a: -a,

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.derivatives import groups, motion_by_sweeps, stack
 from lagc.optimize.freezing import frozen
@@ -20,6 +19,7 @@ from lagc.optimize.massless import with_pivots
 from lagc.optimize.prune import prune
 from lagc.optimize.symbols import places
 from lagc.run.derivatives import Point
+from lagc.symbolic.graph import Node
 from tests.optimize.exact import DIGITS, along, values
 from tests.physics.library import compiled, fullest
 

@@ -13,12 +13,12 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
 from lagc.optimize import functions
 from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import Places, places
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 from tests.oracle.lagrange import Expressions
 
 STEP = mp.mpf(10) ** -20

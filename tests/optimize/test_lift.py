@@ -15,8 +15,6 @@ import pytest
 import lagc
 from lagc import compiler
 from lagc.diagnostics.faults import Refused
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize import kkt
@@ -27,6 +25,8 @@ from lagc.optimize.lift import lifted
 from lagc.optimize.program import Function
 from lagc.optimize.symbols import places
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 from tests.mechanics.numbers import consistent_state, random_state
 from tests.mechanics.random_systems import model, random_system
 from tests.optimize import large

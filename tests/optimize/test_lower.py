@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
 from lagc.optimize.block import Block
 from lagc.optimize.expand import expanded
 from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
 from lagc.optimize.program import Function
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 from tests.optimize.interpret import interpret
 
 UNARY = ("sin", "cos", "tan", "atan", "sinh", "cosh", "tanh", "exp", "abs", "floor", "sign")

@@ -14,12 +14,12 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
 from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
 from tests.mechanics import models
 from tests.mechanics.builder import Builder
 from tests.optimize.interpret import ask

@@ -14,16 +14,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lagc
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import TRUTHS
-from lagc.expr.walk import reachable
 from lagc.optimize.block import Block
 from lagc.optimize.coefficients import Coefficients
 from lagc.optimize.lower import Lowering
 from lagc.optimize.preparation import Preparation
 from lagc.optimize.program import Function, Operation
 from lagc.optimize.symbols import Places, lower
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import TRUTHS
+from lagc.symbolic.walk import reachable
 from tests.optimize.interpret import interpret
 from tests.optimize.test_lower import compare, random_nodes
 

@@ -12,13 +12,13 @@ import pytest
 
 from lagc import compiler
 from lagc.compiler import Choice
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.host import model_library as library
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from tests.mechanics import models
 from tests.optimize.interpret import bound, interpret
 

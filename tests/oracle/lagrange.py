@@ -15,8 +15,6 @@ from typing import Any
 
 import mpmath
 
-from lagc.expr.graph import Node
-from lagc.expr.walk import reachable
 from lagc.meaning.model import (
     Coordinate,
     Dissipation,
@@ -27,6 +25,8 @@ from lagc.meaning.model import (
     Potential,
     Torque,
 )
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
 
 mp = mpmath.mp.clone()
 mp.dps = 90

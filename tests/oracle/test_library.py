@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.meaning.model import Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import variants
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from lagc.syntax.parse import parse
 from tests.oracle.lagrange import Oracle
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from lagc.expr.operators import LOOKED_UP
-from lagc.expr.table import Table
 from lagc.optimize.program import Function, Operation, Program, Store, operands
+from lagc.symbolic.operators import LOOKED_UP
+from lagc.symbolic.table import Table
 from tests.interfaces import field, interface
 
 

@@ -14,7 +14,6 @@ from typing import Any
 import pytest
 
 from lagc.base.records import replace
-from lagc.expr.operators import LOOKED_UP
 from lagc.optimize.program import Function, Program, operands
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
@@ -24,6 +23,7 @@ from lagc.render.locals import local_names
 from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
 from lagc.render.tables import c_tables, numbered, python_tables
 from lagc.render.turning import turning
+from lagc.symbolic.operators import LOOKED_UP
 from tests.render.programs import TABLES, TRUTHS, Builder, program, random_function
 from tests.render.tools import bits
 

@@ -19,8 +19,6 @@ from lagc import compiler
 from lagc.base.records import replace
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.host.model_library import read as read_model
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion, Row
@@ -32,6 +30,8 @@ from lagc.optimize.prune import prune
 from lagc.render.c.render import render as render_c
 from lagc.run.backends.compile import compiler as compiler_of_c
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, Options, System
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from tests.hard.test_mechanisms import BENNETT
 from tests.hard.test_vanishing_rows import text as track
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, random_state

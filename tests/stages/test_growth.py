@@ -21,11 +21,11 @@ from lagc import checking, compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
-from lagc.expr.graph import Graph, Node
 from lagc.meaning.context import MOST_FAULTS
 from lagc.meaning.instantiate import Builder
 from lagc.optimize.factors import factored, plan
 from lagc.run.trial import try_start
+from lagc.symbolic.graph import Graph, Node
 from lagc.syntax.formatter.format import format_source
 
 POINT = """  parameter Mass m = 1 [kg];

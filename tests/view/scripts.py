@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from lagc.view.names import names
 
 FUNCTIONS = (

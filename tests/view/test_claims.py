@@ -10,10 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from lagc.expr.derivative import tangent
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
-from lagc.expr.symbol import Symbol
 from lagc.mechanics.analysis import analyse
 from lagc.mechanics.derive import derive
 from lagc.mechanics.energy import WHOLE
@@ -25,6 +21,10 @@ from lagc.mechanics.manifold import walk
 from lagc.mechanics.quantities import Quantities
 from lagc.mechanics.samples import samples
 from lagc.mechanics.states import States, build_states
+from lagc.symbolic.derivative import tangent
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import Symbol
 from tests.mechanics.numbers import mass_matrix, motion
 from tests.mechanics.random_systems import model, random_system
 from tests.view.models import MODELS, derived

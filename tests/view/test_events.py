@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from lagc.expr.evaluate import evaluate
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.evaluate import evaluate
 from lagc.view.equations import write
 from tests.view.models import MODELS, derived, equations_of
 from tests.view.scripts import states_of

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Node
 from lagc.mechanics.derive import derive
 from lagc.mechanics.equations import EquationsOfMotion
 from lagc.mechanics.samples import Chance, samples
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
 from lagc.view.equations import write
 from tests.mechanics.random_systems import model, random_system
 from tests.view.models import EVERYTHING, LONG, MODELS, derived, equations_of

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.expr.graph import Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.graph import Node
 from lagc.view.equations import write
 from lagc.view.forms import Symbol, indices
 from lagc.view.latex import LatexWriter, alike

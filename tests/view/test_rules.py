@@ -10,9 +10,9 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.expr.evaluate import evaluate
-from lagc.expr.graph import Graph, Node
 from lagc.mechanics.equations import EquationsOfMotion
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Graph, Node
 from lagc.view.equations import write
 from lagc.view.forms import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
 from lagc.view.page import page

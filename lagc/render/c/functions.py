@@ -7,7 +7,6 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
-from lagc.expr.operators import spelling
 from lagc.optimize.program import Function, Program, Run, uses
 from lagc.optimize.rolling import moves_itself
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
@@ -16,6 +15,7 @@ from lagc.render.names import comment
 from lagc.render.segments import in_parts
 from lagc.render.statements import AND, OR, Dialect, lines
 from lagc.render.tables import NONE, Numbers, c_look_up
+from lagc.symbolic.operators import spelling
 
 CALLS = spelling("c")
 LONGEST = 600  # lines of a function: the time that C compilers take grows faster than that

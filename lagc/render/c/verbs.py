@@ -10,11 +10,11 @@ import math
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass
-from lagc.expr.doubles import double
 from lagc.optimize.program import Interface, Program
 from lagc.render.c.header import members
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.statements import loads
+from lagc.symbolic.doubles import double
 
 _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"
 

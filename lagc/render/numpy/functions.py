@@ -7,13 +7,13 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from lagc.base.records import replace
-from lagc.expr.operators import OPERATORS, spelling
 from lagc.optimize.program import Function, Run
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment
 from lagc.render.statements import Dialect, lines
 from lagc.render.tables import NONE, Numbers, python_look_up
+from lagc.symbolic.operators import OPERATORS, spelling
 
 CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}
 

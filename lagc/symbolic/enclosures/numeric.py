@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import EVERYWHERE, OPERATORS, Interval
-from lagc.expr.walk import missing, reachable
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import EVERYWHERE, OPERATORS, Interval
+from lagc.symbolic.walk import missing, reachable
 
 
 def intervals(nodes: Sequence[Node], given: Mapping[Node, Interval]) -> dict[Node, Interval]:

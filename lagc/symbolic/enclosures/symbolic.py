@@ -10,9 +10,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import OPERATORS
-from lagc.expr.walk import depends, reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import OPERATORS
+from lagc.symbolic.walk import depends, reachable
 
 Ends: TypeAlias = tuple[Node, Node]
 

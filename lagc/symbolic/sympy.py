@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import LOOKED_UP, OPERATORS, spelling
-from lagc.expr.walk import reachable
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import LOOKED_UP, OPERATORS, spelling
+from lagc.symbolic.walk import reachable
 
 _NAMES = spelling("sympy")
 _KNOWN = {op: name for op, name in _NAMES.items() if op not in LOOKED_UP}

@@ -13,11 +13,11 @@ from functools import lru_cache
 from operator import attrgetter
 from typing import Any
 
-from lagc.expr.evaluate import extend, value_of
-from lagc.expr.graph import Node
-from lagc.expr.operators import LOOKED_UP, VALUES
-from lagc.expr.table import Table
-from lagc.expr.walk import reachable
+from lagc.symbolic.evaluate import extend, value_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import LOOKED_UP, VALUES
+from lagc.symbolic.table import Table
+from lagc.symbolic.walk import reachable
 
 _SUMS = ("add", "scale")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import VALUES
-from lagc.expr.walk import missing, reachable
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import VALUES
+from lagc.symbolic.walk import missing, reachable
 
 
 def evaluate(

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.expr.table import Table
+from lagc.symbolic.table import Table
 
 Interval: TypeAlias = tuple[float, float]
 # graph, node, its arguments -> d(node)/d(argument), one an argument; `graph` stands above this file.
@@ -88,7 +88,7 @@ def _sign(x: float) -> float:
 
 
 def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
-    from lagc.expr.walk import symbols
+    from lagc.symbolic.walk import symbols
 
     dx = graph.mul(y, graph.pow(x, y - 1.0))
     if y.is_const:

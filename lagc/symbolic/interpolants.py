@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import inf, nextafter
 
-from lagc.expr.graph import Node
-from lagc.expr.table import Curve, Table, digest
 from lagc.host import cache
+from lagc.symbolic.graph import Node
+from lagc.symbolic.table import Curve, Table, digest
 
 Numbers = Sequence[float]
 

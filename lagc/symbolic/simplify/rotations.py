@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import comb
 
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import TWINS
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import TWINS
 
 MOST = 2000  # nodes, terms and products that are looked at
 NESTED = 10  # of them that a sum inside a product counts for

@@ -22,10 +22,10 @@ import operator
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 
-from lagc.expr.operators import PARITY, TWINS, VALUES
-from lagc.expr.squares import exchanged
-from lagc.expr.symbol import Symbol
-from lagc.expr.table import Table
+from lagc.symbolic.leaves import Symbol
+from lagc.symbolic.operators import PARITY, TWINS, VALUES
+from lagc.symbolic.squares import exchanged
+from lagc.symbolic.table import Table
 
 Number: TypeAlias = "float | int"
 
@@ -94,7 +94,7 @@ class Node:
         return self.graph.pow(self, self.graph.lift(other))
 
     def __repr__(self) -> str:
-        from lagc.expr.text import text
+        from lagc.symbolic.text import text
 
         return text(self)
 

@@ -12,9 +12,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 
 from lagc.base.records import dataclass, replace
-from lagc.expr.derivative import gradient
-from lagc.expr.graph import Graph, Node
-from lagc.expr.walk import depends, reachable, substitute, union, within
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import depends, reachable, substitute, union, within
 
 _WORTH = 2  # times as many derivatives as by sums
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import frexp
 from typing import TypeAlias, TypeVar
 
-from lagc.expr.graph import Node
-from lagc.expr.turning import without_turns
+from lagc.symbolic.graph import Node
+from lagc.symbolic.simplify.rotations import without_turns
 
 Vector: TypeAlias = tuple[Node, Node, Node]
 Matrix: TypeAlias = tuple[Vector, Vector, Vector]

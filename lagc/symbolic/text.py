@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, TypeAlias
 
-from lagc.expr.operators import INFIX
-from lagc.expr.walk import missing, reachable
+from lagc.symbolic.operators import INFIX
+from lagc.symbolic.walk import missing, reachable
 
 if TYPE_CHECKING:
-    from lagc.expr.graph import Node
+    from lagc.symbolic.graph import Node
 
 _SUM, _PRODUCT, _POWER, _ATOM = 1, 2, 3, 4
 Texts: TypeAlias = "dict[Node, tuple[str, int]]"  # of nodes, and how tightly they hold together

@@ -17,9 +17,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-from lagc.expr.graph import Node
-from lagc.expr.operators import LOOKED_UP
-from lagc.expr.walk import missing
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import LOOKED_UP
+from lagc.symbolic.walk import missing
 
 P = (1 << 61) - 1  # a Mersenne prime, 3 modulo 4: u^((P + 1)/4) is a root of u where there is one
 _PARTS = 72_072_000  # angles and exponents are whole multiples of these parts of their terms

@@ -10,7 +10,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from lagc.expr.graph import Graph, Node
+    from lagc.symbolic.graph import Graph, Node
 
 _index = attrgetter("index")
 

@@ -11,9 +11,9 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 from lagc.base.records import dataclass
-from lagc.expr.graph import Graph, Node
-from lagc.expr.operators import END, OPERATORS, POLE
-from lagc.expr.walk import reachable, symbols
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.operators import END, OPERATORS, POLE
+from lagc.symbolic.walk import reachable, symbols
 
 T = TypeVar("T")
 

@@ -1,0 +1,1 @@
+"""Enclosures of expressions: bounds that hold for every value of an interval."""
