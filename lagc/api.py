@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from lagc.artifact import Artifact
     from lagc.meaning.model import Model
     from lagc.meaning.scene import Inputs
-    from lagc.mechanics.equations import EquationsOfMotion
+    from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
     from lagc.run.begin import NoStart
     from lagc.run.solution import Array

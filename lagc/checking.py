@@ -15,7 +15,7 @@ from lagc.host.budgets import Exhausted, go_on, stage
 
 if TYPE_CHECKING:
     from lagc.meaning.model import Model
-    from lagc.mechanics.equations import EquationsOfMotion
+    from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.syntax.tree import Tree
 
 

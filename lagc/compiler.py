@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from lagc.meaning.context import Points
     from lagc.meaning.model import Model
     from lagc.meaning.scene import Inputs
-    from lagc.mechanics.equations import EquationsOfMotion
+    from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
     from lagc.syntax.tree import Tree
 

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault
 from lagc.meaning.model import Model, Potential
-from lagc.mechanics.actions import Acting, act
-from lagc.mechanics.constraints import Classified, classify
-from lagc.mechanics.energy import energies
-from lagc.mechanics.equations import Contribution, EquationsOfMotion, Row
-from lagc.mechanics.freeterms import free_terms, with_rates
-from lagc.mechanics.inertia import inertial_loads, moving_parts
-from lagc.mechanics.jacobian import added
-from lagc.mechanics.quantities import output_equations
-from lagc.mechanics.states import States, build_states
+from lagc.mechanics.balance.energy import energies
+from lagc.mechanics.balance.generalized_forces import Acting, act
+from lagc.mechanics.balance.outputs import output_equations
+from lagc.mechanics.formulation.constraints import Classified, classify
+from lagc.mechanics.formulation.equations import Contribution, EquationsOfMotion, Row
+from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
+from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
+from lagc.mechanics.formulation.jacobian import added
+from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.whens import when_equations
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
@@ -23,7 +23,7 @@ from lagc.symbolic.operators import is_analytic
 from lagc.symbolic.walk import depends
 
 if TYPE_CHECKING:
-    from lagc.mechanics.redundancy import Dropped
+    from lagc.mechanics.redundancy.redundancy import Dropped
 
 
 def derive(model: Model) -> EquationsOfMotion:
@@ -90,7 +90,7 @@ def _cuts(states: States) -> tuple[Fault, ...]:
     breaking = {node for node in states.graph.nodes if not is_analytic(node.op, node.value)}
     if not breaking:
         return ()
-    from lagc.mechanics.smoothness import refuse_breaks  # loaded where something may
+    from lagc.mechanics.lint.smoothness import refuse_breaks  # loaded where something may
 
     return refuse_breaks(states, breaking)
 
@@ -100,8 +100,8 @@ def _constrained(states: States) -> tuple[list[Classified], list[Dropped]]:
     found = classify(states)
     if not found:
         return [], []
-    from lagc.mechanics.redundancy import drop_idle, drop_redundant  # loaded where there are rows
-    from lagc.mechanics.touching import refuse_touching
+    from lagc.mechanics.lint.degenerate_constraints import refuse_touching
+    from lagc.mechanics.redundancy.redundancy import drop_idle, drop_redundant  # loaded where there are rows
 
     rows, idle = drop_idle(states, found)
     refuse_touching(states, rows)
@@ -113,7 +113,7 @@ def _shared(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
     """Warnings of reactions that are one of many."""
     if not dropped:
         return ()
-    from lagc.mechanics.redundancy import shared_reactions
+    from lagc.mechanics.redundancy.redundancy import shared_reactions
 
     return shared_reactions(states, dropped)
 
@@ -124,9 +124,9 @@ def _warnings(
     """Loads that may not do what they seem to; potentials always do."""
     if all(isinstance(action, Potential) for action in states.model.actions):
         return ()
-    from lagc.mechanics.feeding import feeding_dissipations  # loaded where there are loads
-    from lagc.mechanics.opposing import feeding_loads
-    from lagc.mechanics.points import points_of_their_own
+    from lagc.mechanics.lint.application_points import points_of_their_own
+    from lagc.mechanics.lint.dissipation_sign import feeding_dissipations  # loaded where there are loads
+    from lagc.mechanics.lint.load_direction import feeding_loads
 
     return (
         *points_of_their_own(states, rows),

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.equations import WhenEquations
-from lagc.mechanics.states import States
+from lagc.mechanics.formulation.equations import WhenEquations
+from lagc.mechanics.formulation.states import States
 
 
 def when_equations(states: States) -> tuple[WhenEquations, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lagc.base.records import replace
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.symbolic.jacobians import Slopes, slopes
 

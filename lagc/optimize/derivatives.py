@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows
 from lagc.optimize.freezing import Switch

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Set
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.freezing import deciding
 from lagc.symbolic.enclosures.numeric import intervals
 from lagc.symbolic.graph import Graph, Node

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lagc.base.records import replace
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.elimination import Elimination, Structure, eliminate
 from lagc.optimize.kkt import Solver
 from lagc.optimize.lift import Lifted, lifted, plain, together

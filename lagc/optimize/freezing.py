@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass, replace
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.jacobian import formed_of, with_values
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.jacobian import formed_of, with_values
 from lagc.optimize.program import FARTHEST
 from lagc.optimize.prune import sources
 from lagc.symbolic.derivative import tangent

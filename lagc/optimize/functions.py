@@ -6,7 +6,7 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
-from lagc.mechanics.equations import Row
+from lagc.mechanics.formulation.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.conditions import condition_rows, start_units
 from lagc.optimize.kinds import kinds, rates

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.mechanics.equations import Row
+from lagc.mechanics.formulation.equations import Row
 from lagc.optimize.block import Block
 from lagc.optimize.elimination import Elimination
 from lagc.optimize.factoring import (

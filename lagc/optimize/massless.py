@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.states import rate_symbols
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.states import rate_symbols
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.lift import plain
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.features import MOST, divisors
 from lagc.optimize.freezing import deciding
 from lagc.symbolic.enclosures.numeric import intervals

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass
 from lagc.meaning.model import Parameter
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.coefficients import Coefficients
 from lagc.optimize.expand import expanded

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.freezing import Switch
 from lagc.optimize.functions import made
 from lagc.optimize.program import Function

@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.meaning.model import Body, Potential
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
 from lagc.symbolic.evaluate import evaluate

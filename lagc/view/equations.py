@@ -7,7 +7,7 @@ each up to a factor that is a number or a product of parameters.
 
 from __future__ import annotations
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.view.names import where
 from lagc.view.page import Page, page
 from lagc.view.text import TextWriter

@@ -8,8 +8,8 @@ from typing import Any
 
 from lagc.diagnostics.report import as_json
 from lagc.meaning.model import UNSTATED, Lagrangian
-from lagc.mechanics.analysis import RowKind, analyse
-from lagc.mechanics.equations import EquationsOfMotion, StartValue, WhenEquations
+from lagc.mechanics.analysis.analysis import RowKind, analyse
+from lagc.mechanics.formulation.equations import EquationsOfMotion, StartValue, WhenEquations
 from lagc.optimize.program import Interface, Program
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
 from lagc.view.algebra import TooLarge

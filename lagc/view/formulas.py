@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
 from lagc.view.algebra import LONG, Algebra, TooLarge

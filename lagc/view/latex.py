@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol as Leaf
 from lagc.symbolic.operators import INFIX, spelling

@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from lagc.base.printable import one_line
 from lagc.base.records import dataclass
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import OPERATORS
 from lagc.view.algebra import TABLE

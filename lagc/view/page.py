@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.view.algebra import TooLarge
 from lagc.view.forms import Former, Line, indices

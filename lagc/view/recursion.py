@@ -12,8 +12,8 @@ from collections.abc import Hashable, Sequence
 from fractions import Fraction
 
 from lagc.base.records import dataclass
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.moving import triples
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.mass_matrix import triples
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.view.forms import Call, Form, Line, Numbers, Part, Series, Symbol, Term, Total, pattern

@@ -9,7 +9,7 @@ from math import inf
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.operators import TRUTHS, spelling
 from lagc.view.algebra import TABLE
 from lagc.view.forms import INDEX, Counters, Line, Linear, Symbol, Total, all_of, filled, indices

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 
 ANGLES = """
 model Track

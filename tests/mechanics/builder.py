@@ -27,7 +27,7 @@ from lagc.meaning.model import (
     Statement,
     Torque,
 )
-from lagc.mechanics.states import quaternion_rate
+from lagc.mechanics.formulation.states import quaternion_rate
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector, matmul, matvec, transpose

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.manifold import onto
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 

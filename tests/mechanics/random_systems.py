@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lagc.meaning.model import Model
-from lagc.mechanics.states import rate_symbols
+from lagc.mechanics.formulation.states import rate_symbols
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 

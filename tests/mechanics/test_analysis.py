@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -16,9 +16,9 @@ from lagc.checking import check
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.smoothness import refuse_breaks
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.lint.smoothness import refuse_breaks
 from lagc.symbolic.walk import reachable
 from tests.mechanics.numbers import motion, random_state, vector
 

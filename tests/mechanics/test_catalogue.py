@@ -12,7 +12,7 @@ from lagc.diagnostics.catalogue.mechanics import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
 from lagc.meaning.resolve import resolve
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.syntax.parse import parse
 
 
@@ -40,6 +40,6 @@ def test_right_example_passes(code: str) -> None:
 
 
 def test_every_code_of_the_room_is_listed() -> None:
-    sources = Path(lagc.mechanics.__file__).parent.glob("*.py")
+    sources = Path(lagc.mechanics.__file__).parent.rglob("*.py")
     used = {code for p in sources for code in re.findall(r'"(LAG\d{4})"', p.read_text("utf-8"))}
     assert used == set(ENTRIES)

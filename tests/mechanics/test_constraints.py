@@ -7,8 +7,8 @@ from collections.abc import Callable
 import pytest
 
 from lagc.diagnostics.faults import Refused
-from lagc.mechanics import redundancy
 from lagc.mechanics.derive import derive
+from lagc.mechanics.redundancy import redundancy
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import SPAN, Builder
 

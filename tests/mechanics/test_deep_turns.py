@@ -8,8 +8,8 @@ from math import cos, sin, sqrt
 import pytest
 
 import lagc
-from lagc.mechanics.analysis import analyse
-from lagc.mechanics.magnitude import magnitudes
+from lagc.mechanics.analysis.analysis import analyse
+from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.symbolic.graph import Graph, Node
 from tests.view.models import equations_of
 

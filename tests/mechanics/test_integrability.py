@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import pytest
 
-from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
-from lagc.mechanics.finite import Echelon
+from lagc.mechanics.numeric.finite_field_linear import Echelon
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder

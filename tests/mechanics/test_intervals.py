@@ -7,7 +7,7 @@ from random import Random
 
 import pytest
 
-from lagc.mechanics.zeros import zeros
+from lagc.mechanics.numeric.scalar_roots import zeros
 from lagc.symbolic.enclosures.numeric import EVERYWHERE, intervals
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node

@@ -11,13 +11,13 @@ from lagc.checking import check
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
 from lagc.meaning.model import Model
-from lagc.mechanics import jacobian as module
-from lagc.mechanics import sections
 from lagc.mechanics.derive import derive
-from lagc.mechanics.jacobian import Entries, formed_of
-from lagc.mechanics.reduced import tables
-from lagc.mechanics.redundancy import dependent_rows
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation import jacobian as module
+from lagc.mechanics.formulation.jacobian import Entries, formed_of
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.lint import sections
+from lagc.mechanics.redundancy.redundancy import dependent_rows
+from lagc.mechanics.redundancy.row_reduction import tables
 from lagc.symbolic import jacobians as slopes
 from tests.mechanics.numbers import jacobian, random_state, vector
 from tests.mechanics.random_systems import model, random_system

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from lagc.meaning.model import Frame
-from lagc.mechanics.analysis import Analysis, analyse
-from lagc.mechanics.constraints import classify
+from lagc.mechanics.analysis.analysis import Analysis, analyse
+from lagc.mechanics.analysis.mobility import mobility
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.manifold import walk
-from lagc.mechanics.mobility import mobility
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.constraints import classify
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add, matmul, matvec, sub, transpose

@@ -11,8 +11,8 @@ from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Refused, Source
 from lagc.host import model_library as library
 from lagc.mechanics.derive import derive
-from lagc.mechanics.smoothness import refuse_breaks
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.lint.smoothness import refuse_breaks
 
 CHAIN = """model M
 structural Integer n = {n};

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from lagc.mechanics.analysis import Analysis, analyse
+from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.derive import derive
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder

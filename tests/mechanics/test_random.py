@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from tests.mechanics.numbers import consistent_state, jacobian, mass_matrix, motion, random_state, vector

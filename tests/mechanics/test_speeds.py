@@ -8,7 +8,7 @@ import pytest
 
 from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.states import build_states
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from tests.mechanics.builder import Builder

@@ -5,7 +5,7 @@ from __future__ import annotations
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 
 _LINK = "  parameter Mass m(min = 0) = 1 [kg];\n  parameter Length l(min = 0) = 0.2 [m];\n"
 _GRAVITY = "  effect gravity\n    Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});\n  end gravity;\n"

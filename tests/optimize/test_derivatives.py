@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.derivatives import groups, motion_by_sweeps, stack
 from lagc.optimize.freezing import frozen
 from lagc.optimize.massless import with_pivots

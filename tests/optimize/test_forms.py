@@ -6,7 +6,7 @@ import pytest
 
 from lagc.compiler import Choice, Compilation
 from lagc.diagnostics.faults import Source
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.forms import solvers
 
 NET = """

@@ -11,7 +11,7 @@ import pytest
 import lagc
 from lagc.base.records import replace
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.forms import solvers
 from lagc.optimize.kkt import Solver

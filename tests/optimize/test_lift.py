@@ -16,7 +16,7 @@ import lagc
 from lagc import compiler
 from lagc.diagnostics.faults import Refused
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize import kkt
 from lagc.optimize.elimination import eliminate
 from lagc.optimize.forms import solvers

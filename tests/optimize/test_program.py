@@ -14,7 +14,7 @@ from lagc import compiler
 from lagc.compiler import Choice
 from lagc.host import model_library as library
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
 from lagc.symbolic.evaluate import evaluate

@@ -15,7 +15,7 @@ from lagc.meaning.model import Coordinate, Model
 from lagc.meaning.resolve import resolve
 from lagc.meaning.variants import variants
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.syntax.parse import parse

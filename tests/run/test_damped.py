@@ -21,9 +21,9 @@ from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion, Row
-from lagc.mechanics.manifold import walk
-from lagc.mechanics.states import build_states
+from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
+from lagc.mechanics.formulation.states import build_states
+from lagc.mechanics.identities.constraint_manifold import walk
 from lagc.optimize import forms
 from lagc.optimize.massless import with_pivots
 from lagc.optimize.prune import prune

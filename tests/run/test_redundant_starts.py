@@ -9,7 +9,7 @@ import shutil
 
 import pytest
 
-from lagc.mechanics.analysis import analyse
+from lagc.mechanics.analysis.analysis import analyse
 from lagc.run.begin import consistent_start
 from lagc.run.problem import OK
 from lagc.run.start import Start

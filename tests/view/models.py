@@ -7,7 +7,7 @@ from pathlib import Path
 
 from lagc.compiler import Choice, derive, parse, resolve
 from lagc.diagnostics.faults import Source
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 
 MODELS = Path(__file__).parents[2] / "models"
 

@@ -10,17 +10,17 @@ from pathlib import Path
 
 import pytest
 
-from lagc.mechanics.analysis import analyse
+from lagc.mechanics.analysis.analysis import analyse
+from lagc.mechanics.balance.energy import WHOLE
+from lagc.mechanics.balance.outputs import Quantities
 from lagc.mechanics.derive import derive
-from lagc.mechanics.energy import WHOLE
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.freeterms import free_terms, with_rates
-from lagc.mechanics.inertia import moving_parts
-from lagc.mechanics.magnitude import magnitudes
-from lagc.mechanics.manifold import walk
-from lagc.mechanics.quantities import Quantities
-from lagc.mechanics.samples import samples
-from lagc.mechanics.states import States, build_states
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.formulation.euler_lagrange import free_terms, with_rates
+from lagc.mechanics.formulation.inertia import moving_parts
+from lagc.mechanics.formulation.states import States, build_states
+from lagc.mechanics.identities.constraint_manifold import walk
+from lagc.mechanics.numeric.cancellation import magnitudes
+from lagc.mechanics.numeric.samples import samples
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

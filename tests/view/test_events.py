@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.evaluate import evaluate
 from lagc.view.equations import write
 from tests.view.models import MODELS, derived, equations_of

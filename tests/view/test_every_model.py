@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from lagc.mechanics.derive import derive
-from lagc.mechanics.equations import EquationsOfMotion
-from lagc.mechanics.samples import Chance, samples
+from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.mechanics.numeric.samples import Chance, samples
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.view.equations import write

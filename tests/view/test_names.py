@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.graph import Node
 from lagc.view.equations import write
 from lagc.view.forms import Symbol, indices

@@ -10,7 +10,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.mechanics.equations import EquationsOfMotion
+from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.view.equations import write

@@ -1,0 +1,108 @@
+"""How many motions the rows leave: the rank of their Jacobian at states that meet them.
+
+Off the constraints the rank of a closed loop is too large: rows that depend on each other where the
+loop is closed do not elsewhere.  So it is taken beside the start, along motions that the rows allow
+(`manifold.walk`), and the largest one counts: postures where it is less are passed.  It is proved
+where it cannot be larger: as many as there are rows, or as at a random point of a finite field.  A field
+also tells rows apart that agree in more digits than double precision has.
+Where surfaces touch, motions are counted by steps instead (`Consistent.freedom`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from lagc.base.records import dataclass
+from lagc.mechanics.formulation.equations import Row
+from lagc.mechanics.formulation.states import States
+from lagc.mechanics.identities.constraint_manifold import Consistent, jacobian, scales
+from lagc.mechanics.identities.sampling_domains import at_defaults, on_rows
+from lagc.mechanics.identities.zero_test import Ground, Judge, Placed
+from lagc.mechanics.numeric.dense_linear import Span
+from lagc.mechanics.numeric.finite_field_linear import Echelon
+from lagc.mechanics.numeric.piecewise_branches import spelt_out
+from lagc.mechanics.numeric.samples import samples
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import depends
+from lagc.symbolic.zero_test.finite_field import Undefined
+
+
+@dataclass(frozen=True, slots=True)
+class Mobility:
+    """Of rows by index: those that follow from the ones before, and the rank of all.
+
+    `at_start` is the rank at the start (None: not found); `proved` as the module says; `examined` is
+    False where no consistent state was found: then the rank is that beside the constraints.
+    `unseen`: rows that follow from others as far as double precision tells, and are proved not to;
+    they count in `rank`, and not in `at_start`.
+    """
+
+    spare: frozenset[int]
+    rank: int
+    at_start: int | None
+    proved: bool
+    examined: bool
+    unseen: frozenset[int] = frozenset()
+
+
+def mobility(states: States, rows: Sequence[Row], met: Consistent) -> Mobility:
+    """Rank and redundant rows among `rows`, at the states that meet all rows of the system."""
+    if not rows:
+        return Mobility(frozenset(), 0, 0, True, True)
+    tried = [*(met.beside or met.far), *([] if met.start is None else [met.start])]
+    spans = [_span(states, rows, state) for state in tried or samples(states.model, 2, vary=False)]
+    if not spans:
+        return Mobility(frozenset(), min(len(rows), len(states.v)), None, False, False)
+    best = max(spans, key=lambda span: span.rank)
+    spare = frozenset(range(len(rows))) - set(best.independent())
+    at_start = None if met.start is None else spans[-1].rank
+    if met.freedom is not None:
+        holonomic = [row for row in rows if row.holonomic]
+        places = max(_span(states, holonomic, state).rank for state in tried)
+        return Mobility(spare, best.rank - places + len(states.v) - met.freedom, at_start, False, True)
+    moved = [row for row in rows if row.holonomic] if _depend_on_places(states, rows) else []
+    if tried and (
+        best.rank == len(rows) or best.rank == _largest(states, rows, on_rows(states, moved, met.all))
+    ):
+        return Mobility(spare, best.rank, at_start, True, True)
+    kept = _exactly(states, rows, at_defaults(states, moved, met.all))
+    if kept is None or len(kept) < best.rank:
+        return Mobility(spare, best.rank, at_start, False, bool(tried))
+    return Mobility(frozenset(range(len(rows))) - kept, len(kept), at_start, True, True, spare & kept)
+
+
+def _span(states: States, rows: Sequence[Row], state: Mapping[Node, float]) -> Span:
+    sizes = scales(states)
+    return Span(jacobian(rows, [sizes[x] for x in states.v], state))
+
+
+def _depend_on_places(states: States, rows: Sequence[Row]) -> bool:
+    return bool(depends([node for row in rows for node in row.jacobian.values()], states.q))
+
+
+def _largest(states: States, rows: Sequence[Row], ground: Ground) -> int | None:
+    """The rank at random points of the field, the same on all branches: none is larger."""
+    ranks = {len(kept) for _, kept in _in_field(states, rows, ground)}
+    return ranks.pop() if len(ranks) == 1 else None
+
+
+def _exactly(states: States, rows: Sequence[Row], ground: Ground) -> frozenset[int] | None:
+    """The first rows that span all, where no number is rounded and the rows are met; None elsewhere."""
+    found = list(_in_field(states, rows, ground))
+    sure = all(placed.met and placed.point.exact for placed, _ in found)
+    kept = {k for _, k in found}
+    return kept.pop() if sure and len(kept) == 1 else None
+
+
+def _in_field(states: States, rows: Sequence[Row], ground: Ground) -> Iterator[tuple[Placed, frozenset[int]]]:
+    """Points of the field on all branches, and the first rows that span all there."""
+    flat = spelt_out(states.graph, [node for row in rows for node in row.jacobian.values()])
+    for placed, truths in Judge(ground).points(flat):
+        for x in placed:
+            try:
+                values = iter(x.point.values(flat, truths))
+            except Undefined:
+                continue
+            taken = Echelon()
+            tables = [{j: next(values) for j in row.jacobian} for row in rows]
+            yield x, frozenset(k for k, table in enumerate(tables) if taken.grows(table))

@@ -1,0 +1,1 @@
+"""Generalized forces, the energy balance, and outputs."""

@@ -1,0 +1,1 @@
+"""The formulation: states, inertia, constraints and the equations of motion."""

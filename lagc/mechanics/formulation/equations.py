@@ -1,0 +1,311 @@
+"""EquationsOfMotion: the noun that `derive` returns.
+
+    qdot = N(t,q) v + n(t,q)
+    M(t,q) a + h(t,q,v) = tau(t,q,v) + G(t,q,v)^T lam
+    phi(t,q) = 0      psi(t,q,v) = 0      G a = gamma
+
+All entries are nodes of `graph`, in the symbols t, q, v and the parameters; `lam` and
+`a` appear in `outputs` and `power` only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from enum import Enum
+from functools import cached_property
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Fault, Span
+from lagc.meaning.model import FIXED, Model, Statement, When
+from lagc.mechanics.formulation.jacobian import formed_of
+from lagc.mechanics.formulation.mass_matrix import Inertia, Moving, inertial_forces
+from lagc.symbolic.derivative import gradient, seeds
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import symbols
+
+
+class Relation(Enum):
+    """Of a row's residual to zero."""
+
+    EQUAL = "="
+
+
+class Level(Enum):
+    """What a row restricts."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+
+
+class Mode(Enum):
+    """When a row holds."""
+
+    ALWAYS = "always"
+
+
+class Law(Enum):
+    """How the force of a row depends on the motion; that of a perfect one does no work on it."""
+
+    PERFECT = "perfect"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One scalar constraint, and the multiplier of its force.
+
+    At the level of positions: residual = phi(t,q), rate = d(phi)/dt (in v).
+    At the level of velocities: residual = rate = psi(t,q,v).
+    jacobian = {column of v: d(rate)/d(v)}; gamma as in G a = gamma.
+    """
+
+    label: str  # the constraint's row label, unique
+    constraint: str
+    relation: Relation
+    level: Level
+    mode: Mode
+    law: Law
+    multiplier: Node  # a symbol
+    residual: Node
+    rate: Node
+    jacobian: Mapping[int, Node]
+    gamma: Node
+    unit: str
+    time_dependent: bool
+    linear: bool  # affine in v (holonomic rows are)
+    span: Span
+    effect: str | None = None
+
+    @property
+    def holonomic(self) -> bool:
+        return self.level is Level.POSITION
+
+
+@dataclass(frozen=True, slots=True)
+class Contribution:
+    """What one body or action brings: its generalized force, a node a speed.
+
+    For a body: {} (its share is in M and h).  kind: potential force torque dissipation
+    lagrangian.  `conservative` contributions are in `potential`; others do `power`.
+    """
+
+    name: str
+    kind: str
+    effect: str | None
+    forces: Mapping[int, Node]
+    power: Node  # of this action along the motion, in v
+    conservative: bool
+
+
+@dataclass(frozen=True, slots=True)
+class OutputEquation:
+    name: str
+    expression: Node  # in t q v a lam parameters
+    unit: str
+    display_unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class WhenEquations:
+    """What a clause `when` does: `changes` are states and their new values, all in t, q, v."""
+
+    clause: When
+    condition: Node
+    changes: tuple[tuple[Node, Node], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StartValue:
+    """A state's start: its expression in parameters, and how firmly and where it was stated."""
+
+    value: Node
+    stated: Statement
+
+    @property
+    def fixed(self) -> bool:
+        return self.stated.level == FIXED
+
+
+@dataclass(frozen=True, slots=True)
+class StatedRate:
+    """A rate that a start value is stated for and that is no speed, since a declared one replaces it:
+    its expression in t, q, v."""
+
+    symbol: Node
+    unit: str
+    rate: Node
+    start: StartValue
+
+    @property
+    def name(self) -> str:
+        return self.symbol.record.name
+
+
+@dataclass(frozen=True)
+class EquationsOfMotion:
+    model: Model
+    graph: Graph
+    time: Node
+    q: tuple[Node, ...]  # symbols
+    v: tuple[Node, ...]  # symbols: rates, or declared speeds
+    a: tuple[Node, ...]  # symbols: d(v)/dt
+    q_units: tuple[str, ...]
+    v_units: tuple[str, ...]
+    qdot: tuple[Node, ...]
+    quaternions: tuple[int, ...]  # first q index of each unit quaternion
+    inertias: tuple[Moving, ...]  # the velocities that carry inertia
+    further_inertia: dict[tuple[int, int], Node]  # what free Lagrangians bring to M
+    bias_forces: tuple[Node, ...]
+    given_forces: tuple[Node, ...]
+    loads: dict[Node, Node]  # weights on velocities: tau - h is what they bring to the speeds
+    rows: tuple[Row, ...]  # holonomic first
+    contributions: tuple[Contribution, ...]
+    kinetic: Node
+    potential: Node  # of the conservative actions
+    energy: Node  # the quantity whose balance is kept: K2 - K0 + V (K + V when scleronomic)
+    balance: str  # how it is written
+    power: Node  # d(energy)/dt: of non-conservative actions, drives and rheonomic rows (may use lam)
+    starts_q: tuple[StartValue, ...]
+    starts_v: tuple[StartValue, ...]
+    stated_rates: tuple[StatedRate, ...]
+    initial_conditions: tuple[tuple[Node, Span], ...]  # residual in q, v, parameters
+    whens: tuple[WhenEquations, ...]
+    outputs: tuple[OutputEquation, ...]
+    rates: dict[Node, Node]  # rate symbol -> its expression in v (identity for default speeds)
+    dropped: tuple[str, ...] = ()  # rows found identically dependent, with the reason
+    warnings: tuple[Fault, ...] = ()  # what may not be meant as it is written
+
+    def __repr__(self) -> str:
+        sizes = f"{len(self.q)} coordinates, {len(self.v)} speeds, {len(self.rows)} rows of constraints"
+        return f"<{type(self).__name__} of {self.model.name}, scene {self.model.scene}: {sizes}>"
+
+    @cached_property
+    def mass_matrix(self) -> dict[tuple[int, int], Node]:
+        """(i, j) with i >= j, zeros left out; in q and t (in v too where a free Lagrangian is not
+        quadratic)."""
+        inertia = Inertia(self.graph, self.v, self.inertias)
+        found = {(i, j): m for i in range(len(self.v)) for j, m in inertia.row(i, range(i + 1)).items()}
+        for at, node in self.further_inertia.items():
+            found[at] = self.graph.add(found[at], node) if at in found else node
+        return {at: node for at, node in found.items() if not node.is_zero}
+
+    def mass_rows(self, which: Sequence[int]) -> list[dict[int, Node]]:
+        """Whole rows of M, by column, zeros left out; M is not made for them."""
+        inertia, others = Inertia(self.graph, self.v, self.inertias), set(range(len(self.v))) - set(which)
+        rows = {i: inertia.row(i, others.union(k for k in which if k <= i)) for i in which}
+        for i in which:
+            for j in which:
+                if j < i and j in rows[i]:
+                    rows[j][i] = rows[i][j]
+        for (i, j), node in self.further_inertia.items():
+            for at, other in {(i, j), (j, i)}:
+                if at in rows:
+                    before = rows[at].get(other)
+                    rows[at][other] = node if before is None else self.graph.add(before, node)
+        return [{j: m for j, m in sorted(rows[i].items()) if not m.is_zero} for i in which]
+
+    @property
+    def inertial_forces(self) -> list[Node]:
+        """M a."""
+        found = inertial_forces(self.graph, self.v, self.a, self.inertias)
+        for (i, j), node in sorted(self.further_inertia.items()):
+            for k, other in {(i, j), (j, i)}:
+                found[k] = found[k] + node * self.a[other]
+        return found
+
+    @property
+    def constraint_forces(self) -> list[Node]:
+        """G^T lam."""
+        pairs = seeds(self.graph, ((row.rate, row.multiplier) for row in self.rows))
+        found = gradient(self.graph, pairs, self.v)
+        return [found.get(v, self.graph.zero) for v in self.v]
+
+    @cached_property
+    def massive(self) -> frozenset[int]:
+        """The speeds that move what has inertia: those with an entry on the diagonal of M."""
+        moved = symbols([x for part in self.inertias for x in part.carried])
+        own = {j for j, v in enumerate(self.v) if v in moved}
+        return frozenset(own | {i for i, j in self.further_inertia if i == j})
+
+    @property
+    def applied_forces(self) -> list[Node]:
+        """r = tau - h."""
+        return [self.graph.sub(tau, h) for tau, h in zip(self.given_forces, self.bias_forces)]
+
+    @property
+    def lam(self) -> tuple[Node, ...]:
+        """The multipliers of the rows."""
+        return tuple([row.multiplier for row in self.rows])
+
+    @property
+    def q_names(self) -> tuple[str, ...]:
+        return tuple([x.record.name for x in self.q])
+
+    @property
+    def v_names(self) -> tuple[str, ...]:
+        """As `der(theta)`, `u1`, `o.rate.x`."""
+        return tuple([x.record.name for x in self.v])
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        return (*self.q_names, *self.v_names)
+
+    @property
+    def starts(self) -> tuple[StartValue, ...]:
+        """Of q, of v, and of the stated rates."""
+        return (*self.starts_q, *self.starts_v, *(s.start for s in self.stated_rates))
+
+    def verify(self) -> None:
+        """Raises ValueError where the noun is not as described: shapes, order, leaves of the nodes."""
+        nq, nv = len(self.q), len(self.v)
+        sizes = [
+            ("q", nq, (self.q_units, self.qdot, self.starts_q)),
+            ("v", nv, (self.a, self.v_units, self.starts_v)),
+            ("v", nv, (self.bias_forces, self.given_forces)),
+        ]
+        for name, size, arrays in sizes:
+            if any(len(array) != size for array in arrays):
+                raise ValueError(f"an array does not have the length of {name}")
+        if any(not 0 <= j <= i < nv or m.is_zero for (i, j), m in self.mass_matrix.items()):
+            raise ValueError("the mass matrix holds a zero or an entry above the diagonal")
+        if any(not 0 <= i <= nq - 4 for i in self.quaternions):
+            raise ValueError("a quaternion does not fit into q")
+        self._verify_rows()
+        self._verify_leaves()
+
+    def _verify_rows(self) -> None:
+        holonomic = [row.holonomic for row in self.rows]
+        if holonomic != sorted(holonomic, reverse=True):
+            raise ValueError("rows are not holonomic first")
+        if len({row.label for row in self.rows}) != len(self.rows):
+            raise ValueError("two rows have the same label")
+        for row in self.rows:
+            if not row.jacobian or any(not 0 <= j < len(self.v) for j in row.jacobian):
+                raise ValueError(f"the Jacobian of {row.label} is empty or too wide")
+            if not row.holonomic and row.residual is not row.rate:
+                raise ValueError(f"the velocity row {row.label} has a rate of its own")
+
+    def _verify_leaves(self) -> None:
+        parameters = {p.symbol for p in self.model.parameters}
+        given = parameters | {u.symbol for u in self.model.inputs} | {self.time}
+        position = given | set(self.q)
+        state = position | set(self.v)
+        late = state | set(self.a) | set(self.lam)
+        phi = [row.residual for row in self.rows if row.holonomic]
+        rows = [x for row in self.rows for x in (row.rate, row.gamma)]
+        rows += formed_of([row.jacobian for row in self.rows])
+        works = [c.power for c in self.contributions]
+        works += formed_of([c.forces for c in self.contributions])
+        balance = [self.kinetic, self.energy, *self.rates.values()]
+        forces = [*self.qdot, *self.mass_matrix.values(), *self.bias_forces, *self.given_forces, *works]
+        conditions = [residual for residual, _ in self.initial_conditions]
+        tables: list[tuple[str, list[Node], set[Node]]] = [
+            ("start", [s.value for s in self.starts], parameters),
+            ("position", [*phi, self.potential], position),
+            ("state", [*forces, *rows, *balance, *conditions, *(s.rate for s in self.stated_rates)], state),
+            ("late", [self.power, *(o.expression for o in self.outputs)], late),
+        ]
+        for name, nodes, allowed in tables:
+            strange = symbols(nodes) - allowed
+            if strange:
+                found = ", ".join(sorted(s.record.name for s in strange))
+                raise ValueError(f"a {name} expression holds {found}")

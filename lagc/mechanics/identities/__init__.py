@@ -1,0 +1,1 @@
+"""Zero tests of expressions on the constraint manifold."""

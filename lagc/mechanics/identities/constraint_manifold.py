@@ -1,0 +1,228 @@
+"""States that meet the rows: a state moved onto phi = 0, then its speeds onto rate = 0.
+
+Gauss-Newton with steps of least norm, rows that depend on others left aside.  Used at compile time
+for questions of rank and consistency only; a start of the motion is found elsewhere, with the
+user's guesses held as far as possible.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from lagc.base.records import dataclass
+from lagc.meaning.model import UNSTATED
+from lagc.mechanics.formulation.equations import Row
+from lagc.mechanics.formulation.states import States
+from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
+from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
+from lagc.mechanics.numeric.samples import Chance, samples, unit_sizes
+from lagc.symbolic.derivative import gradient
+from lagc.symbolic.evaluate import evaluate
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
+
+_ITERATIONS = 40
+_CONVERGED = 1e-12
+_NEAR, _FAR = 0.02, 0.4  # steps of a walk, of the sizes of the coordinates
+_SHORT, _AWAY = 1e-3, 0.03  # steps by which motions are counted, and how much of one is a motion
+_QUICK, _SLOW = 6, 0.3  # Newton's last steps, each half of that before where surfaces touch
+_TINY, _TURNED = 1e-7, 0.1  # a step of the sizes, and how much a gradient changes that turns in it
+_SPREADS = (0.0, 0.1, 0.5, 1.0, 1.0, 2.0, 2.0)  # sizes of values that nobody stated, from the guess
+_STEPS = 4
+_MANY = 40  # rows with which fewer states will do
+LARGEST = 150  # rows for which states are looked for
+
+State = dict[Node, float]
+
+
+def onto(states: States, rows: Sequence[Row]) -> Callable[[Mapping[Node, float]], State | None]:
+    """What moves a state onto `rows`; None where that fails."""
+    return _Manifold(states, rows).met
+
+
+@dataclass(frozen=True, slots=True)
+class Consistent:
+    """States on the rows with the default parameters: the start moved onto them (None where that
+    fails), states beside it, and states farther along the motions that the rows allow.
+
+    Where surfaces only touch each other there, as a sphere and its tangent plane, no rank tells how many
+    motions of the positions there are: then they are counted in `freedom`."""
+
+    start: State | None
+    beside: list[State]
+    far: list[State]
+    freedom: int | None = None
+
+    @property
+    def all(self) -> list[State]:
+        """The farthest first: the least special."""
+        return [*reversed(self.far), *self.beside, *([] if self.start is None else [self.start])]
+
+
+def walk(states: States, rows: Sequence[Row]) -> Consistent:
+    """Consistent states, by steps along random motions that the rows allow."""
+    manifold = _Manifold(states, rows)
+    for given in samples(states.model, 1, vary=False, spread=0.0):
+        start = manifold.start({**given, states.model.time: 0.0})
+        if start is None:
+            break
+        few = len(rows) > _MANY
+        beside = list(manifold.steps(start, _NEAR, 1 if few else 2, restart=True))
+        turning = any(manifold.turns(state) for state in (start, *beside))
+        freedom = None
+        if manifold.touching or turning:
+            freedom = _Manifold(states, [row for row in rows if row.holonomic]).freedom(start)
+        return Consistent(start, beside, list(manifold.steps(start, _FAR, 1 if few else _STEPS)), freedom)
+    found = (manifold.met(s) for s in samples(states.model, _STEPS, vary=False))
+    return Consistent(None, [], [s for s in found if s is not None])
+
+
+def scales(states: States) -> dict[Node, float]:
+    """Sizes of q and v; of rates, what goes through the coordinate's size in a second."""
+    sizes = unit_sizes(states.model)
+    found: dict[Node, float] = {}
+    for symbols, units in ((states.q, states.q_units), (states.v, states.v_units)):
+        found.update((x, sizes.get(unit.removesuffix("/s"), 1.0)) for x, unit in zip(symbols, units))
+    return found
+
+
+def jacobian(rows: Sequence[Row], sizes: Sequence[float], state: Mapping[Node, float]) -> list[list[float]]:
+    """The Jacobian of `rows` in units of the `sizes` of the speeds."""
+    values = iter(magnitudes([node for row in rows for node in row.jacobian.values()], state))
+    return [dense({j: next(values) for j in row.jacobian}, sizes) for row in rows]
+
+
+def dense(entries: Mapping[int, tuple[float, float]], sizes: Sequence[float]) -> list[float]:
+    """A row of values that come with the sizes of their terms; zero where the terms cancel."""
+    found = [0.0] * len(sizes)
+    reach = max((size * sizes[j] for j, (_, size) in entries.items()), default=0.0)
+    if any(abs(x) * sizes[j] > VANISHES * reach for j, (x, _) in entries.items()):
+        for j, (x, _) in entries.items():
+            found[j] = x * sizes[j]
+    return found
+
+
+class _Manifold:
+    """The rows, with the sizes of the unknowns."""
+
+    def __init__(self, states: States, rows: Sequence[Row]):
+        graph = states.graph
+        self.states, self.rows = states, rows
+        self.scales = scales(states)
+        self.chance = Chance(4096)
+        norms = [graph.sum(states.q[i + k] ** 2 for k in range(4)) - 1.0 for i in states.quaternions]
+        self.positions = [*(row.residual for row in rows if row.holonomic), *norms]
+        self.slopes = [gradient(graph, {x: graph.one}, states.q) for x in self.positions]
+        self.touching = False  # positions were met so slowly as those of surfaces that touch
+
+    def start(self, given: Mapping[Node, float]) -> State | None:
+        """`given` on the rows, with what was stated where it is, if that can be: from guesses of what nobody
+        stated, or beside them, where they lead to a posture that is met as slowly as where surfaces touch."""
+        states = self.states
+        loose = [x for x, s in zip(states.q, states.starts_q) if s.stated.level == UNSTATED]
+        slowly: State | None = None
+        for moving in (loose, list(states.q)):
+            for spread in _SPREADS[: 1 if len(self.rows) > _MANY else None] if moving else ():
+                beside = {x: given[x] + spread * self.scales[x] * self.chance.draw() for x in moving}
+                self.touching = False
+                state = self.met({**given, **beside}, moving)
+                if state is not None and not self.touching:
+                    return state
+                slowly = slowly or state
+        self.touching = slowly is not None
+        return slowly
+
+    def met(self, given: Mapping[Node, float], loose: Sequence[Node] | None = None) -> State | None:
+        """`given` moved onto the rows, by the coordinates `loose` or all."""
+        state, moving = dict(given), loose or self.states.q
+        if len(self.rows) > LARGEST or not self._solve(self.positions, self.slopes, moving, state):
+            return None
+        slopes = [{self.states.v[j]: node for j, node in row.jacobian.items()} for row in self.rows]
+        return state if self._solve([row.rate for row in self.rows], slopes, self.states.v, state) else None
+
+    def turns(self, state: State) -> bool:
+        """Whether a row's gradient turns within next to nothing, as that of a norm does where it is zero."""
+        sizes = [self.scales[x] for x in self.states.v]
+        near = {**state, **{q: state[q] + _TINY * self.scales[q] * self.chance.draw() for q in self.states.q}}
+        for here, beside in zip(jacobian(self.rows, sizes, state), jacobian(self.rows, sizes, near)):
+            largest = max(map(abs, here), default=0.0)
+            changes = [abs(x - y) for x, y in zip(here, beside)]
+            if not all(change <= _TURNED * largest for change in changes) and largest != 0.0:
+                return True  # and where it is no number
+        return False
+
+    def freedom(self, start: State) -> int:
+        """The dimension of what short steps from the start meet, in all directions that the rows allow."""
+        found: list[list[float]] = []
+        for _ in range(min(len(self.states.q), _MANY) + 1):
+            moved = self._displaced(start, _SHORT)
+            if self._solve(self.positions, self.slopes, self.states.q, moved):
+                way = [(moved[x] - start[x]) / (_SHORT * self.scales[x]) for x in self.states.q]
+                found.append(way)
+        return dimension(found, _AWAY)
+
+    def steps(self, start: State, size: float, count: int, restart: bool = False) -> Iterator[State]:
+        """States met by `count` steps of `size`, one after another or each from the start."""
+        state = start
+        for _ in range(count):
+            moved = self.met(self._displaced(state, size))
+            if moved is None:
+                moved = self.met(self._displaced(state, 0.1 * size))
+            if moved is not None:
+                yield moved
+                state = start if restart else moved
+
+    def _displaced(self, state: State, size: float) -> State:
+        """Along a random motion that the rows allow; with other speeds and another time."""
+        states = self.states
+        sizes = [self.scales[x] for x in states.v]
+        pushed = {x: self.chance.draw() * s for x, s in zip(states.v, sizes)}
+        table = jacobian(self.rows, sizes, state)
+        drawn = [self.chance.draw() for _ in sizes]
+        direction = Span(table).remainder(drawn)
+        longest = max(map(abs, direction), default=0.0) or 1.0
+        rest = evaluate(states.qdot, {**state, **dict.fromkeys(states.v, 0.0)})
+        speeds = {x: size * d / longest * s for x, d, s in zip(states.v, direction, sizes)}
+        moved = evaluate(states.qdot, {**state, **speeds})
+        places = {q: state[q] + b - a for q, a, b in zip(states.q, rest, moved)}
+        pushed[states.model.time] = state[states.model.time] + size * abs(self.chance.draw())
+        return {**state, **pushed, **places}
+
+    def _solve(
+        self,
+        residuals: Sequence[Node],
+        slopes: Sequence[Mapping[Node, Node]],
+        unknowns: Sequence[Node],
+        state: State,
+    ) -> bool:
+        flat = [*residuals, *(node for slope in slopes for node in slope.values())]
+        sizes = [self.scales[x] for x in unknowns]
+        place = {x: k for k, x in enumerate(unknowns)}
+        lengths: list[float] = []
+        below = reachable(flat)
+        for _ in range(_ITERATIONS):
+            values = magnitudes(flat, state, below)
+            if not any(value for value, _ in values[: len(residuals)]):
+                return True  # whatever the slopes: a norm has none where it is zero
+            if not all(math.isfinite(size) for _, size in values):
+                return False
+            entries = iter(values[len(residuals) :])
+            tables = [{x: next(entries) for x in slope} for slope in slopes]
+            matrix = [dense({place[x]: a for x, a in row.items() if x in place}, sizes) for row in tables]
+            reach = [max(map(abs, row), default=0.0) for row in matrix]
+            wanted = [-value for value, _ in values[: len(residuals)]]
+            if all(
+                abs(r) <= max(_CONVERGED * far, 8e-16 * size)
+                for r, far, (_, size) in zip(wanted, reach, values)
+            ):
+                slow = len(lengths) > _QUICK and lengths[-1] > _SLOW**_QUICK * lengths[-1 - _QUICK]
+                self.touching = self.touching or slow
+                return True
+            step = least_norm(matrix, wanted)
+            lengths.append(max(map(abs, step)))
+            if lengths[-1] == 0.0:
+                return False
+            for x, d, size in zip(unknowns, step, sizes):
+                state[x] += d * size
+        return False

@@ -1,0 +1,175 @@
+"""Whether expressions vanish, and how that is known.
+
+First asked of exact values in a finite field (`expr.modular`), branch by branch: zero there is
+proved, not zero is refuted where every relation of the expression's functions is known.  What
+neither settles is asked of numbers: it *seems* to vanish where terms that are not zero cancel on all
+states tried, on every branch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from lagc.base.records import dataclass
+from lagc.meaning.model import Model
+from lagc.mechanics.numeric.cancellation import magnitudes
+from lagc.mechanics.numeric.piecewise_branches import Branches, Signs, spelt_out
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.walk import reachable
+from lagc.symbolic.zero_test.finite_field import WRITTEN, Point, Undefined, has_root
+
+Truths: TypeAlias = Mapping[Node, int]  # of a blended condition any number of the field
+State: TypeAlias = Mapping[Node, float]
+_SEEMS = 1e-11  # of its terms: what cancels leaves 1e-16, times what linear systems amplify
+_CLEARLY = 1e-3  # of its terms: no rounding
+_POINTS = 3
+_ROOTED_POINTS = 6  # each draws the signs of roots
+_TRIES = 60  # points tried for those, where roots of random numbers are not there
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """Where an expression is asked for.
+
+    `place` gives a point of the field the values that the ground demands, and says whether it meets
+    all of them; Undefined where it cannot.  `states` gives states of numbers, on a branch or (None)
+    as they are.  `support`: what both use, spelt out.  `digits` as of `Point`.
+    """
+
+    graph: Graph
+    values: State  # of the parameters, to decide on comparisons of them
+    support: Sequence[Node]
+    place: Callable[[Point, Truths], bool]
+    states: Callable[[Truths | None], Sequence[State]]
+    digits: int = WRITTEN
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A point, and whether it meets all that the ground demands."""
+
+    point: Point
+    met: bool
+
+
+class Judge:
+    """Answers for one ground; points are made once for each branch."""
+
+    def __init__(self, ground: Ground):
+        self._ground = ground
+        self._points: dict[frozenset[tuple[Node, int]], list[Placed]] = {}
+
+    def vanish(self, nodes: Sequence[Node]) -> bool | None:
+        """True: all of `nodes` are proved to vanish; False: they seem to; None: they do not."""
+        ground = self._ground
+        asked = [node for node in spelt_out(ground.graph, nodes) if not node.is_zero]
+        if not asked:
+            return True
+        branches = Branches(ground.graph, [*ground.support, *asked], ground.values)
+        proved, rooted = self._on_branches(asked, branches)
+        if proved is not None and (not proved or rooted):
+            plain = cancels(asked, ground.states(None), strict=False)
+            return proved if plain else None
+        return proved
+
+    def vanish_each(self, asked: Sequence[Sequence[Node]]) -> list[bool | None]:
+        """`vanish` of each; of those that clearly do not at a state, nothing else is asked."""
+        nodes = [node for each in asked for node in each]
+        sizes = [
+            (x, *size) for s in self._ground.states(None)[:1] for x, size in zip(nodes, magnitudes(nodes, s))
+        ]
+        clear = {node for node, value, size in sizes if math.inf > abs(value) > _CLEARLY * size}
+        return [self.vanish(each) if clear.isdisjoint(each) else None for each in asked]
+
+    def _on_branches(self, asked: Sequence[Node], branches: Branches) -> tuple[bool | None, bool]:
+        """The answer of the field, and of numbers branch by branch; and whether roots were met."""
+        if len(branches.differences) > 1:
+            blended = branches.blended()
+            verdict, rooted = self._in_field(asked, blended, branches.truths(blended))
+            if verdict or (verdict is False and not branches.complete):
+                return verdict or None, rooted
+        proved, rooted = branches.complete, False
+        for signs in branches.all():
+            truths = branches.truths(signs)
+            verdict, with_roots = self._in_field(asked, signs, truths)
+            rooted = rooted or with_roots
+            if verdict is None:
+                proved = False
+                verdict = cancels(asked, [{**s, **truths} for s in self._ground.states(truths)])
+            if not verdict:
+                return None, rooted
+        return proved, rooted
+
+    def points(self, nodes: Sequence[Node]) -> Iterator[tuple[list[Placed], dict[Node, int]]]:
+        """Points and the truths of comparisons, for each branch of `nodes`, which are spelt out; where
+        these are too many, blended."""
+        ground = self._ground
+        branches = Branches(ground.graph, [*ground.support, *nodes], ground.values)
+        for signs in branches.all() if branches.complete else [branches.blended()]:
+            truths = branches.truths(signs)
+            yield self._placed(signs, truths), truths
+
+    def _in_field(self, nodes: Sequence[Node], signs: Signs, truths: Truths) -> tuple[bool | None, bool]:
+        """Whether they vanish (None: not settled), and whether roots were met."""
+        zero: list[bool] = []
+        exact, rooted = True, False
+        for placed in self._placed(signs, truths):
+            try:
+                zero.append(not any(placed.point.values(nodes, truths)))
+            except Undefined:
+                continue
+            exact = exact and placed.met and placed.point.exact
+            rooted = rooted or placed.point.rooted
+        if len(zero) < 2:
+            return None, rooted
+        if all(zero):
+            return True, rooted
+        return (False if exact else None), rooted
+
+    def _placed(self, signs: Signs, truths: Truths) -> list[Placed]:
+        key = frozenset(signs.items())
+        if key not in self._points:
+            self._points[key] = list(self._place(truths))
+        return self._points[key]
+
+    def _place(self, truths: Truths) -> Iterator[Placed]:
+        found = 0
+        under = [node.args[0] for node in reachable(self._ground.support) if has_root(node)]
+        for roots, tries in ((True, _TRIES), (False, _POINTS)):
+            for seed in range(tries):
+                point = Point(seed, roots, self._ground.digits)
+                try:
+                    if roots and not point.seek_roots(under, truths):
+                        break
+                    met = self._ground.place(point, truths)
+                    point.values(self._ground.support, truths)
+                except Undefined:
+                    continue
+                yield Placed(point, met)
+                found += 1
+                if found == (_ROOTED_POINTS if point.rooted else _POINTS):
+                    return
+            if found:
+                return
+
+
+def cancels(nodes: Sequence[Node], states: Sequence[State], strict: bool = True) -> bool:
+    """All of `nodes` vanish on every state where they have values.
+
+    With `strict` on one at least, and as terms that are not zero cancel there.
+    """
+    seen = [False] * len(nodes)
+    for state in states:
+        for k, (value, size) in enumerate(magnitudes(nodes, state)):
+            if math.isfinite(value) and math.isfinite(size):
+                if abs(value) > _SEEMS * size:
+                    return False
+                seen[k] = seen[k] or size > 0.0
+    return all(seen) or not strict
+
+
+def defaults(model: Model) -> dict[Node, float]:
+    """The parameters' values, 1 where the run must give one."""
+    return {p.symbol: 1.0 if p.value is None else p.value for p in model.parameters}

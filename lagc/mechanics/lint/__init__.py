@@ -1,0 +1,1 @@
+"""Warnings on models: discontinuities, degenerate constraints, the direction of loads."""

@@ -1,0 +1,261 @@
+"""Rows that follow from others whatever the state, and rows that contradict others.
+
+The Jacobian of the rows is reduced, row by row, on a few states chosen at random (`samples`): what
+may depend on earlier rows does on each of them.  A velocity row of which that is proved, by exact
+values in a finite field where positions are on the constraints, is left out, so that the multipliers
+stay unique.  Any other stays, and so does a holonomic row: the run shares the force out.  Rows that
+depend on others but can never hold with them are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.meaning.model import Output
+from lagc.mechanics.formulation.constraints import Classified
+from lagc.mechanics.formulation.equations import Row
+from lagc.mechanics.formulation.states import States
+from lagc.mechanics.identities.constraint_manifold import onto
+from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
+from lagc.mechanics.numeric.samples import samples
+from lagc.mechanics.redundancy.row_reduction import Reduced, tables
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
+from lagc.symbolic.walk import reachable, symbols
+
+_STATES = 3
+_KEPT = 1e-7  # of a residual on a state that meets the other rows to 1e-12
+_SIDED = smooth_as(CORNER, STEP, CHOICE) | {"sqrt"}
+
+
+@dataclass(frozen=True, slots=True)
+class Redundant:
+    """A row that follows from those of index `others`."""
+
+    row: int
+    others: tuple[int, ...]
+
+
+class Dropped(NamedTuple):
+    """A row that is left out: its label, those of the rows that it follows from, and the reason."""
+
+    label: str
+    others: tuple[str, ...]
+    reason: str
+
+
+def drop_idle(states: States, classified: Sequence[Classified]) -> tuple[list[Classified], list[Dropped]]:
+    """The rows that hold a coordinate or speed, and others, which are proved to hold
+    always, as may a component of a vector, by what places of bodies say already.  The proof holds whatever
+    the parameters are: that of a root or a choice may not, as sqrt(l^2) = l and max(l, 0) = l where l > 0.
+
+    Raises Refused: LAG0409 a row without any coordinate or speed of which that is not proved.
+    """
+    idle = [x.row for x in classified if not x.row.jacobian]
+    if not idle:
+        return list(classified), []
+    from lagc.mechanics.identities.sampling_domains import (
+        anywhere,  # what proves is loaded where there is a question
+    )
+    from lagc.mechanics.identities.zero_test import Judge
+
+    judge = Judge(anywhere(states))
+    faults = [_motionless(row) for row in idle if _sided([row.residual]) or not judge.vanish([row.residual])]
+    if faults:
+        raise Refused(faults)
+    return [x for x in classified if x.row.jacobian], [_dropped(row, ()) for row in idle]
+
+
+def shared_reactions(states: States, dropped: Sequence[Dropped]) -> tuple[Fault, ...]:
+    """Warnings: LAG0428 of outputs that ask for reactions which rows share, one of them left out.  Of a row
+    that another one repeats the reaction is that of both."""
+    found = []
+    for output in states.model.outputs:
+        asked = {x.record.owner for x in symbols([output.expression]) if x.record.kind == "multiplier"}
+        for row in dropped:
+            others = row.others if len(row.others) > 1 else ()
+            if row.others and not asked.isdisjoint({row.label, *others}):
+                found.append(_shared(output, row))
+                break
+    return tuple(found)
+
+
+def _shared(output: Output, row: Dropped) -> Fault:
+    rows = ", ".join([f"`{label}`" for label in (row.label, *row.others)])
+    return Fault(
+        "LAG0428",
+        f"`{output.name}` is one of many: {rows} share a reaction, of which `{row.label}` is given nothing",
+        output.span,
+        remedy="what they do together is determined: leave one of these rows out",
+        severity="warning",
+    )
+
+
+def _sided(nodes: Iterable[Node]) -> bool:
+    """Whether a root or a choice is below them, of which only the values at hand say which side it takes."""
+    return any(node.op in _SIDED for node in reachable(nodes))
+
+
+def _motionless(row: Row) -> Fault:
+    return Fault(
+        "LAG0409",
+        f"the constraint `{row.label}` restricts no coordinate and no speed",
+        row.span,
+        remedy="remove it, also where it repeats what places of bodies say already; a condition between "
+        "parameters belongs in the default of a parameter",
+    )
+
+
+def drop_redundant(
+    states: States, classified: Sequence[Classified]
+) -> tuple[list[Classified], list[Dropped]]:
+    """The rows that stay, and those that do not.
+
+    Raises Refused: LAG0410 rows that can never hold together.
+    """
+    found = dependent_rows(states, [x.row for x in classified])
+    if not found:
+        return list(classified), []
+    spare = {r.row for r in found}
+    independent = [x.row for k, x in enumerate(classified) if k not in spare]
+    made_of = [[classified[k].row for k in r.others] for r in found]
+    contradicts = _contradicts(states, independent, [classified[r.row].row for r in found], made_of)
+    faults: list[Fault] = []
+    dropped: dict[int, Dropped] = {}
+    for redundant, contradiction in zip(found, contradicts):
+        x = classified[redundant.row]
+        others = [classified[k] for k in redundant.others]
+        if contradiction:
+            faults.append(_contradiction(x, others))
+        elif x.row.holonomic or (not others and _sided(x.row.jacobian.values())):
+            continue
+        else:
+            from lagc.mechanics.redundancy.following import (
+                follows,  # what proves is loaded where there is a question
+            )
+
+            if not follows(states, x.row, independent):
+                continue
+            dropped[redundant.row] = _dropped(x.row, [y.row for y in others])
+    if faults:
+        raise Refused(faults)
+    kept = [x for k, x in enumerate(classified) if k not in dropped]
+    return kept, list(dropped.values())
+
+
+def dependent_rows(states: States, rows: Sequence[Row]) -> list[Redundant]:
+    """The rows whose Jacobian depends on those before, on every state tried."""
+    tried = list(tables(states, rows, _STATES))
+    found: list[Redundant] = []
+    for line in _entangled(tried):
+        reduced = [table.reduce(line) for table in tried]
+        depends = [table.depends(line, left) for table, (left, _) in zip(tried, reduced)]
+        row = tried[0].rows[line]
+        if row is not None and all(depends):
+            found.append(Redundant(row, _others(tried[0], line, reduced[0][1])))
+            continue
+        for table, settled, (left, factors) in zip(tried, depends, reduced):
+            if not settled:
+                table.add(line, left, factors)
+    return found
+
+
+def _others(table: Reduced, line: int, factors: Mapping[int, float]) -> tuple[int, ...]:
+    """The rows that a line is made of, where it is more than rounding."""
+    size = dict(zip(table.rows, table.sizes))
+    made = table.made_of(factors).items()
+    return tuple(sorted([k for k, x in made if abs(x) * size[k] > VANISHES * table.sizes[line]]))
+
+
+def _entangled(tried: Sequence[Reduced]) -> list[int]:
+    """The lines that may depend on each other."""
+    if not tried:
+        return []
+    lines = range(len(tried[0].rows))
+    sure = [[table.surely(line) for table in tried] for line in lines]
+    return entangled([{j: all([own[j] for own in each]) for j in each[0]} for each in sure])
+
+
+def entangled(rows: Sequence[Mapping[int, bool]]) -> list[int]:
+    """The rows that may depend on each other, each given by column -> whether the entry is surely not zero:
+    no sum of rows that vanishes has one in it that is alone in a column, nor those that then are alone."""
+    users: dict[int, set[int]] = {}
+    for k, row in enumerate(rows):
+        for j in row:
+            users.setdefault(j, set()).add(k)
+    left = set(range(len(rows)))
+    alone = [j for j, found in users.items() if len(found) == 1]
+    while alone:
+        j = alone.pop()
+        for k in [k for k in users[j] if rows[k][j]]:
+            left.discard(k)
+            for other in rows[k]:
+                users[other].discard(k)
+                if len(users[other]) == 1:
+                    alone.append(other)
+    return sorted(left)
+
+
+def _contradicts(
+    states: States, independent: Sequence[Row], spare: Sequence[Row], made_of: Sequence[Sequence[Row]]
+) -> list[bool]:
+    """Of each spare row: whether it is violated on all states tried that meet the others, the one
+    next to the start included, with parameters beside their defaults as well, and no state is found
+    that meets all, or those alone that it is made of: others may have solutions of their own elsewhere."""
+    model = states.model
+    start = list(samples(model, 1, vary=False, spread=0.0))
+    near = [*start, *samples(model, _STATES, vary=False)]
+    here = _hold(states, independent, spare, near)
+    beside = _hold(states, independent, spare, list(samples(model, _STATES)))
+    violated = [x == {False} and True not in y for x, y in zip(here, beside)]
+    return [
+        v and (_apart(states, [*own, row], near) or _apart(states, [*independent, row], near))
+        for v, row, own in zip(violated, spare, made_of)
+    ]
+
+
+def _apart(states: States, rows: Sequence[Row], tries: Sequence[dict[Node, float]]) -> bool:
+    return all(state is None for state in map(onto(states, rows), tries))
+
+
+def _hold(
+    states: States,
+    independent: Sequence[Row],
+    spare: Sequence[Row],
+    tries: Sequence[dict[Node, float]],
+) -> list[set[bool]]:
+    """Of each spare row: whether it holds, on the states that could be moved onto the others."""
+    found: list[set[bool]] = [set() for _ in spare]
+    residuals = [row.residual for row in spare]
+    slopes = [node for row in spare for node in row.jacobian.values()]
+    for state in map(onto(states, independent), tries):
+        if state is not None:
+            values = magnitudes([*residuals, *slopes], state)
+            entries = iter(values[len(spare) :])
+            for k, row in enumerate(spare):
+                size = max(values[k][1], *(next(entries)[1] for _ in row.jacobian))
+                found[k].add(abs(values[k][0]) <= _KEPT * size)
+    return found
+
+
+def _dropped(row: Row, others: Sequence[Row]) -> Dropped:
+    why = f"it follows from {_labels(others)}" if others else "it holds whatever the motion"
+    return Dropped(row.label, tuple([y.label for y in others]), f"row `{row.label}` is left out: {why}")
+
+
+def _contradiction(x: Classified, others: Sequence[Classified]) -> Fault:
+    names = _labels([y.row for y in others])
+    return Fault(
+        "LAG0410",
+        f"the constraint `{x.row.label}` contradicts {names}: they restrict the same motion differently",
+        x.constraint.span,
+        tuple((y.constraint.span, f"`{y.row.label}`") for y in others),
+        remedy="remove one of them or make them agree",
+    )
+
+
+def _labels(rows: Sequence[Row]) -> str:
+    return ", ".join(f"`{row.label}`" for row in rows)
