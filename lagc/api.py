@@ -29,13 +29,13 @@ from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
     from lagc.artifact import Artifact
-    from lagc.meaning.model import Model
-    from lagc.meaning.scene import Inputs
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
     from lagc.run.begin import NoStart
     from lagc.run.solution import Array
     from lagc.run.start import Start
+    from lagc.semantics.model import Model
+    from lagc.semantics.scenes.choice import Inputs
     from lagc.view.matrices import Matrices
 
 Progress: TypeAlias = Callable[[float], None]

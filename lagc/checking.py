@@ -14,8 +14,8 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host.budgets import Exhausted, go_on, stage
 
 if TYPE_CHECKING:
-    from lagc.meaning.model import Model
     from lagc.mechanics.formulation.equations import EquationsOfMotion
+    from lagc.semantics.model import Model
     from lagc.syntax.tree import Tree
 
 
@@ -44,8 +44,8 @@ def look(source: Source, choice: Choice, roots: tuple[str, ...] = ()) -> Checked
 
 
 def _look(source: Source, choice: Choice, roots: tuple[str, ...], reached: list[int]) -> list[Fault]:
-    from lagc.meaning.degrees import whole_radians
-    from lagc.meaning.variants import variants
+    from lagc.semantics.scenes.variants import variants
+    from lagc.semantics.values.degrees import whole_radians
     from lagc.syntax.scenes import ByScene
 
     try:

@@ -27,11 +27,11 @@ from lagc.run.request import Given, Quantity
 if TYPE_CHECKING:
     from types import CodeType
 
-    from lagc.meaning.context import Points
-    from lagc.meaning.model import Model
-    from lagc.meaning.scene import Inputs
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.optimize.program import Interface, Program
+    from lagc.semantics.context import Points
+    from lagc.semantics.model import Model
+    from lagc.semantics.scenes.choice import Inputs
     from lagc.syntax.tree import Tree
 
 
@@ -96,7 +96,7 @@ def parse(source: Source) -> Tree:
 def resolve(tree: Tree, choice: Choice, roots: tuple[str, ...] = ()) -> Model:
     """The model that is meant.  Of `choice.parameters`, it holds the values of those that are
     built in only: the others are given to each run."""
-    from lagc.meaning.resolve import resolve as run
+    from lagc.semantics.resolve import resolve as run
 
     def resolved(values: Mapping[str, float]) -> Model:
         return run(
@@ -135,7 +135,7 @@ def _in_si(name: str, given: float | Quantity) -> float:
         return float(given)
     if given.unit is None:
         return given.value
-    from lagc.meaning.units import UnknownUnit, unit
+    from lagc.semantics.types.units import UnknownUnit, unit
 
     try:
         return unit(given.unit).to_si(given.value)

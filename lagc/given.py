@@ -10,7 +10,7 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.run.request import Quantity, expression, si
 
 if TYPE_CHECKING:
-    from lagc.meaning.context import Points
+    from lagc.semantics.context import Points
 
 Value: TypeAlias = float | tuple[float, str] | Quantity
 Input: TypeAlias = "Value | str | tuple[Sequence[float], Sequence[float]] | Points"

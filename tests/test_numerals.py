@@ -12,7 +12,7 @@ import lagc
 from lagc.base.numerals import number, seconds, whole
 from lagc.cli.exits import Usage
 from lagc.cli.options import assignments, quantity
-from lagc.meaning.units import UnknownUnit, unit
+from lagc.semantics.types.units import UnknownUnit, unit
 from lagc.syntax.lexer import _PATTERN as TOKEN
 
 DIGITS = [chr(c) for c in range(128, 0x20000) if unicodedata.category(chr(c)) in ("Nd", "No")]

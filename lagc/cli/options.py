@@ -177,7 +177,7 @@ def quantity(word: str | None, unit: str, option: str) -> float | None:
     value, given = found
     if given is None:
         return value
-    from lagc.meaning.units import UnknownUnit, to_si
+    from lagc.semantics.types.units import UnknownUnit, to_si
 
     try:
         return to_si(value, given, unit)

@@ -27,8 +27,8 @@ from lagc.cli.spare import spare
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
-    from lagc.meaning.model import Model
     from lagc.run.request import Request
+    from lagc.semantics.model import Model
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lagc.diagnostics.faults import Fault
-from lagc.meaning.model import Model, Potential
 from lagc.mechanics.balance.energy import energies
 from lagc.mechanics.balance.generalized_forces import Acting, act
 from lagc.mechanics.balance.outputs import output_equations
@@ -17,6 +16,7 @@ from lagc.mechanics.formulation.inertia import inertial_loads, moving_parts
 from lagc.mechanics.formulation.jacobian import added
 from lagc.mechanics.formulation.states import States, build_states
 from lagc.mechanics.whens import when_equations
+from lagc.semantics.model import Model, Potential
 from lagc.symbolic.derivative import seeds
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import is_analytic

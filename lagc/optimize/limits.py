@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import inf
 
 from lagc.base.records import replace
-from lagc.meaning.model import Limit, Model
+from lagc.semantics.model import Limit, Model
 from lagc.symbolic.enclosures.numeric import intervals
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Parameter
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.optimize.block import Block
 from lagc.optimize.coefficients import Coefficients
@@ -14,6 +13,7 @@ from lagc.optimize.factors import factored, plan
 from lagc.optimize.lower import Lowering
 from lagc.optimize.preparation import FIXED, dependence
 from lagc.optimize.program import Function
+from lagc.semantics.model import Parameter
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import OPERATORS
 from lagc.symbolic.walk import reachable

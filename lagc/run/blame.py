@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from math import inf, isfinite
 
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.meaning.model import Body, Potential
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.run.begin import NoStart
 from lagc.run.start import Anchor
+from lagc.semantics.model import Body, Potential
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol

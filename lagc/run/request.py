@@ -242,7 +242,7 @@ def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> f
     elif number.unit is None:
         value = number.value
     else:
-        from lagc.meaning.units import UnknownUnit, to_si
+        from lagc.semantics.types.units import UnknownUnit, to_si
 
         try:
             value = to_si(number.value, number.unit, unit)

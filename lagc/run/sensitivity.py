@@ -11,7 +11,6 @@ import numpy as np
 
 from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass, field, replace
-from lagc.meaning.units import UnknownUnit, quotient
 from lagc.run.accuracy import longest_step
 from lagc.run.derivatives import Array, Point
 from lagc.run.problem import Options
@@ -21,6 +20,7 @@ from lagc.run.startslopes import start_slopes
 from lagc.run.truncation import SAFETY, is_tied
 from lagc.run.variation import FAINT, Followed, Variation
 from lagc.run.varied import Direction
+from lagc.semantics.types.units import UnknownUnit, quotient
 from lagc.symbolic.leaves import derived
 
 if TYPE_CHECKING:

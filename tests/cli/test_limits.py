@@ -39,7 +39,7 @@ end Spring;
 """
 STAGES = [  # where it is done, by which command, what it is called
     ("lagc.syntax.parse.parse", "check", "reading the model"),
-    ("lagc.meaning.resolve.resolve", "check", "finding what its names mean"),
+    ("lagc.semantics.resolve.resolve", "check", "finding what its names mean"),
     ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
     ("lagc.optimize.optimize.optimize", "check", "simplifying the equations"),
     ("lagc.view.equations.write", "equations", "writing the equations"),

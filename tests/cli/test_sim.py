@@ -309,7 +309,7 @@ def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     assert len(out.read_text().splitlines()) > 2
 
 
-@pytest.mark.parametrize("heavy", ["lark", "numpy", "sympy", "lagc.syntax.parse", "lagc.meaning.resolve"])
+@pytest.mark.parametrize("heavy", ["lark", "numpy", "sympy", "lagc.syntax.parse", "lagc.semantics.resolve"])
 def test_a_second_run_loads_no_stage_of_the_compiler(heavy: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert sim(PENDULUM, "-q") == 0
     program = (

@@ -6,7 +6,7 @@ import pytest
 
 from lagc.diagnostics.catalogue.syntax import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.resolve import resolve
+from lagc.semantics.resolve import resolve
 from lagc.syntax import tree
 from lagc.syntax.parse import parse, parse_recovering
 

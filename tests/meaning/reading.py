@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from lagc.diagnostics.faults import Source
-from lagc.meaning.model import Model
-from lagc.meaning.resolve import resolve
+from lagc.semantics.model import Model
+from lagc.semantics.resolve import resolve
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived

@@ -11,7 +11,7 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.meaning.variants import Variant, variants
+from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax import tree
 from lagc.syntax.parse import parse
 from lagc.view.explain import explanation

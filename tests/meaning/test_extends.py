@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.instantiate import Builder
-from lagc.meaning.scope import DEEPEST
-from lagc.meaning.variants import Variant, variants
+from lagc.semantics.instantiate import Builder
+from lagc.semantics.names.scope import DEEPEST
+from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax.parse import parse
 from tests.meaning.reading import read
 

@@ -11,9 +11,9 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.model import Model
-from lagc.meaning.namespace import Importer, Namespace
-from lagc.meaning.resolve import resolve
+from lagc.semantics.model import Model
+from lagc.semantics.names.namespace import Importer, Namespace
+from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 from tests.meaning.reading import output
 

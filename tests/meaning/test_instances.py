@@ -9,8 +9,8 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.resolve import resolve
-from lagc.meaning.variants import Variant, variants
+from lagc.semantics.resolve import resolve
+from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax.parse import parse
 from tests.meaning.reading import read, value
 

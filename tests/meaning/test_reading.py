@@ -19,7 +19,7 @@ from lagc.cli.main import main
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library as library
-from lagc.meaning.namespace import TOGETHER
+from lagc.semantics.names.namespace import TOGETHER
 
 POSIX = os.name == "posix"
 MAIN = """import "lib.lag";
@@ -243,7 +243,7 @@ def test_an_import_that_grows_after_it_was_compiled_is_refused(
 def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     reads: list[str] = []
     monkeypatch.setattr(
-        "lagc.meaning.namespace.content", lambda path: [reads.append(path), WHOLE.encode()][1]
+        "lagc.semantics.names.namespace.content", lambda path: [reads.append(path), WHOLE.encode()][1]
     )
     (tmp_path / "main.lag").write_text(MAIN)
     resolve(parse(library.read(str(tmp_path / "main.lag"))), Choice())

@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from lagc.checking import check
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.resolve import resolve
-from lagc.meaning.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
+from lagc.semantics.resolve import resolve
+from lagc.semantics.types.units import NONE, UnknownUnit, dimension, over, raised, si_text, times, to_si, unit
 from lagc.syntax.parse import parse
 
 

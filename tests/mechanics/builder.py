@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Source, Span
-from lagc.meaning.model import (
+from lagc.mechanics.formulation.states import quaternion_rate
+from lagc.semantics.model import (
     FIXED,
     UNSTATED,
     Action,
@@ -27,7 +28,6 @@ from lagc.meaning.model import (
     Statement,
     Torque,
 )
-from lagc.mechanics.formulation.states import quaternion_rate
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector, matmul, matvec, transpose

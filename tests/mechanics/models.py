@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from lagc.meaning.model import Model
+from lagc.semantics.model import Model
 from lagc.symbolic.vectors import add, cross, matvec, norm, sub
 from tests.mechanics.builder import Builder
 

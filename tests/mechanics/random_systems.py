@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from lagc.meaning.model import Model
 from lagc.mechanics.formulation.states import rate_symbols
+from lagc.semantics.model import Model
 from lagc.symbolic.graph import Node
 from tests.mechanics.builder import Builder
 

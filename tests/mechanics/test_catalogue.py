@@ -10,9 +10,9 @@ import pytest
 import lagc.mechanics
 from lagc.diagnostics.catalogue.mechanics import ENTRIES
 from lagc.diagnostics.faults import Refused, Source
-from lagc.meaning.resolve import resolve
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.semantics.resolve import resolve
 from lagc.syntax.parse import parse
 
 

@@ -10,7 +10,6 @@ import pytest
 from lagc.checking import check
 from lagc.compiler import Choice, parse, resolve
 from lagc.diagnostics.faults import Source
-from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation import jacobian as module
 from lagc.mechanics.formulation.jacobian import Entries, formed_of
@@ -18,6 +17,7 @@ from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.lint import sections
 from lagc.mechanics.redundancy.redundancy import dependent_rows
 from lagc.mechanics.redundancy.row_reduction import tables
+from lagc.semantics.model import Model
 from lagc.symbolic import jacobians as slopes
 from tests.mechanics.numbers import jacobian, random_state, vector
 from tests.mechanics.random_systems import model, random_system

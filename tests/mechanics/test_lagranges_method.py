@@ -9,8 +9,8 @@ import pytest
 import sympy
 from sympy.physics import mechanics
 
-from lagc.meaning.model import Coordinate, Force, Model, Potential
 from lagc.mechanics.derive import derive
+from lagc.semantics.model import Coordinate, Force, Model, Potential
 from lagc.symbolic.sympy import to_sympy
 from tests.mechanics.models import ALL
 from tests.mechanics.numbers import jacobian, mass_matrix, random_state, vector

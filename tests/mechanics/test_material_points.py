@@ -13,11 +13,11 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Source
-from lagc.meaning.model import Body, Coordinate, Model
-from lagc.meaning.resolve import resolve
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.lint import load_direction as opposing
+from lagc.semantics.model import Body, Coordinate, Model
+from lagc.semantics.resolve import resolve
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector

@@ -11,7 +11,6 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from lagc.meaning.model import Frame
 from lagc.mechanics.analysis.analysis import Analysis, analyse
 from lagc.mechanics.analysis.mobility import mobility
 from lagc.mechanics.derive import derive
@@ -19,6 +18,7 @@ from lagc.mechanics.formulation.constraints import classify
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
+from lagc.semantics.model import Frame
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add, matmul, matvec, sub, transpose

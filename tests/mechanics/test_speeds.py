@@ -6,9 +6,9 @@ import random
 
 import pytest
 
-from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.states import build_states
+from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from tests.mechanics.builder import Builder

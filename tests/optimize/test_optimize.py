@@ -14,10 +14,10 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Refused, Source, Span
-from lagc.meaning.model import Model
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
 from lagc.optimize.program import Program
+from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from tests.mechanics import models

@@ -15,7 +15,7 @@ from typing import Any
 
 import mpmath
 
-from lagc.meaning.model import (
+from lagc.semantics.model import (
     Coordinate,
     Dissipation,
     Force,

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.meaning.model import Coordinate, Model
-from lagc.meaning.resolve import resolve
-from lagc.meaning.variants import variants
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.semantics.model import Coordinate, Model
+from lagc.semantics.resolve import resolve
+from lagc.semantics.scenes.variants import variants
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.syntax.parse import parse

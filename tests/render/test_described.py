@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 
 from lagc.kernels import METHODS, statuses
-from lagc.meaning import model
 from lagc.optimize import derivatives
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import codes, members
@@ -22,6 +21,7 @@ from lagc.render.numpy.support import slices
 from lagc.render.numpy.support.base import Options
 from lagc.run import conditions
 from lagc.run.backends.c import _head_type, _Options, _state_type
+from lagc.semantics import model
 from tests.render.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -11,13 +11,14 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.meaning import bodies, evaluate
-from lagc.meaning.units import Dimension, Unit, unit
-from lagc.meaning.values import Array, Scalar, Value
 from lagc.optimize.program import Program
 from lagc.run.backends.c import CModel
 from lagc.run.backends.numpy import NumpyModel
 from lagc.run.problem import System
+from lagc.semantics.declarations import bodies
+from lagc.semantics.names.values import Array, Scalar, Value
+from lagc.semantics.types.units import Dimension, Unit, unit
+from lagc.semantics.values import evaluate
 
 Factors = tuple[Fraction, Fraction, Fraction]  # of kg, m, s
 

@@ -22,9 +22,9 @@ from mpmath import mp, mpf
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from lagc.meaning.units import quotient
 from lagc.run.sensitivity import _doubts
 from lagc.run.variation import Followed
+from lagc.semantics.types.units import quotient
 from tests.run import switched
 
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -21,10 +21,10 @@ from lagc import checking, compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
-from lagc.meaning.context import MOST_FAULTS
-from lagc.meaning.instantiate import Builder
 from lagc.optimize.factors import factored, plan
 from lagc.run.trial import try_start
+from lagc.semantics.context import MOST_FAULTS
+from lagc.semantics.instantiate import Builder
 from lagc.symbolic.graph import Graph, Node
 from lagc.syntax.formatter.format import format_source
 

@@ -10,11 +10,11 @@ from pathlib import Path
 import pytest
 
 from lagc.diagnostics.faults import Source
-from lagc.meaning.resolve import resolve
-from lagc.meaning.variants import Variant, variants
 from lagc.mechanics.derive import derive
 from lagc.optimize.optimize import optimize
 from lagc.render.c.render import render
+from lagc.semantics.resolve import resolve
+from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax.parse import parse
 
 MODELS = Path(__file__).resolve().parents[2] / "models"

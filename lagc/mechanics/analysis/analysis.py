@@ -11,7 +11,6 @@ from collections.abc import Mapping, Sequence
 from itertools import chain
 
 from lagc.base.records import dataclass, replace
-from lagc.meaning.model import Coordinate, Lagrangian, Potential
 from lagc.mechanics.analysis.integrability import Integrable, integrable_rows
 from lagc.mechanics.analysis.mobility import Mobility, mobility
 from lagc.mechanics.analysis.pfaffian_forms import rate_coefficients
@@ -26,6 +25,7 @@ from lagc.mechanics.identities.constraint_manifold import Consistent, onto, walk
 from lagc.mechanics.identities.sampling_domains import LARGEST, along, anywhere, far_away, on_rows
 from lagc.mechanics.identities.zero_test import Judge
 from lagc.mechanics.numeric.samples import samples
+from lagc.semantics.model import Coordinate, Lagrangian, Potential
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol

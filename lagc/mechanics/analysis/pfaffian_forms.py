@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Coordinate
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States, quaternion_rate, rate_symbols
 from lagc.mechanics.numeric.piecewise_branches import spelt_out
+from lagc.semantics.model import Coordinate
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import substitute, symbols

@@ -11,10 +11,10 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.mechanics.formulation.equations import Contribution
 from lagc.mechanics.formulation.jacobian import gradients, opposite, weighted
 from lagc.mechanics.formulation.states import States
+from lagc.semantics.model import Action, Dissipation, Force, Lagrangian, Potential, Torque
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import scale

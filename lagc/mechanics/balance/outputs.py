@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.meaning.model import Body, Output
 from lagc.mechanics.balance.energy import Energies
 from lagc.mechanics.balance.generalized_forces import Acting
 from lagc.mechanics.formulation.equations import OutputEquation
 from lagc.mechanics.formulation.euler_lagrange import FreeTerms
 from lagc.mechanics.formulation.mass_matrix import Moving
 from lagc.mechanics.formulation.states import States, rate_symbols
+from lagc.semantics.model import Body, Output
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import QUANTITIES, Symbol

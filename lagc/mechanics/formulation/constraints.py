@@ -12,10 +12,10 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.meaning.model import Constraint
 from lagc.mechanics.formulation.equations import Law, Level, Mode, Relation, Row
 from lagc.mechanics.formulation.jacobian import formed_of, gradients
 from lagc.mechanics.formulation.states import States
+from lagc.semantics.model import Constraint
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.text import text

@@ -16,9 +16,9 @@ from functools import cached_property
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.meaning.model import FIXED, Model, Statement, When
 from lagc.mechanics.formulation.jacobian import formed_of
 from lagc.mechanics.formulation.mass_matrix import Inertia, Moving, inertial_forces
+from lagc.semantics.model import FIXED, Model, Statement, When
 from lagc.symbolic.derivative import gradient, seeds
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import symbols

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.meaning.model import Coordinate, Lagrangian, Model
 from lagc.mechanics.formulation.states import States, position_symbols, quaternion_rate
+from lagc.semantics.model import Coordinate, Lagrangian, Model
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import cross

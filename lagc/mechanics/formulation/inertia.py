@@ -17,9 +17,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.meaning.model import Body
 from lagc.mechanics.formulation.mass_matrix import Moving, triples
 from lagc.mechanics.formulation.states import States
+from lagc.semantics.model import Body
 from lagc.symbolic.derivative import seeds, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Matrix, Vector, add, cross

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Body
+from lagc.semantics.model import Body
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector, matvec, scale

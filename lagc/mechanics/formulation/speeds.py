@@ -13,8 +13,8 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.meaning.model import Model, Speed
 from lagc.mechanics.numeric.samples import samples
+from lagc.semantics.model import Model, Speed
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import cached_property
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import UNSTATED, Coordinate, Model, Orientation, Statement
 from lagc.mechanics.formulation.equations import StartValue, StatedRate
 from lagc.mechanics.formulation.speeds import choose_speeds
+from lagc.semantics.model import UNSTATED, Coordinate, Model, Orientation, Statement
 from lagc.symbolic.derivative import gradient, seeds
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import Interval

@@ -11,12 +11,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import UNSTATED
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
 from lagc.mechanics.numeric.dense_linear import Span, dimension, least_norm
 from lagc.mechanics.numeric.samples import Chance, samples, unit_sizes
+from lagc.semantics.model import UNSTATED
 from lagc.symbolic.derivative import gradient
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

@@ -13,9 +13,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Model
 from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.mechanics.numeric.piecewise_branches import Branches, Signs, spelt_out
+from lagc.semantics.model import Model
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import reachable
 from lagc.symbolic.zero_test.finite_field import WRITTEN, Point, Undefined, has_root

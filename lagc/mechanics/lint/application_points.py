@@ -12,7 +12,6 @@ from collections.abc import Iterator, Sequence
 from itertools import chain
 
 from lagc.diagnostics.faults import Fault
-from lagc.meaning.model import Body, Force, Frame
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.lint.random_motions import (
@@ -25,6 +24,7 @@ from lagc.mechanics.lint.random_motions import (
     turned,
     values,
 )
+from lagc.semantics.model import Body, Force, Frame
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, cross, sub

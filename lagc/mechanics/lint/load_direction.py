@@ -13,7 +13,6 @@ from itertools import chain, combinations, groupby, islice
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
-from lagc.meaning.model import Force, Frame, Model, Parameter, Torque
 from lagc.mechanics.formulation.equations import Contribution, Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.lint.dissipation_sign import takes
@@ -30,6 +29,7 @@ from lagc.mechanics.lint.random_motions import (
     values,
 )
 from lagc.mechanics.numeric.cancellation import VANISHES
+from lagc.semantics.model import Force, Frame, Model, Parameter, Torque
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import Vector, add, cross, dot, sub
 from lagc.symbolic.walk import depends, symbols

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Frame
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.semantics.model import Frame
 from lagc.symbolic.evaluate import evaluate, extend
 from lagc.symbolic.graph import Node
 from lagc.symbolic.vectors import dot, sub

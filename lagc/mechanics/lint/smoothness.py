@@ -14,11 +14,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 
 from lagc.diagnostics.faults import Fault, Refused, Span
-from lagc.meaning.model import Body, Constraint, Lagrangian, Potential
 from lagc.mechanics.formulation.states import States
 from lagc.mechanics.lint.discontinuities import Break, Ranks, Way, find_break, ranked
 from lagc.mechanics.lint.outlines import Outlines
 from lagc.mechanics.lint.tips import find_tip
+from lagc.semantics.model import Body, Constraint, Lagrangian, Potential
 from lagc.symbolic.graph import Node
 
 _ANGLE = "let the angle be a coordinate `a`, with `y*cos(a) = x*sin(a)`"

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from lagc.base.records import dataclass
-from lagc.meaning.model import Coordinate, Model, Parameter
+from lagc.semantics.model import Coordinate, Model, Parameter
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 

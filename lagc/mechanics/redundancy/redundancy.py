@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.meaning.model import Output
 from lagc.mechanics.formulation.constraints import Classified
 from lagc.mechanics.formulation.equations import Row
 from lagc.mechanics.formulation.states import States
@@ -22,6 +21,7 @@ from lagc.mechanics.identities.constraint_manifold import onto
 from lagc.mechanics.numeric.cancellation import VANISHES, magnitudes
 from lagc.mechanics.numeric.samples import samples
 from lagc.mechanics.redundancy.row_reduction import Reduced, tables
+from lagc.semantics.model import Output
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import CHOICE, CORNER, STEP, smooth_as
 from lagc.symbolic.walk import reachable, symbols

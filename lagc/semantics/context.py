@@ -1,0 +1,192 @@
+"""What the resolution of one model shares: its graph, its clock, its faults and the choices made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Sequence
+from typing import TYPE_CHECKING, Any
+
+from lagc.base.records import dataclass, replace
+from lagc.diagnostics.faults import Fault, Refused, Span
+from lagc.semantics.model import Frame, Table
+from lagc.semantics.names.effects import Uses
+from lagc.semantics.names.namespace import Importer
+from lagc.semantics.names.scope import LARGEST, Entry, Environment
+from lagc.semantics.names.values import Poisoned, Value, Wrong
+from lagc.semantics.time_derivatives import Clock
+from lagc.symbolic.graph import Graph, Node
+from lagc.symbolic.vectors import Matrix, Vector
+from lagc.syntax import tree
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Points = tuple[Sequence[float], Sequence[float], str]
+
+MOST_FAULTS = 200
+MOST_CALLERS = 3  # calls, the innermost first, that a fault within a function shows
+DEEPEST_CHAIN = 1000  # declarations, each found while another waits for it
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A value for `owner` or a rate of it: an `expression`, of a scene or the command; or of the command a
+    `number`, in `unit`, SI where None, or `points` of time and value in SI with the way through them."""
+
+    owner: str
+    expression: tree.Expression | None = None
+    environment: Environment | None = None
+    number: float = 0.0
+    unit: str | None = None
+    points: Points | None = None
+    span: Span | None = None
+
+
+class Context:
+    """`parameters` and `starts` are the values given from outside a model, by full name; each that
+    is used is noted in `taken`.  `declare` finds the value of a declaration, `how` that of each kind of
+    expression."""
+
+    def __init__(
+        self,
+        importer: Importer,
+        uses: Uses,
+        declare: Callable[[Context, Entry], Value],
+        how: Mapping[type, Callable[..., Value]],
+    ):
+        self.graph = Graph()
+        self.clock = Clock(self.graph)
+        self.time: Node = self.graph.symbol("time", "time")
+        self.clock.runs(self.time, self.graph.one)
+        self.world = _world(self.graph)
+        self.components: dict[tuple[Matrix, Vector], Vector] = {}  # of vectors, in the axes of frames
+        self.turns: dict[Matrix, tuple[Matrix, Matrix]] = {}  # of axes, those that were turned, and how
+        self.importer = importer
+        self.uses = uses
+        self.parameters: dict[str, Given] = {}
+        self.starts: dict[str, Given] = {}
+        self.taken: set[str] = set()
+        self.effects: dict[str, tree.Effect] = {}  # by full name
+        self.mentioned: list[
+            tuple[tree.Name, str]
+        ] = []  # effects named by `unless`, with the instance's path
+        self.mentioned_velocities: list[tuple[Vector, Span]] = []  # of points and frames, since last emptied
+        self.conditions: list[tuple[tree.Condition, Environment]] = []
+        self.whens: list[tuple[tree.When, Environment, str | None]] = []
+        self.curves: dict[str, Table] = {}  # by name
+        self.fields: dict[tuple[str, tuple[object, ...]], Entry] = {}  # of gravity, by body and direction
+        self.built_in: list[str] = []  # parameters that a run cannot change
+        self.faults: list[Fault] = []
+        self.warnings: dict[tuple[Span, Span], Fault] = {}  # one of each pair of places
+        self._reported: set[tuple[str, Span | None, str]] = set()
+        self.count = 0
+        self.depth = 0  # declarations that wait for one another
+        self.callers: list[Span] = []  # of functions within functions
+        self.all_calls = 0
+        self.called: set[int] = set()  # functions, by identity
+        self.results: dict[tuple[str, int, tuple[Value, ...]], Value] = {}  # of functions
+        self.constants: dict[tuple[int, str], Value] = {}  # of files and packages
+        self.running: set[tuple[int, str]] = set()
+        self._declare = declare
+        self.how = how
+
+    def report(self, wrong: Wrong) -> None:
+        fault = wrong.fault
+        key = (fault.code, fault.span, fault.message)
+        if len(self.faults) >= MOST_FAULTS or key in self._reported:
+            return
+        self._reported.add(key)
+        if self.callers and fault.span is not None:
+            calls = [(span, "called here") for span in self.callers[: -MOST_CALLERS - 1 : -1]]
+            fault = replace(fault, related=(*fault.related, *calls))
+        self.faults.append(fault)
+
+    def attempt(self, job: Callable[..., object], *arguments: Any) -> bool:
+        """Call `job`; False where it is at fault, which is reported, or where there are enough faults."""
+        if len(self.faults) >= MOST_FAULTS:
+            return False
+        try:
+            job(*arguments)
+        except Wrong as wrong:
+            self.report(wrong)
+            return False
+        except Poisoned:
+            return False
+        return True
+
+    def look(self, job: Callable[[], object], codes: Container[str]) -> None:
+        """Do something for the sake of its faults, of which those of `codes` are kept."""
+        before, self.faults = self.faults, []
+        self.attempt(job)
+        self.faults = before + [fault for fault in self.faults if fault.code in codes]
+
+    def grow(self, span: Span) -> None:
+        """One more declaration.  Raises Wrong where there are too many."""
+        self.count += 1
+        if self.count > LARGEST:
+            raise Wrong(
+                "LAG0218", f"the model has more than {LARGEST} declarations and values by number", span
+            )
+
+    def value(self, entry: Entry, span: Span) -> Value:
+        """The value of a declaration, found when it is first asked for.
+
+        `span` is the place that asks.  Raises Wrong where the declaration needs itself, Poisoned
+        where its own fault has been reported.
+        """
+        if entry.state == "done" and entry.value is not None:
+            return entry.value
+        if entry.state == "poisoned":
+            raise Poisoned
+        if entry.state == "running":
+            raise Wrong(
+                "LAG0205",
+                f"`{entry.path}` depends on itself",
+                span,
+                related=((entry.span, "declared here"),),
+                remedy="break the circle: one of its members must be given by something else",
+            )
+        if self.depth >= DEEPEST_CHAIN:
+            raise Wrong(
+                "LAG0218",
+                f"more than {DEEPEST_CHAIN} declarations wait for one another",
+                span,
+                "declare what others depend on before them",
+            )
+        entry.state = "running"
+        self.depth += 1
+        try:
+            entry.value = self._declare(self, entry)
+        except Wrong as wrong:
+            self.report(wrong)
+            entry.state = "poisoned"
+            raise Poisoned from None
+        except Poisoned:
+            entry.state = "poisoned"
+            raise
+        finally:
+            self.depth -= 1
+        entry.state = "done"
+        return entry.value
+
+    def give(self, table: Mapping[str, Given], name: str) -> Given | None:
+        """What `table` holds for `name`; it is then counted as used."""
+        found = table.get(name)
+        if found is not None:
+            self.taken.add(name)
+        return found
+
+    def refuse_faults(self) -> None:
+        """Raise Refused where any fault has been found."""
+        for wrong in self.importer.faults:
+            self.report(wrong)
+        faults = list(self.faults)
+        for refused in self.importer.refused:
+            faults.extend(refused.faults)
+        if any(f.severity == "error" for f in faults):
+            raise Refused(list(dict.fromkeys(faults)))
+
+
+def _world(graph: Graph) -> Frame:
+    one, zero = graph.one, graph.zero
+    axes, still = ((one, zero, zero), (zero, one, zero), (zero, zero, one)), (zero, zero, zero)
+    return Frame("world", "", axes, still, still, None)

@@ -1,0 +1,1 @@
+"""The declarations of a model: quantities, bodies, orientations, actions, events."""

@@ -1,0 +1,317 @@
+"""Frames, points, given actions and constraints."""
+
+from __future__ import annotations
+
+from lagc.base.records import replace
+from lagc.diagnostics.faults import Span
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context
+from lagc.semantics.declarations.attributes import no_rates
+from lagc.semantics.model import Body, Frame
+from lagc.semantics.names.scope import Entry, Environment
+from lagc.semantics.names.values import (
+    Array,
+    Scalar,
+    Thing,
+    Value,
+    Wrong,
+    expect,
+    kind,
+    scalar_of,
+    vector_of,
+    vector_value,
+)
+from lagc.semantics.time_derivatives import LATE, VELOCITY
+from lagc.semantics.types.types import describe
+from lagc.semantics.types.units import ENERGY, FORCE, NONE, POWER, Dimension, M, si_text
+from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import Argument
+from lagc.semantics.values.kinematics import material_velocity, velocity_of
+from lagc.semantics.values.unit_hints import expect_of, unit_remedy
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Vector, sub
+from lagc.syntax import tree
+
+
+def _written(entry: Entry) -> tree.Construct:
+    assert isinstance(entry.source, tree.Construct)
+    _no_modifiers(entry)
+    return entry.source
+
+
+def _no_modifiers(entry: Entry) -> None:
+    for modifier in entry.modifiers:
+        raise Wrong(
+            "LAG0209",
+            f"the {entry.kind} `{entry.name}` cannot be modified from outside",
+            modifier.argument.span,
+            "modify the parameters that it is made of",
+        )
+
+
+def _timely(context: Context, node: Node, span: Span, what: str) -> None:
+    if context.clock.mask(node) & LATE:
+        raise Wrong(
+            "LAG0219",
+            f"{what} depends on an acceleration, a reaction or an energy of the run, which are "
+            "known once the equations are solved",
+            span,
+            "use these in outputs",
+        )
+
+
+def declare_frame(context: Context, entry: Entry) -> Value:
+    source = _written(entry)
+    value = evaluate(context, source.value, entry.environment)
+    if not isinstance(value, Frame):
+        raise Wrong(
+            "LAG0221", f"a frame is `rotate(...)` of another, this is {kind(value)}", source.value.span
+        )
+    for row in value.axes:
+        for node in row:
+            no_rates(context, node, source.value.span, "a frame")
+            _timely(context, node, source.value.span, "a frame")
+    frame = replace(value, name=entry.path, span=entry.span, effect=entry.effect)
+    entry.nouns.append(frame)
+    return frame
+
+
+def declare_point(context: Context, entry: Entry) -> Value:
+    source = _written(entry)
+    value = evaluate_as(context, source.value, entry.environment, M)
+    vector, found = vector_of(value, source.value.span, "a point")
+    expect(found, M, source.value.span, "a point")
+    for node in vector:
+        no_rates(context, node, source.value.span, "a point")
+        _timely(context, node, source.value.span, "a point")
+    entry.nouns.append(nouns.Point(entry.path, vector, entry.span, entry.effect))
+    return vector_value(vector, M)
+
+
+def _energy_like(context: Context, entry: Entry, meant: Dimension) -> tuple[Node, Span]:
+    source = _written(entry)
+    span = source.value.span
+    scalar = scalar_of(
+        evaluate_as(context, source.value, entry.environment, meant), span, f"the {entry.kind} `{entry.name}`"
+    )
+    expect_of(source.value, scalar.dimension, meant, f"the {entry.kind} `{entry.name}`", describe(meant))
+    _timely(context, scalar.node, span, f"a {entry.kind}")
+    return scalar.node, span
+
+
+def declare_potential(context: Context, entry: Entry) -> Value:
+    node, span = _energy_like(context, entry, ENERGY)
+    if context.clock.mask(node) & VELOCITY:
+        raise Wrong(
+            "LAG0313",
+            "a potential depends on no rate",
+            span,
+            "a term of the Lagrangian with rates is `lagrangian L = ...;`",
+        )
+    entry.nouns.append(nouns.Potential(entry.path, node, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_free_term(context: Context, entry: Entry) -> Value:
+    """`lagrangian` and `kinetic`."""
+    node, _ = _energy_like(context, entry, ENERGY)
+    entry.nouns.append(nouns.Lagrangian(entry.path, node, entry.kind == "kinetic", entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_dissipation(context: Context, entry: Entry) -> Value:
+    node, _ = _energy_like(context, entry, POWER)
+    entry.nouns.append(nouns.Dissipation(entry.path, node, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def declare_load(context: Context, entry: Entry) -> Value:
+    """`force F = vector on body at point` and `torque M = vector on body from other`."""
+    source = entry.source
+    assert isinstance(source, tree.Load)
+    _no_modifiers(entry)
+    is_force = source.kind == "force"
+    meant = FORCE if is_force else ENERGY
+    context.mentioned_velocities = []
+    written = [(source.value, meant), (source.target, M)]
+    written += [(part, M) for part in (source.body, source.reaction) if part is not None]
+    value, target, *others = each(
+        context, lambda part: evaluate_as(context, part[0], entry.environment, part[1]), written
+    )
+    body = others.pop(0) if source.body is not None else None
+    reaction = others.pop(0) if source.reaction is not None else None
+    mentioned = tuple(context.mentioned_velocities)
+    place = Argument(target, source.target.span)
+
+    def load() -> Vector:
+        vector, found = vector_of(value, source.value.span, f"a {source.kind}")
+        named = "Force [N]" if is_force else "Torque [N.m]"
+        expect_of(source.value, found, meant, f"the {source.kind} `{entry.name}`", named)
+        for node in vector:
+            _timely(context, node, source.value.span, f"a {source.kind}")
+        return vector
+
+    if is_force:
+        vector, (velocity, at) = both(
+            context, load, lambda: _where_applied(context, source, place, body, reaction)
+        )
+        entry.nouns.append(
+            nouns.Force(
+                entry.path, vector, velocity, entry.span, entry.effect, source.target.span, mentioned, at
+            )
+        )
+    else:
+        vector, (frame, opposite) = both(context, load, lambda: _frames(source, target, reaction))
+        entry.nouns.append(
+            nouns.Torque(
+                entry.path, vector, frame, opposite, entry.span, entry.effect, source.target.span, mentioned
+            )
+        )
+    return Thing(entry)
+
+
+def _where_applied(
+    context: Context, source: tree.Load, place: Argument, body: Value | None, reaction: Value | None
+) -> tuple[Vector, Vector | None]:
+    """The velocity on which a force acts, and its point where that is one without a body.
+
+    With `from` it is the velocity relative to the material point of the other body.
+    """
+    if body is None or source.body is None:
+        if source.reaction is not None:
+            raise Wrong(
+                "LAG0221",
+                "`from` belongs to a torque, or to a force `on` a body",
+                source.reaction.span,
+                "write `on body at point from other`; any other opposite force is another `force`",
+            )
+        at = None if isinstance(place.value, Body) else vector_of(place.value, place.span, "a point")[0]
+        return velocity_of(context, place, None), at
+    velocity = material_velocity(context, Argument(body, source.body.span), place)
+    if reaction is None or source.reaction is None:
+        return velocity, None
+    other = material_velocity(context, Argument(reaction, source.reaction.span), place)
+    return sub(velocity, other), None
+
+
+def _frames(source: tree.Load, target: Value, reaction: Value | None) -> tuple[Frame, Frame | None]:
+    """Those on which a torque and its opposite act."""
+    opposite = _frame_of(reaction, source.reaction) if reaction and source.reaction else None
+    return _frame_of(target, source.target), opposite
+
+
+def _frame_of(value: Value, written: tree.Expression) -> Frame:
+    if isinstance(value, Frame):
+        return value
+    if isinstance(value, Body) and value.frame is not None:
+        return value.frame
+    raise Wrong(
+        "LAG0221",
+        f"a torque acts on a solid or a frame, this is {kind(value)}"
+        + (" without a frame" if isinstance(value, Body) else ""),
+        written.span,
+    )
+
+
+def declare_constraint(context: Context, entry: Entry) -> Value:
+    """The rows lhs - rhs of an equality, those that say nothing left out."""
+    source = entry.source
+    assert isinstance(source, tree.Constraint)
+    _no_modifiers(entry)
+    if source.relation != "=":
+        raise Wrong(
+            "LAG0220",
+            f"constraints with `{source.relation}` are part of the language, but not yet of this version",
+            source.relation_span,
+        )
+    if source.arguments:
+        raise Wrong("LAG0209", "an equality takes no further data", source.arguments[0].span)
+    left, right = all_values(context, [source.left, source.right], entry.environment)
+    differences = _residuals(left, right, source)
+    entry.size = None if isinstance(left, Scalar) else len(differences)
+    labels: list[str] = []
+    rows: list[Node] = []
+    units: list[str] = []
+    for k, (node, found) in enumerate(differences):
+        _timely(context, node, source.left.span.to(source.right.span), "a constraint")
+        if not node.is_zero:
+            labels.append(entry.path if entry.size is None else f"{entry.path}[{k + 1}]")
+            rows.append(node)
+            units.append(si_text(found or NONE))
+    entry.nouns.append(
+        nouns.Constraint(
+            entry.path,
+            tuple(labels),
+            tuple(rows),
+            tuple(units),
+            entry.span,
+            source.left,
+            source.right,
+            entry.effect,
+        )
+    )
+    return Thing(entry)
+
+
+def _residuals(
+    left: Value, right: Value, source: tree.Constraint | tree.Condition
+) -> list[tuple[Node, Dimension | None]]:
+    """left - right, component by component.  Raises Wrong."""
+    for value, side in ((left, source.left), (right, source.right)):
+        if not isinstance(value, Scalar | Array | Body):
+            raise Wrong(
+                "LAG0307", f"an equality is between numbers or vectors, this is {kind(value)}", side.span
+            )
+    if isinstance(left, Scalar) and isinstance(right, Scalar):
+        pairs = [(left, right)]
+    elif isinstance(left, Array) and isinstance(right, Array) and len(left.elements) == len(right.elements):
+        pairs = []
+        for a, b in zip(left.elements, right.elements):
+            pairs.append(
+                (
+                    scalar_of(a, source.left.span, "a component"),
+                    scalar_of(b, source.right.span, "a component"),
+                )
+            )
+    else:
+        message = f"the two sides differ in shape: {kind(left)} and {kind(right)}"
+        raise Wrong("LAG0306", message, source.relation_span, _zeros(left, right))
+    found: list[tuple[Node, Dimension | None]] = []
+    for a, b in pairs:
+        if a.dimension is not None and b.dimension is not None and a.dimension != b.dimension:
+            message = (
+                f"the two sides differ in dimension: {describe(a.dimension)} and {describe(b.dimension)}"
+            )
+            raise Wrong(
+                "LAG0301",
+                message,
+                source.relation_span,
+                unit_remedy(source.left, b.dimension) or unit_remedy(source.right, a.dimension),
+                related=(
+                    (source.left.span, describe(a.dimension)),
+                    (source.right.span, describe(b.dimension)),
+                ),
+            )
+        found.append((a.node - b.node, a.dimension or b.dimension))
+    return found
+
+
+def _zeros(left: Value, right: Value) -> str | None:
+    """The remedy where a bare 0 stands beside an array."""
+    for zero, array in ((left, right), (right, left)):
+        if isinstance(array, Array) and isinstance(zero, Scalar) and zero.node.is_zero:
+            return f"write `{{{', '.join('0' * len(array.elements))}}}` in place of `0`"
+    return None
+
+
+def condition(
+    context: Context, written: tree.Condition, environment: Environment
+) -> list[nouns.InitialCondition]:
+    """The scalar conditions of one line of an `initial` section.  Raises Wrong."""
+    left, right = all_values(context, [written.left, written.right], environment)
+    found: list[nouns.InitialCondition] = []
+    for node, _ in _residuals(left, right, written):
+        _timely(context, node, written.left.span.to(written.right.span), "an initial condition")
+        if not node.is_zero:
+            found.append(nouns.InitialCondition(node, written.span))
+    return found

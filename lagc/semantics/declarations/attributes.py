@@ -1,0 +1,245 @@
+"""What is written about a declaration: modifications, attributes, values for its elements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics.context import Context, Given
+from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
+from lagc.semantics.names.scope import Entry, Modifier
+from lagc.semantics.names.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
+from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
+from lagc.semantics.types.units import Dimension, UnknownUnit, unit
+from lagc.semantics.values.evaluate import evaluate, evaluate_as
+from lagc.semantics.values.tables import over_time
+from lagc.symbolic.graph import Node
+from lagc.syntax import tree
+
+
+def attributes_of(context: Context, entry: Entry, known: Sequence[str]) -> dict[str, Modifier]:
+    """What the modifications of a declaration and the declaration itself say, the outermost counts.
+
+    What is not `known` is reported.
+    """
+    source = entry.source
+    assert isinstance(source, tree.Declarator)
+    own = [Modifier(a, entry.environment) for a in source.arguments]
+    outer = [Modifier(a, m.environment, m.index) for m in entry.modifiers for a in m.argument.arguments]
+    found: dict[str, Modifier] = {}
+    first: dict[str | None, Span] = {}
+    for modifier in own:
+        argument = modifier.argument
+        if argument.name in first:
+            related = ((first[argument.name], "first here"),)
+            context.report(
+                Wrong("LAG0209", f"`{argument.name}` is given twice", argument.span, related=related)
+            )
+        first.setdefault(argument.name, argument.span)
+    for modifier in [*outer, *own]:
+        argument = modifier.argument
+        if argument.name is None:
+            context.report(
+                Wrong("LAG0209", "what is said about a quantity has a name: `start = 0`", argument.span)
+            )
+        elif argument.name not in known:
+            context.report(
+                Wrong(
+                    "LAG0209",
+                    f"a {entry.kind} has no `{argument.name}`",
+                    argument.name_span or argument.span,
+                    did_you_mean(argument.name, known) or _has(entry.kind, known),
+                )
+            )
+        elif argument.value is None or argument.arguments:
+            context.report(Wrong("LAG0210", f"`{argument.name}` needs a value", argument.span))
+        else:
+            found.setdefault(argument.name, modifier)
+    return found
+
+
+def _has(kind_: str, known: Sequence[str]) -> str | None:
+    return f"a {kind_} has {', '.join(known)}" if known else None
+
+
+def written_value(entry: Entry) -> Modifier | None:
+    """The value that counts: the outermost modification's, else the declaration's."""
+    for modifier in entry.modifiers:
+        if modifier.argument.value is not None:
+            return modifier
+    source = entry.source
+    assert isinstance(source, tree.Declarator)
+    if source.value is None:
+        return None
+    return Modifier(tree.Argument(None, None, source.value, source.value.span), entry.environment)
+
+
+def no_value(entry: Entry) -> None:
+    """Raises Wrong where a coordinate is given a value."""
+    modifier = written_value(entry)
+    if modifier is not None and modifier.argument.value is not None:
+        raise Wrong(
+            "LAG0209",
+            "a coordinate is unknown, it has no value",
+            modifier.argument.value.span,
+            "give its value at the start: `(start = ...)`",
+        )
+
+
+def elements(
+    context: Context, modifier: Modifier, sizes: list[int], dimension: Dimension, what: str
+) -> list[Scalar]:
+    """One scalar an element: of an array of that shape, or one value for all.  Raises Wrong."""
+    expression = modifier.argument.value
+    assert expression is not None
+    value = evaluate_as(context, expression, modifier.environment, dimension)
+    value = own_part(value, modifier, sizes, what)
+    count = math.prod(sizes)
+    if isinstance(value, Scalar):
+        found = [value] * count
+    elif not sizes:
+        raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", expression.span)
+    else:
+        found = flat(value, expression.span, what)
+        _as_many(value, sizes, expression.span, what)
+    for scalar in found:
+        expect(scalar.dimension, dimension, expression.span, what)
+    return found
+
+
+def own_part(value: Value, modifier: Modifier, sizes: list[int], what: str) -> Value:
+    """Of a value that has more dimensions than `sizes`, what belongs to the instance of the modifier."""
+    if modifier.index and len(shape(value)) >= len(modifier.index) + len(sizes):
+        for number in modifier.index:
+            if not isinstance(value, Array) or not 1 <= number <= len(value.elements):
+                assert modifier.argument.value is not None
+                span = modifier.argument.value.span
+                raise Wrong("LAG0306", f"{what} has fewer elements than there are instances", span)
+            value = value.elements[number - 1]
+    return value
+
+
+def _as_many(value: Value, sizes: list[int], span: Span, what: str) -> None:
+    if shape(value) != sizes:
+        shown = " x ".join(str(n) for n in sizes)
+        raise Wrong("LAG0306", f"{what} has {shown} elements, this has {math.prod(shape(value))}", span)
+
+
+def shaped(scalars: list[Scalar], sizes: list[int]) -> Value:
+    """The scalars (rows first) as a number or an array."""
+    if not sizes:
+        return scalars[0]
+    step = len(scalars) // sizes[0] if sizes[0] else 0
+    return Array(tuple([shaped(scalars[k * step : (k + 1) * step], sizes[1:]) for k in range(sizes[0])]))
+
+
+def still(context: Context, node: Node, span: Span, what: str) -> None:
+    """Raises Wrong where `node` moves: it must be made of parameters alone."""
+    if context.clock.mask(node) & (MOVING | LATE):
+        raise Wrong("LAG0311", f"{what} depends on the motion, it may depend on parameters only", span)
+
+
+def given_elements(
+    context: Context, given: Given, sizes: list[int], dimension: Dimension, what: str
+) -> list[Scalar]:
+    """A value for all elements, or an array of their values, from a scene or the command.  Raises Wrong."""
+    if given.expression is None or given.environment is None:
+        return [given_scalar(context, given, dimension, what)] * math.prod(sizes)
+    argument = tree.Argument(None, None, given.expression, given.expression.span)
+    return elements(context, Modifier(argument, given.environment), sizes, dimension, what)
+
+
+def given_scalar(context: Context, given: Given, dimension: Dimension, what: str) -> Scalar:
+    """A value from a scene or from the command.  Raises Wrong."""
+    if given.expression is not None and given.environment is not None:
+        value = evaluate_as(context, given.expression, given.environment, dimension)
+        if not isinstance(value, Scalar):
+            raise Wrong("LAG0306", f"{what} is one number, this is {kind(value)}", given.expression.span)
+        expect(value.dimension, dimension, given.expression.span, what)
+        return value
+    if given.points is not None:
+        return Scalar(over_time(context, given.points, given.owner), dimension)
+    number = given.number
+    if given.unit is not None:
+        try:
+            meant = unit(given.unit or "1")
+        except UnknownUnit as unknown:
+            raise Wrong("LAG0304", f"{what}: {unknown.reason}", None) from None
+        expect(meant.dimension, dimension, given.span, what)
+        number = meant.to_si(number)
+    if not math.isfinite(number):
+        raise Wrong("LAG0309", f"{what} is not finite", None)
+    return Scalar(context.graph.const(number), dimension)
+
+
+def declared(entry: Entry, modifier: Modifier | None) -> Statement:
+    """The statement that a declaration makes by `modifier`, or does not make."""
+    if modifier is None:
+        return Statement(UNSTATED, entry.span)
+    return Statement(DECLARED, modifier.argument.span)
+
+
+def from_outside(entry: Entry, given: Given) -> Statement:
+    """The statement of a scene or, without a place, of the command."""
+    if given.span is None:
+        return Statement(RUN, entry.span)
+    return Statement(SCENE, given.span)
+
+
+def held(
+    context: Context,
+    attributes: dict[str, Modifier],
+    sizes: list[int],
+    start: Sequence[Statement],
+    rate: Sequence[Statement],
+) -> tuple[list[Statement], list[Statement]]:
+    """The statements about starts and rates, with those held that `fixed`, `startFixed` and `rateFixed`
+    say: `fixed` holds the start, and the rate where one is stated; the others go before it."""
+    names = ("fixed", "startFixed", "rateFixed")
+    both, starts, _ = (fixed(context, attributes, name, sizes, len(start)) for name in names)
+    held_at = [one if own is None else own for one, own in zip(both, starts)]
+    both, _, rates = (fixed(context, attributes, name, sizes, len(rate)) for name in names)
+    turning = [
+        one and stated.level != UNSTATED if own is None else own
+        for one, own, stated in zip(both, rates, rate)
+    ]
+    return [*map(firm, start, held_at)], [*map(firm, rate, turning)]
+
+
+def firm(stated: Statement, holds: bool | None) -> Statement:
+    return Statement(FIXED, stated.span) if holds else stated
+
+
+def fixed(
+    context: Context, attributes: dict[str, Modifier], name: str, sizes: list[int], count: int
+) -> list[bool | None]:
+    """What the attribute `name` says of each of `count` elements; None where it is not there."""
+    modifier = attributes.get(name)
+    if modifier is None or modifier.argument.value is None:
+        return [None] * count
+    expression = modifier.argument.value
+    value = own_part(evaluate(context, expression, modifier.environment), modifier, sizes, f"`{name}`")
+    if isinstance(value, Array) and sizes:
+        _as_many(value, sizes, expression.span, f"`{name}`")
+        return [_said(truth, name, expression.span) for truth in _leaves(value)]
+    return [_said(value, name, expression.span)] * count
+
+
+def _said(value: Value, name: str, span: Span) -> bool:
+    if not isinstance(value, Truth) or not value.node.is_const:
+        raise Wrong("LAG0307", f"`{name}` is true or false, this is {kind(value)}", span)
+    return bool(value.node.value)
+
+
+def _leaves(value: Value) -> list[Value]:
+    if not isinstance(value, Array):
+        return [value]
+    return [leaf for element in value.elements for leaf in _leaves(element)]
+
+
+def no_rates(context: Context, node: Node, span: Span, what: str) -> None:
+    """Raises Wrong where `node` depends on a rate or a speed."""
+    if context.clock.mask(node) & VELOCITY:
+        raise Wrong("LAG0313", f"{what} depends on no rate", span)

@@ -1,0 +1,245 @@
+"""What carries inertia: particles and solids; and gravity, which acts on all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from lagc.diagnostics.faults import Fault, Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context
+from lagc.semantics.declarations.attributes import given_scalar
+from lagc.semantics.names.scope import Entry
+from lagc.semantics.names.values import (
+    Array,
+    Scalar,
+    Thing,
+    Value,
+    Wrong,
+    expect,
+    flat,
+    kind,
+    scalar_of,
+    vector_of,
+)
+from lagc.semantics.time_derivatives import LATE, VELOCITY
+from lagc.semantics.types.units import KG, NONE, M, S, dimension, over
+from lagc.semantics.values.calls import look_at_arguments, match
+from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.frame_vectors import unit_vector
+from lagc.semantics.values.functions import Argument
+from lagc.semantics.values.kinematics import velocity_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, dot
+from lagc.syntax import tree
+
+INERTIA = dimension(kg=1, m=2)
+GRAVITY = over(M, (0, 0, 2 * S[2], 0, 0, 0, 0))
+NO_BODY = "a body is a `Particle(...)` or a `Solid(...)`"
+STANDARD = 9.81  # m/s2, where a model says nothing else
+
+_SAME = 12  # digits after the point of directions that are one
+_DIMENSIONS = {"mass": KG, "at": M, "com": M, "inertia": INERTIA, "frame": NONE}
+_PARAMETERS = {
+    "Particle": (("mass", "at"), 2),
+    "Solid": (("mass", "inertia", "frame", "com", "at"), 3),
+}
+
+
+def declare_body(context: Context, entry: Entry) -> Value:
+    """A particle or a solid.  Raises Wrong."""
+    for modifier in entry.modifiers:
+        raise Wrong(
+            "LAG0209",
+            f"the body `{entry.name}` cannot be modified from outside",
+            modifier.argument.span,
+            "modify the parameters that it is made of",
+        )
+    call = _call_of(entry)
+    name = call.function.name if isinstance(call.function, tree.Name) else ""
+    if name not in _PARAMETERS:
+        look_at_arguments(context, call, entry.environment)
+        raise Wrong("LAG0221", NO_BODY, call.function.span, did_you_mean(name, _PARAMETERS))
+    given = _arguments(context, entry, call, name)
+    place = given.get("com") or given.get("at")
+    if place is None:
+        remedy = "write `com = {0, 0, 0}` where that is the origin"
+        raise Wrong("LAG0210", "`Solid` needs the argument `com`, its centre of mass", call.span, remedy)
+    if "com" in given and "at" in given:
+        raise Wrong("LAG0209", "`com` and `at` are the same, give one", given["at"].span)
+    found: dict[str, Any] = dict(each(context, lambda part: (part, _READ[part](context, given[part])), given))
+    mass, position = found["mass"], found.get("com") or found["at"]
+    frame, inertia = found.get("frame"), found.get("inertia")
+    velocity = velocity_of(context, place, None)
+    body = nouns.Body(entry.path, mass, position, velocity, frame, inertia, entry.span, entry.effect)
+    entry.nouns.append(body)
+    return body
+
+
+def _call_of(entry: Entry) -> tree.Call:
+    source = entry.source
+    if isinstance(source, tree.Declarator):  # `Solid crank(mass = ...)`
+        assert isinstance(entry.declaration, tree.Instance)
+        name = entry.declaration.type
+        if source.value is not None:
+            raise Wrong("LAG0209", f"`{entry.name}` takes its data in parentheses", source.value.span)
+        return tree.Call(tree.Name(name.path[0], name.span), source.arguments, source.span)
+    assert isinstance(source, tree.Construct)
+    if not isinstance(source.value, tree.Call):
+        raise Wrong("LAG0221", NO_BODY, source.value.span)
+    return source.value
+
+
+def _arguments(context: Context, entry: Entry, call: tree.Call, name: str) -> dict[str, Argument]:
+    """What is given, by the parameters' names; faults of all of it are found."""
+    parameters, required = _PARAMETERS[name]
+    written = dict(zip(parameters, match(context, call, parameters, required, f"`{name}`")))
+
+    def one(parameter: str) -> tuple[str, Argument]:
+        expression = written[parameter]
+        assert expression is not None
+        value = evaluate_as(context, expression, entry.environment, _DIMENSIONS[parameter])
+        return parameter, Argument(value, expression.span)
+
+    return dict(each(context, one, [p for p in parameters if written[p] is not None]))
+
+
+def _mass(_: Context, given: Argument) -> Node:
+    scalar = scalar_of(given.value, given.span, "`mass`")
+    expect(scalar.dimension, KG, given.span, "`mass`")
+    if scalar.node.is_const and scalar.node.value < 0:
+        raise Wrong("LAG0308", "a mass is not negative", given.span)
+    return scalar.node
+
+
+def _place(context: Context, given: Argument) -> Vector:
+    vector, found = vector_of(given.value, given.span, "the place of a body")
+    expect(found, M, given.span, "the place of a body")
+    for node in vector:
+        if context.clock.mask(node) & (LATE | VELOCITY):
+            raise Wrong("LAG0313", "the place of a body depends on no rate", given.span)
+    return vector
+
+
+def _frame(_: Context, given: Argument) -> nouns.Frame:
+    if not isinstance(given.value, nouns.Frame):
+        raise Wrong("LAG0221", f"`frame` is a frame, this is {kind(given.value)}", given.span)
+    return given.value
+
+
+def _inertia(context: Context, given: Argument) -> Matrix:
+    for scalar in flat(given.value, given.span, "an inertia"):
+        expect(scalar.dimension, INERTIA, given.span, "an inertia")
+    return _matrix(context, given.value, given.span)
+
+
+_READ: dict[str, Callable[[Context, Argument], object]] = {
+    "mass": _mass, "at": _place, "com": _place, "frame": _frame, "inertia": _inertia,
+}  # fmt: skip
+
+
+def _matrix(context: Context, value: Value, span: Span) -> Matrix:
+    """Principal moments {I1, I2, I3}, or a symmetric matrix by rows."""
+    zero = context.graph.zero
+    rows = value.elements if isinstance(value, Array) else ()
+    if len(rows) == 3 and all(isinstance(r, Scalar) for r in rows):
+        a, b, c = [r.node for r in rows if isinstance(r, Scalar)]
+        _check_principal(a, b, c, span)
+        return ((a, zero, zero), (zero, b, zero), (zero, zero, c))
+    if len(rows) == 3 and all(isinstance(r, Array) and len(r.elements) == 3 for r in rows):
+        (a, d, e), (f, b, g), (h, i, c) = (vector_of(row, span, "a row of the inertia")[0] for row in rows)
+        if (d, e, g) != (f, h, i):
+            raise Wrong("LAG0306", "an inertia matrix is symmetric, this one is not", span)
+        return ((a, d, e), (d, b, g), (e, g, c))
+    raise Wrong("LAG0306", "an inertia is {I1, I2, I3} or a matrix of 3 x 3", span)
+
+
+def _check_principal(a: Node, b: Node, c: Node, span: Span) -> None:
+    if a.is_const and b.is_const and c.is_const:
+        values = sorted(float(x.value) for x in (a, b, c))
+        if values[0] < 0 or values[2] > (values[0] + values[1]) * (1 + 1e-9):
+            raise Wrong(
+                "LAG0308", "no body has these moments of inertia: each is at most the sum of the others", span
+            )
+
+
+def declare_gravity(context: Context, entry: Entry) -> Value:
+    """`Gravity field(g = ..., direction = ...)`: V = -m g d . r for every body of the instance it is
+    declared in and of the instances within.  Its strength is the parameter `field.g`."""
+    source = entry.source
+    assert isinstance(source, tree.Declarator)
+    call = tree.Call(tree.Name("Gravity", source.name_span), source.arguments, source.span)
+    strength, way = match(context, call, ("g", "direction"), 0, "`Gravity`")
+    if entry.modifiers:
+        raise Wrong(
+            "LAG0209", f"`{entry.name}` cannot be modified from outside", entry.modifiers[0].argument.span
+        )
+    g = _strength(context, entry, strength)
+    entry.parts["g"] = Scalar(g, GRAVITY)
+    graph = context.graph
+    direction: Vector = (graph.zero, graph.zero, graph.const(-1.0))
+    if way is not None:
+        vector, found = vector_of(evaluate(context, way, entry.environment), way.span, "a direction")
+        expect(found, NONE, way.span, "a direction")
+        direction = unit_vector(context, vector, way.span)
+    total = graph.zero
+    for other in entry.environment.instance.in_order():
+        if other.kind == "body" and other.elements is None:
+            body = context.value(other, other.span)
+            assert isinstance(body, nouns.Body)
+            total = total - body.mass * g * dot(direction, body.position)
+            _note_field(context, entry, other, direction)
+    entry.nouns.append(nouns.Potential(entry.path, total, entry.span, entry.effect))
+    return Thing(entry)
+
+
+def _note_field(context: Context, entry: Entry, body: Entry, direction: Vector) -> None:
+    """Warn of one that pulls at a body the same way as another, but for rounding."""
+    way = tuple([round(x.value, _SAME) if x.op == "const" else x for x in direction])
+    first = context.fields.setdefault((body.path, way), entry)
+    pair = (first.span, entry.span)
+    if first is not entry and pair not in context.warnings:
+        context.warnings[pair] = _twice(first, entry, body)
+
+
+def _twice(first: Entry, entry: Entry, body: Entry) -> Fault:
+    return Fault(
+        "LAG0229",
+        f"`{first.path}` and `{entry.path}` both pull at `{body.path}`, the same way",
+        entry.span,
+        remedy="gravity acts on all bodies, those of instances too: leave one out",
+        severity="warning",
+    )
+
+
+def _strength(context: Context, entry: Entry, written: tree.Expression | None) -> Node:
+    name = f"{entry.path}.g"
+    given = context.give(context.parameters, name)
+    value: Scalar
+    if given is not None:
+        value = given_scalar(context, given, GRAVITY, f"`{name}`")
+    elif written is not None:
+        value = scalar_of(evaluate_as(context, written, entry.environment, GRAVITY), written.span, "`g`")
+        expect(value.dimension, GRAVITY, written.span, "`g`")
+    else:
+        value = Scalar(context.graph.const(STANDARD), GRAVITY)
+    if not value.node.is_const:
+        return value.node
+    symbol = context.graph.symbol("parameter", name)
+    number = value.node.value
+    assert isinstance(number, float)
+    entry.nouns.append(
+        nouns.Parameter(
+            name,
+            symbol,
+            "m/s2",
+            "m/s2",
+            number,
+            float("-inf"),
+            float("inf"),
+            entry.span,
+            "acceleration of gravity",
+        )
+    )
+    return symbol

@@ -1,0 +1,182 @@
+"""`when condition then ... end when;`: what is done at the moment that a condition becomes true."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from lagc.base.records import dataclass, field
+from lagc.diagnostics.faults import Source
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context
+from lagc.semantics.names.scope import Environment
+from lagc.semantics.names.values import Scalar, Truth, Wrong, flat, kind, shape
+from lagc.semantics.time_derivatives import LATE, MOVING
+from lagc.semantics.types.types import describe
+from lagc.semantics.types.units import NONE
+from lagc.semantics.values.evaluate import each, evaluate, evaluate_as
+from lagc.semantics.values.unit_hints import expect_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.walk import reachable
+from lagc.syntax import tree
+
+_COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
+_USES = '`reinit(x, value)`, `terminate("why")`, `mark("name")`'
+
+
+@dataclass(slots=True)
+class _Found:
+    """What the lines of a clause do."""
+
+    changes: dict[Node, Node] = field(default_factory=dict)
+    reasons: list[str] = field(default_factory=list)
+    marks: list[str] = field(default_factory=list)
+
+
+def when_clause(
+    context: Context, written: tree.When, environment: Environment, effect: str | None
+) -> nouns.When:
+    """Raises Wrong, or Poisoned where faults have been reported."""
+
+    def part(one: tree.When | tree.Statement) -> Node | None:
+        if isinstance(one, tree.When):
+            return _condition(context, one.condition, environment)
+        return _action(one)(context, one, environment, found)
+
+    found = _Found()
+    parts: list[tree.When | tree.Statement] = [written, *written.statements]
+    condition, *_ = each(context, part, parts)
+    assert condition is not None
+    words = _words(written.condition) + _where(environment)
+    changes = tuple(found.changes.items())
+    reason = found.reasons[0] if found.reasons else None
+    return nouns.When(words, condition, changes, reason, tuple(found.marks), written.span, effect)
+
+
+def ending(context: Context, until: str) -> tree.When:
+    """The clause that ends a run where the condition `until` of a command or a caller becomes true.  Raises
+    Refused where it is no expression."""
+    from lagc.syntax.parse import parse_expression
+
+    source = Source("<until>", until, asked=True)
+    context.importer.free.append(source)
+    condition = parse_expression(source)
+    span = condition.span
+    reason = tree.Argument(None, None, tree.String(f"until {_words(condition)}", span), span)
+    call = tree.Call(tree.Name("terminate", span), (reason,), span)
+    return tree.When(condition, (tree.Statement(call, None, span),), span)
+
+
+def _words(condition: tree.Expression) -> str:
+    return " ".join(_COMMENT.sub(" ", condition.span.text).split())
+
+
+def _where(environment: Environment) -> str:
+    """Of which instance, and at which numbers of loops."""
+    path, values = environment.instance.path.rstrip("."), environment.bindings.items()
+    found = [f"in {path}"] if path else []
+    found += [f"{name} = {v.node.value:g}" for name, v in values if isinstance(v, Scalar) and v.node.is_const]
+    return f" ({', '.join(found)})" if found else ""
+
+
+def _condition(context: Context, written: tree.Expression, environment: Environment) -> Node:
+    value = evaluate(context, written, environment)
+    if not isinstance(value, Truth):
+        raise Wrong("LAG0307", f"a condition stands here, this is {kind(value)}", written.span)
+    mask = context.clock.mask
+    _early(context, value.node, written, "a condition of `when`")
+    if any(node.op == "eq" and mask(node) & MOVING for node in reachable([value.node])):
+        raise Wrong(
+            "LAG0227",
+            "a motion is equal to a value for no time at all",
+            written.span,
+            "write `<` or `>`: the moment that it passes the value is found",
+        )
+    return value.node
+
+
+def _early(context: Context, node: Node, written: tree.Expression, what: str) -> None:
+    if context.clock.mask(node) & LATE:
+        raise Wrong(
+            "LAG0219",
+            f"{what} depends on an acceleration, a reaction or an energy of the run, which are known once "
+            "the equations are solved",
+            written.span,
+            "an `output` records it; `when time > T` may act at the time T that it shows",
+        )
+
+
+Action = Callable[[Context, tree.Statement, Environment, _Found], None]
+
+
+def _action(statement: tree.Statement) -> Action:
+    action = statement.action
+    if statement.value is not None or not isinstance(action, tree.Call):
+        raise Wrong(
+            "LAG0227", "a `when` does something at one moment: it holds no equations", statement.span,
+            f"it may hold {_USES}",
+        )  # fmt: skip
+    name = action.function.name if isinstance(action.function, tree.Name) else action.function.span.text
+    if name not in _ACTIONS:
+        remedy = did_you_mean(name, _ACTIONS) or f"there are {_USES}"
+        raise Wrong("LAG0227", f"`{name}` is nothing that a `when` can do", action.function.span, remedy)
+    return _ACTIONS[name]
+
+
+def _arguments(statement: tree.Statement, count: int, usage: str) -> list[tree.Expression]:
+    action = statement.action
+    assert isinstance(action, tree.Call)
+    found = [a.value for a in action.arguments if a.name is None and a.value is not None and not a.arguments]
+    if len(found) != count or len(action.arguments) != count:
+        raise Wrong("LAG0227", "the arguments do not fit", action.span, f"write `{usage}`")
+    return found
+
+
+def _text(statement: tree.Statement, usage: str) -> str:
+    (argument,) = _arguments(statement, 1, usage)
+    if not isinstance(argument, tree.String):
+        raise Wrong("LAG0227", "this is a text between quotes", argument.span, f"write `{usage}`")
+    words = " ".join(argument.value.split())
+    if not words:
+        raise Wrong("LAG0227", "this text is empty", argument.span, f"write `{usage}`")
+    return words
+
+
+def _terminate(context: Context, statement: tree.Statement, _: Environment, found: _Found) -> None:
+    found.reasons.append(_text(statement, 'terminate("why")'))
+
+
+def _mark(context: Context, statement: tree.Statement, _: Environment, found: _Found) -> None:
+    found.marks.append(_text(statement, 'mark("name")'))
+
+
+def _reinit(context: Context, statement: tree.Statement, environment: Environment, found: _Found) -> None:
+    target, written = _arguments(statement, 2, "reinit(x, value)")
+    value = evaluate(context, target, environment)
+    if isinstance(value, nouns.Orientation):
+        remedy = f"give new values to its angular velocity: `reinit({target.span.text}.rate, {{0, 0, 0}})`"
+        raise Wrong("LAG0228", "an orientation takes no new value as a whole", target.span, remedy)
+    states = flat(value, target.span, "what is given a new value")
+    for state in states:
+        if state.node.op != "symbol" or state.node.record.kind not in ("coordinate", "rate", "speed"):
+            raise Wrong(
+                "LAG0228",
+                "a new value is given to a coordinate, to its rate, or to a declared speed",
+                target.span,
+                "write `reinit(x, ...)` or `reinit(der(x), ...)`",
+            )
+    dimension = states[0].dimension or NONE
+    new = evaluate_as(context, written, environment, dimension)
+    values = flat(new, written.span, "a new value")
+    if shape(new) != shape(value):
+        raise Wrong("LAG0306", f"{kind(value)} is given {kind(new)}", written.span)
+    for state, one in zip(states, values):
+        expect_of(written, one.dimension, state.dimension or NONE, "the new value", describe(dimension))
+        _early(context, one.node, written, "a new value")
+        if state.node in found.changes:
+            raise Wrong("LAG0228", "it is given two values at one moment", target.span)
+        found.changes[state.node] = one.node
+
+
+_ACTIONS: dict[str, Action] = {"reinit": _reinit, "terminate": _terminate, "mark": _mark}

@@ -1,0 +1,132 @@
+"""`coordinate Orientation o`: a unit quaternion whose speeds are the body rates."""
+
+from __future__ import annotations
+
+import math
+
+from lagc.semantics.context import Context
+from lagc.semantics.declarations.attributes import (
+    attributes_of,
+    declared,
+    from_outside,
+    given_scalar,
+    held,
+    no_value,
+    own_part,
+    still,
+)
+from lagc.semantics.model import Orientation, Statement
+from lagc.semantics.names.scope import Entry, Modifier
+from lagc.semantics.names.values import Value, Wrong, expect, flat
+from lagc.semantics.types.units import NONE, Dimension, S, over
+from lagc.semantics.values.evaluate import evaluate_as
+from lagc.symbolic.graph import Node
+from lagc.syntax import tree
+
+PARTS = "wxyz"
+_SMALLEST = 1e-6  # norm of a start that has a direction
+
+
+def declare_orientation(context: Context, entry: Entry, source: tree.Declarator) -> Value:
+    """The orientation, its symbols and their time derivatives q' = 1/2 q (0, rate).  Raises Wrong."""
+    if source.dimensions:
+        remedy = "let a model have one, and declare an array of its instances"
+        raise Wrong("LAG0221", "there are no arrays of orientations", source.span, remedy)
+    no_value(entry)
+    attributes = attributes_of(context, entry, ("start", "rate", "fixed", "startFixed", "rateFixed"))
+    graph, name = context.graph, entry.path
+    w, x, y, z = (graph.symbol("coordinate", name, part) for part in PARTS)
+    rates = [graph.symbol("rate", name, axis) for axis in "xyz"]
+    a, b, c = rates
+    runs = (-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a)
+    for symbol, rate in zip((w, x, y, z), runs):
+        context.clock.runs(symbol, 0.5 * rate)
+    for rate in rates:
+        context.clock.runs(rate, graph.leaf(rate.record.derivative))
+    one, zero = graph.one, graph.zero
+    start, start_stated = _numbers(
+        context,
+        entry,
+        attributes.get("start"),
+        (one, zero, zero, zero),
+        NONE,
+        "start",
+        [symbol.record.name for symbol in (w, x, y, z)],
+    )
+    turning, rate_stated = _numbers(
+        context,
+        entry,
+        attributes.get("rate"),
+        (zero, zero, zero),
+        over(NONE, S),
+        "rate",
+        [rate.record.name for rate in rates],
+    )
+    whole = [max(start_stated, key=lambda s: s.level)]  # one statement of the four
+    whole, rate_stated = held(context, attributes, [], whole, rate_stated)
+    orientation = Orientation(
+        name,
+        (w, x, y, z),
+        (a, b, c),
+        _unit(context, entry, start),
+        (turning[0], turning[1], turning[2]),
+        whole[0],
+        (rate_stated[0], rate_stated[1], rate_stated[2]),
+        entry.span,
+        source.description or "",
+        entry.effect,
+    )
+    entry.nouns.append(orientation)
+    return orientation
+
+
+def _numbers(
+    context: Context,
+    entry: Entry,
+    modifier: Modifier | None,
+    default: tuple[Node, ...],
+    dimension: Dimension,
+    attribute: str,
+    names: list[str],
+) -> tuple[list[Node], list[Statement]]:
+    """The number of each of `names`, and how it was stated.  Raises Wrong."""
+    what = f"the {attribute} of `{entry.path}`"
+    found, stated = list(default), [declared(entry, modifier)] * len(default)
+    whole = context.give(context.starts, entry.path if attribute == "start" else f"{entry.path}.rate")
+    if whole is not None and whole.expression is not None and whole.environment is not None:
+        given = tree.Argument(None, None, whole.expression, whole.expression.span)
+        modifier = Modifier(given, whole.environment)
+        stated = [from_outside(entry, whole)] * len(default)
+    if modifier is not None and modifier.argument.value is not None:
+        expression = modifier.argument.value
+        value = evaluate_as(context, expression, modifier.environment, dimension)
+        scalars = flat(own_part(value, modifier, [len(default)], what), expression.span, what)
+        if len(scalars) != len(default):
+            written = "{w, x, y, z}" if len(default) == 4 else "{x, y, z}"
+            raise Wrong("LAG0306", f"{what} has {len(default)} elements, {written}", expression.span)
+        for scalar in scalars:
+            expect(scalar.dimension, dimension, expression.span, what)
+            still(context, scalar.node, expression.span, what)
+        found = [scalar.node for scalar in scalars]
+    for k, name in enumerate(names):
+        one = context.give(context.starts, name)
+        if one is not None:
+            found[k] = given_scalar(context, one, dimension, f"the start of `{name}`").node
+            stated[k] = from_outside(entry, one)
+    return found, stated
+
+
+def _unit(context: Context, entry: Entry, start: list[Node]) -> tuple[Node, Node, Node, Node]:
+    """The start as a unit quaternion.  Raises Wrong where it has no direction."""
+    w, x, y, z = start
+    square = w * w + x * x + y * y + z * z
+    if square.is_const:
+        length = math.sqrt(square.value)
+        if length < _SMALLEST:
+            raise Wrong(
+                "LAG0309", f"the start of `{entry.path}` is zero, which is no orientation", entry.span
+            )
+        if length == 1.0:
+            return (w, x, y, z)
+    norm = context.graph.sqrt(square)
+    return (w / norm, x / norm, y / norm, z / norm)

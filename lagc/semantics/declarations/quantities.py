@@ -1,0 +1,370 @@
+"""Declared quantities: constants, parameters, inputs, coordinates, speeds, outputs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context
+from lagc.semantics.declarations.attributes import (
+    attributes_of,
+    declared,
+    elements,
+    firm,
+    fixed,
+    from_outside,
+    given_elements,
+    given_scalar,
+    held,
+    no_value,
+    shaped,
+    still,
+    written_value,
+)
+from lagc.semantics.declarations.quantity import (
+    Quantity,
+    bounds_of,
+    check_bounds,
+    look_at_all,
+    value_span,
+    values_of,
+)
+from lagc.semantics.names.modifications import subscripts
+from lagc.semantics.names.scope import Entry, Modifier
+from lagc.semantics.names.type_names import type_of
+from lagc.semantics.names.values import Poisoned, Scalar, Text, Value, Wrong, expect, flat, kind, shape
+from lagc.semantics.time_derivatives import LATE
+from lagc.semantics.types.types import QuantityType
+from lagc.semantics.types.units import Dimension, S, UnknownUnit, over, unit
+from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer, whole
+from lagc.semantics.values.unit_hints import expect_of
+from lagc.symbolic.graph import Node
+from lagc.symbolic.leaves import derived
+from lagc.syntax import tree
+
+_ATTRIBUTES = {
+    "constant": (), "parameter": ("min", "max", "displayUnit"), "structural": ("min", "max"),
+    "input": ("min", "max", "displayUnit"),
+    "coordinate": ("start", "rate", "fixed", "startFixed", "rateFixed", "displayUnit"),
+    "speed": ("start", "fixed", "displayUnit"),
+    "output": ("displayUnit",),
+}  # fmt: skip
+
+_SYMBOLS = ("parameter", "input", "coordinate", "speed")  # what others are made of, whatever its value is
+_SAID = {"structural": "structural parameter"}
+
+
+def declare_quantity(context: Context, entry: Entry) -> Value:
+    """The value of a quantity, and its nouns; of one at fault what it stands for, so that others are looked
+    at all the same.  Raises Wrong."""
+    source, declaration = entry.source, entry.declaration
+    assert isinstance(source, tree.Declarator) and isinstance(declaration, tree.Quantities)
+    if (
+        entry.kind == "coordinate"
+        and declaration.type is not None
+        and declaration.type.path == ("Orientation",)
+    ):
+        from lagc.semantics.declarations.orientations import declare_orientation
+
+        return declare_orientation(context, entry, source)
+    try:
+        meant: QuantityType | None = type_of(declaration.type, entry.environment.space)
+    except Wrong as wrong:
+        context.report(wrong)
+        meant = None
+    if entry.kind == "structural" and meant and meant.name != "Integer" and declaration.type is not None:
+        raise Wrong(
+            "LAG0221",
+            "a structural parameter is an `Integer`: it counts",
+            declaration.type.span,
+            "write `structural Integer`, or `parameter` where it is a quantity",
+        )
+    sizes = [integer(context, size, entry.environment, "a size") for size in source.dimensions]
+    attributes = attributes_of(context, entry, _ATTRIBUTES[entry.kind])
+    try:
+        if meant is not None:
+            display = _display(context, meant, attributes)
+            return _DECLARE[entry.kind](context, Quantity(entry, source, meant, sizes, attributes, display))
+    except Wrong as wrong:
+        context.report(wrong)
+    except Poisoned:
+        pass
+    look_at_all(context, entry, attributes)
+    return _stand_in(context, entry, sizes, None if meant is None else meant.dimension)
+
+
+def _stand_in(context: Context, entry: Entry, sizes: list[int], dimension: Dimension | None) -> Value:
+    """Symbols of a quantity that is at fault.  Raises Poisoned where it is one that has none."""
+    if entry.kind not in _SYMBOLS:
+        raise Poisoned
+    graph, found = context.graph, []
+    entry.nouns.clear()
+    for subscript in subscripts(sizes, entry.source.span):
+        symbol = graph.symbol(entry.kind, entry.member(subscript))
+        found.append(Scalar(symbol, dimension))
+        top = symbol
+        for _ in range({"coordinate": 2, "speed": 1}.get(entry.kind, 0)):
+            context.clock.runs(top, graph.leaf(top.record.derivative))
+            top = graph.leaf(top.record.derivative)
+    return shaped(found, sizes)
+
+
+def _display(context: Context, meant: QuantityType, attributes: dict[str, Modifier]) -> str:
+    modifier = attributes.get("displayUnit")
+    if modifier is None:
+        return meant.display
+    argument = modifier.argument
+    assert argument.value is not None
+    value = evaluate(context, argument.value, modifier.environment)
+    if not isinstance(value, Text):
+        raise Wrong(
+            "LAG0307", f'`displayUnit` is a text such as "deg", this is {kind(value)}', argument.value.span
+        )
+    try:
+        dimension = unit(value.text).dimension
+    except UnknownUnit as unknown:
+        raise Wrong("LAG0304", unknown.reason, argument.value.span) from None
+    expect(dimension, meant.dimension, argument.value.span, "the displayed quantity")
+    return value.text
+
+
+# -- the kinds -----------------------------------------------------------------------------------
+
+
+def _fixed(context: Context, quantity: Quantity) -> Value:
+    """Constants and structural integers: numbers from the start."""
+    entry = quantity.entry
+    bounds = bounds_of(context, quantity)
+    found: list[Scalar] = []
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
+        name = quantity.name(subscript)
+        span = value_span(context, quantity, subscript)
+        if scalar is None:
+            raise Wrong(
+                "LAG0210",
+                f"the {_SAID.get(entry.kind, entry.kind)} `{name}` has no value",
+                entry.span,
+                "write `= value`" + (" or give it with `-p`" if entry.kind == "structural" else ""),
+            )
+        still(context, scalar.node, span, f"`{name}`")
+        if entry.kind == "structural":
+            number = scalar.node.value
+            if not scalar.node.is_const or not isinstance(number, float):
+                raise Wrong("LAG0208", f"the structural parameter `{name}` is an integer", span)
+            whole(number, span, f"the structural parameter `{name}`")
+            check_bounds(quantity, name, number, bounds, span, "")
+            context.built_in.append(name)
+        found.append(scalar)
+    return shaped(found, quantity.sizes)
+
+
+def _parameter(context: Context, quantity: Quantity) -> Value:
+    entry = quantity.entry
+    bounds = bounds_of(context, quantity)
+    found: list[Scalar] = []
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
+        name = quantity.name(subscript)
+        span = value_span(context, quantity, subscript)
+        value: float | None = None
+        if scalar is not None:
+            still(context, scalar.node, span, f"the parameter `{name}`")
+            if not scalar.node.is_const:
+                context.built_in.append(name)
+                if bounds != (-math.inf, math.inf):
+                    entry.nouns.append(
+                        nouns.Limit(name, scalar.node, quantity.type.unit, *bounds, entry.span)
+                    )
+                found.append(Scalar(scalar.node, quantity.type.dimension))
+                continue
+            value = scalar.node.value
+            assert value is not None
+            check_bounds(quantity, name, value, bounds, span, quantity.type.unit)
+        symbol = context.graph.symbol("parameter", name)
+        entry.nouns.append(
+            nouns.Parameter(
+                name,
+                symbol,
+                quantity.type.unit,
+                quantity.display,
+                value,
+                *bounds,
+                entry.span,
+                quantity.description,
+            )
+        )
+        found.append(Scalar(symbol, quantity.type.dimension))
+    return shaped(found, quantity.sizes)
+
+
+def _input(context: Context, quantity: Quantity) -> Value:
+    entry = quantity.entry
+    bounds = bounds_of(context, quantity)
+    found: list[Scalar] = []
+    for subscript, scalar in zip(quantity.subscripts, values_of(context, quantity)):
+        name, unit = quantity.name(subscript), quantity.type.unit
+        if scalar is not None and not scalar.node.is_const:
+            entry.nouns.append(_followed(context, quantity, name, scalar.node))
+            found.append(Scalar(scalar.node, quantity.type.dimension))
+            continue
+        default = 0.0 if scalar is None else scalar.node.value
+        check_bounds(quantity, name, default, bounds, value_span(context, quantity, subscript), unit)
+        symbol = context.graph.symbol("input", name)
+        entry.nouns.append(
+            nouns.Input(name, symbol, unit, default, *bounds, entry.span, quantity.description)
+        )
+        found.append(Scalar(symbol, quantity.type.dimension))
+    return shaped(found, quantity.sizes)
+
+
+def _followed(context: Context, quantity: Quantity, name: str, node: Node) -> nouns.Output:
+    """An input that is no number, but what stands in its place: it is seen as an output."""
+    if context.clock.mask(node) & LATE:
+        message = "an input depends on no acceleration and no reaction"
+        raise Wrong("LAG0219", message, value_span(context, quantity))
+    context.built_in.append(name)
+    kind = quantity.type
+    return nouns.Output(name, node, kind.unit, quantity.display, quantity.entry.span, quantity.description)
+
+
+def starts(
+    context: Context,
+    quantity: Quantity,
+    attribute: str,
+    dimension: Dimension,
+    name: Callable[[tuple[int, ...]], str],
+) -> tuple[list[Node], list[nouns.Statement]]:
+    """The start (or rate) of each element, and how it was stated."""
+    modifier = quantity.attributes.get(attribute)
+    zero = Scalar(context.graph.zero, None)
+    count = len(quantity.subscripts)
+    what = f"the {attribute} of `{quantity.entry.path}`"
+    found = (
+        [zero] * count if modifier is None else elements(context, modifier, quantity.sizes, dimension, what)
+    )
+    stated = [declared(quantity.entry, modifier)] * count
+    whole = context.give(context.starts, name(()))
+    if whole is not None and quantity.sizes:
+        found = list(given_elements(context, whole, quantity.sizes, dimension, what))
+        stated = [from_outside(quantity.entry, whole)] * count
+    for k, subscript in enumerate(quantity.subscripts):
+        given = whole if not quantity.sizes else context.give(context.starts, name(subscript))
+        if given is not None:
+            found[k] = given_scalar(context, given, dimension, what)
+            stated[k] = from_outside(quantity.entry, given)
+    for scalar in found:
+        span = modifier.argument.span if modifier else quantity.entry.span
+        still(context, scalar.node, span, what)
+    return [scalar.node for scalar in found], stated
+
+
+def _coordinate(context: Context, quantity: Quantity) -> Value:
+    entry, graph = quantity.entry, context.graph
+    no_value(entry)
+    dimension = quantity.type.dimension
+    at_start, start_stated = starts(context, quantity, "start", dimension, quantity.name)
+    rates, rate_stated = starts(
+        context, quantity, "rate", over(dimension, S), lambda s: derived(quantity.name(s))
+    )
+    start_stated, rate_stated = held(context, quantity.attributes, quantity.sizes, start_stated, rate_stated)
+    found: list[Scalar] = []
+    for k, (subscript, start, rate) in enumerate(zip(quantity.subscripts, at_start, rates)):
+        name = quantity.name(subscript)
+        symbol = graph.symbol("coordinate", name)
+        speed = graph.leaf(symbol.record.derivative)
+        context.clock.runs(symbol, speed)
+        context.clock.runs(speed, graph.leaf(speed.record.derivative))
+        entry.nouns.append(
+            nouns.Coordinate(
+                name,
+                symbol,
+                speed,
+                quantity.type.unit,
+                quantity.display,
+                start,
+                rate,
+                start_stated[k],
+                rate_stated[k],
+                entry.span,
+                quantity.description,
+                entry.effect,
+            )
+        )
+        found.append(Scalar(symbol, dimension))
+    return shaped(found, quantity.sizes)
+
+
+def _speed(context: Context, quantity: Quantity) -> Value:
+    entry, graph = quantity.entry, context.graph
+    modifier = written_value(entry)
+    if modifier is None:
+        raise Wrong(
+            "LAG0210",
+            f"the speed `{entry.path}` needs a value",
+            entry.span,
+            "write `= ` a combination of `der(...)`",
+        )
+    values = elements(context, modifier, quantity.sizes, quantity.type.dimension, f"`{entry.path}`")
+    at_start, stated = starts(context, quantity, "start", quantity.type.dimension, quantity.name)
+    holds = fixed(context, quantity.attributes, "fixed", quantity.sizes, len(values))
+    found: list[Scalar] = []
+    for k, (subscript, scalar) in enumerate(zip(quantity.subscripts, values)):
+        if context.clock.mask(scalar.node) & LATE:
+            raise Wrong(
+                "LAG0219",
+                "a speed depends on no acceleration and no reaction",
+                value_span(context, quantity),
+            )
+        name = quantity.name(subscript)
+        symbol = graph.symbol("speed", name)
+        context.clock.runs(symbol, graph.leaf(symbol.record.derivative))
+        speed = nouns.Speed(
+            name,
+            symbol,
+            scalar.node,
+            quantity.type.unit,
+            entry.span,
+            quantity.description,
+            None if stated[k].level == nouns.UNSTATED else at_start[k],
+            firm(stated[k], holds[k]),
+        )
+        entry.nouns.append(speed)
+        found.append(Scalar(symbol, quantity.type.dimension))
+    return shaped(found, quantity.sizes)
+
+
+def _output(context: Context, quantity: Quantity) -> Value:
+    entry = quantity.entry
+    modifier = written_value(entry)
+    if modifier is None or modifier.argument.value is None:
+        raise Wrong("LAG0210", f"the output `{entry.path}` needs a value", entry.span, "write `= expression`")
+    expression = modifier.argument.value
+    value = evaluate_as(context, expression, modifier.environment, quantity.type.dimension)
+    scalars = flat(value, expression.span, f"`{entry.path}`")
+    for scalar in scalars:
+        expect_of(
+            expression, scalar.dimension, quantity.type.dimension, f"`{entry.path}`", quantity.type.said
+        )
+    sizes = shape(value)
+    if quantity.sizes and sizes != quantity.sizes:
+        raise Wrong(
+            "LAG0306", f"`{entry.path}` is declared with another shape than its value has", expression.span
+        )
+    for subscript, scalar in zip(subscripts(sizes, entry.span), scalars):
+        entry.nouns.append(
+            nouns.Output(
+                quantity.name(subscript),
+                scalar.node,
+                quantity.type.unit,
+                quantity.display,
+                entry.span,
+                quantity.description,
+            )
+        )
+    return value
+
+
+_DECLARE: dict[str, Callable[[Context, Quantity], Value]] = {
+    "constant": _fixed, "structural": _fixed, "parameter": _parameter, "input": _input,
+    "coordinate": _coordinate, "speed": _speed, "output": _output,
+}  # fmt: skip

@@ -1,0 +1,366 @@
+"""A model declaration to an instance: inheritance, effects, loops, instances within."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lagc.base.records import dataclass, replace
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics.context import Context
+from lagc.semantics.names.modifications import Extended, modifiers_of, outermost_first, subscripts
+from lagc.semantics.names.namespace import Namespace
+from lagc.semantics.names.scope import (
+    DEEPEST,
+    Entry,
+    Environment,
+    Instance,
+    Item,
+    Modifier,
+    Modifiers,
+    Source,
+)
+from lagc.semantics.names.values import Indexed, Part, Scalar, Wrong
+from lagc.semantics.types.units import NONE
+from lagc.semantics.values.evaluate import integer, integers
+from lagc.semantics.values.members import MOST_NAMED
+from lagc.syntax import tree
+
+ELEMENTS = ("Gravity", "Particle", "Solid")  # declared as instances, but no models
+_CHANGEABLE = ("constant", "parameter", "structural", "input", "coordinate", "speed", "output", "instance")
+_LATER = {"joint": "joints are", "friction": "friction is"}
+
+
+@dataclass(frozen=True, slots=True)
+class Home:
+    """Where a declaration is read, the effect it stands in, and the list that receives its entries."""
+
+    environment: Environment
+    effect: str | None
+    items: list[Item]
+
+
+class Builder:
+    """Registers the declarations of one instance, and of the instances within it."""
+
+    def __init__(self, context: Context, instance: Instance, modifiers: Modifiers):
+        self.context = context
+        self.instance = instance
+        self.modifiers = modifiers
+        self.used: set[str] = set()  # modifiers that met their declaration
+        self.bases: list[tree.ModelDeclaration] = []  # that extend each other, the instance's own first
+        self.extended: Extended = {}
+        self.pending: list[tuple[tree.Declaration, Home]] = []
+
+    def build(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
+        self._body_of(declaration, space)
+        for name, modifier in outermost_first(declaration, self.extended):
+            self.modifiers.setdefault(name, []).append(modifier)
+        for job in self.pending:
+            self.context.attempt(self._unfold, *job)
+        for name, given in self.modifiers.items():
+            if name not in self.used:
+                self.context.report(self._unknown_modifier(name, given[0]))
+
+    # -- what is there at once -------------------------------------------------------------
+
+    def _body_of(self, declaration: tree.ModelDeclaration, space: Namespace) -> None:
+        if any(base is declaration for base in self.bases):
+            raise Wrong("LAG0205", f"`{declaration.name}` extends itself", declaration.name_span)
+        if len(self.bases) >= DEEPEST:
+            raise Wrong("LAG0218", f"more than {DEEPEST} models extend each other", declaration.name_span)
+        if id(declaration) in self.extended:  # it is extended in another way, too
+            return
+        self.extended[id(declaration)] = []
+        self.bases.append(declaration)
+        inner = self.context.importer.inside(declaration, space)
+        self._register(declaration.body, Home(Environment(self.instance, inner), None, self.instance.items))
+        self.bases.pop()
+
+    def _register(self, body: Iterable[tree.Declaration], home: Home) -> None:
+        for declaration in body:
+            self.context.attempt(self._one, declaration, home)
+
+    def _one(self, d: tree.Declaration, home: Home) -> None:
+        excluded = self._excluded(d)
+        if excluded is not None:
+            for name in names_of(d):
+                self.instance.unused.setdefault(name, f"is left out where the effect `{excluded}` is used")
+        elif isinstance(d, tree.Quantities):
+            for declarator in d.declarators:
+                self._enter(d.kind, declarator.name, d, declarator, home)
+        elif isinstance(d, tree.FunctionDeclaration):
+            self._enter("function", d.name, d, d, home)
+        elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
+            self._construct(d, home)
+        elif isinstance(d, tree.Initial):
+            self.instance.conditions += [(condition, home.environment) for condition in d.conditions]
+        elif isinstance(d, tree.Effect):
+            self._effect(d, home)
+        elif isinstance(d, tree.Extends):
+            self._extends(d, home.environment)
+        elif isinstance(d, tree.ForLoop | tree.Instance):
+            self._postpone(d, home)
+        elif isinstance(d, tree.When):
+            self.context.whens.append((d, home.environment, home.effect))
+        elif isinstance(d, tree.Start | tree.Simulate):
+            raise Wrong(
+                "LAG0221",
+                "this belongs into a scene",
+                d.span,
+                "write it between `scene ... uses ...` and `end`",
+            )
+
+    def _excluded(self, d: tree.Declaration) -> str | None:
+        for name in getattr(d, "unless", ()):
+            if self._uses(name.name):
+                return str(name.name)
+            self.context.mentioned.append((name, self.instance.path))
+        return None
+
+    def _uses(self, name: str) -> bool:
+        return self.context.uses.has_beside(self.instance.path, name)
+
+    def _enter(self, kind: str, name: str, d: tree.Declaration, source: Source, home: Home) -> Entry:
+        self.context.grow(source.span)
+        entry = Entry(kind, name, d, source, home.environment, home.effect)
+        first = self.instance.entries.get(name)
+        if first is not None:
+            raise self._twice(name, entry.span, first.span)
+        entry.modifiers = self.modifiers.setdefault(name, [])  # which what is extended later may fill
+        self.used.add(name)
+        self.instance.entries[name] = entry
+        home.items.append(entry)
+        return entry
+
+    def _twice(self, name: str, span: Span, first: Span) -> Wrong:
+        return Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
+
+    def _construct(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
+        kind = "constraint" if isinstance(d, tree.Constraint) else d.kind
+        if kind in _LATER:
+            raise Wrong(
+                "LAG0220", f"{_LATER[kind]} part of the language, but not yet of this version", d.span
+            )
+        if not d.index:
+            self._enter(kind, d.name, d, d, home)
+            return
+        container = self.instance.entries.get(d.name)
+        if container is None:
+            container = self._enter(kind, d.name, d, d, replace(home, items=[]))
+            container.elements = {}
+            container.state, container.value = "done", Indexed(container)
+        if container.elements is None or container.kind != kind:
+            raise self._twice(d.name, d.name_span, container.span)
+        self._postpone(d, home)
+
+    def _effect(self, d: tree.Effect, home: Home) -> None:
+        path = self.instance.path + d.name
+        if path in self.context.effects:
+            raise self._twice(d.name, d.name_span, self.context.effects[path].name_span)
+        self.context.effects[path] = d
+        self.instance.effects[d.name] = d
+        for declaration in d.body:
+            if isinstance(
+                declaration, tree.Extends | tree.Scene | tree.Effect | tree.Initial | tree.ModelDeclaration
+            ):
+                raise Wrong("LAG0221", "this does not belong into an effect", declaration.span)
+        if self._uses(d.name):
+            self._register(d.body, replace(home, effect=d.name))
+            return
+        for declaration in d.body:
+            for name in names_of(declaration):
+                self.instance.unused.setdefault(
+                    name, f"belongs to the effect `{d.name}`, which the scene does not use"
+                )
+                self.used.add(name)
+
+    def _extends(self, d: tree.Extends, environment: Environment) -> None:
+        found, space = environment.space.find(d.path, d.path_span, "model")
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0204", f"`{'.'.join(d.path)}` is not a model", d.path_span)
+        given = modifiers_of(d.arguments, environment)
+        self.extended[id(self.bases[-1])].append((found, given))
+        self._body_of(found, space)
+
+    def _postpone(self, d: tree.Declaration, home: Home) -> None:
+        """What needs values to be unfolded keeps its place in the order of declaration."""
+        place: list[Item] = []
+        home.items.append(place)
+        if isinstance(d, tree.Instance):
+            for declarator in d.declarators:
+                known = self.instance.entries.get(declarator.name)
+                if known is not None:
+                    raise self._twice(declarator.name, declarator.name_span, known.span)
+                self._enter("instance", declarator.name, d, declarator, replace(home, items=[]))
+        self.pending.append((d, replace(home, items=place)))
+
+    # -- what is unfolded when sizes can be asked for -------------------------------------------
+
+    def _unfold(self, d: tree.Declaration, home: Home) -> None:
+        if isinstance(d, tree.ForLoop):
+            self._loop(d, home)
+        elif isinstance(d, tree.Instance):
+            for declarator in d.declarators:
+                entry = self.instance.entries[declarator.name]
+                if entry.source is declarator:
+                    self.context.attempt(self._instance, d, entry, home)
+        elif isinstance(d, tree.Construct | tree.Load | tree.Constraint):
+            self._element(d, home)
+
+    def _loop(self, d: tree.ForLoop, home: Home) -> None:
+        for declaration in d.body:
+            if isinstance(
+                declaration,
+                tree.Construct | tree.Load | tree.Constraint | tree.ForLoop | tree.Initial | tree.When,
+            ):
+                continue
+            remedy = (
+                "declare an array before the loop, `coordinate Angle th[n];`"
+                if isinstance(declaration, tree.Quantities)
+                else None
+            )
+            raise Wrong("LAG0221", "this does not belong into a loop", declaration.span, remedy)
+        for number in integers(self.context, d.range, home.environment):
+            self.context.grow(d.span)
+            value = Scalar(self.context.graph.const(number), None if number == 0 else NONE)
+            inner = replace(home, environment=home.environment.bind({d.variable: value}))
+            first = len(self.pending)
+            for declaration in d.body:
+                self._one(declaration, inner)
+            jobs, self.pending[first:] = self.pending[first:], []
+            for job in jobs:
+                self._unfold(*job)
+
+    def _element(self, d: tree.Construct | tree.Load | tree.Constraint, home: Home) -> None:
+        container = self.instance.entries[d.name]
+        assert container.elements is not None
+        numbers = tuple([integer(self.context, i, home.environment, "a subscript") for i in d.index])
+        self.context.grow(d.span)
+        entry = Entry(container.kind, d.name, d, d, home.environment, home.effect)
+        entry.path += f"[{','.join(str(n) for n in numbers)}]"
+        entry.subscript = numbers
+        first = container.elements.get(numbers)
+        if first is not None:
+            raise self._twice(entry.path, d.name_span, first.span)
+        container.elements[numbers] = entry
+        home.items.append(entry)
+
+    def _instance(self, d: tree.Instance, entry: Entry, home: Home) -> None:
+        source = entry.source
+        assert isinstance(source, tree.Declarator)
+        space = entry.environment.space
+        if len(d.type.path) == 1 and d.type.path[0] in ELEMENTS and space.lookup(d.type.path[0]) is None:
+            if source.dimensions:
+                raise Wrong(
+                    "LAG0221",
+                    f"there are no arrays of `{d.type.path[0]}` declared this way",
+                    source.span,
+                    "write `body b[i] = ...;` in a loop",
+                )
+            entry.kind = "gravity" if d.type.path[0] == "Gravity" else "body"
+            home.items.append(entry)
+            return
+        found, where = self._model_of(d, space)
+        if source.value is not None:
+            raise Wrong("LAG0221", "an instance of a model has no value", source.value.span)
+        own = modifiers_of(source.arguments, entry.environment)
+        for modifier in reversed(entry.modifiers):  # the outermost last, to stand before the others
+            if modifier.argument.value is not None:
+                raise Wrong(
+                    "LAG0209",
+                    f"`{entry.name}` is an instance of a model, it has no value",
+                    modifier.argument.span,
+                )
+            for name, given in modifiers_of(modifier.argument.arguments, modifier.environment).items():
+                own[name] = [*given, *own.get(name, [])]
+        sizes = [integer(self.context, s, entry.environment, "a size") for s in source.dimensions]
+        if not sizes:
+            part = self._nested(found, where, entry.path + ".", own, home.items)
+            entry.state, entry.value = "done", part
+            return
+        entry.elements = {}
+        entry.state, entry.value = "done", Indexed(entry)
+        for numbers in subscripts(sizes, source.span):
+            element = Entry("instance", entry.name, d, source, entry.environment, home.effect)
+            element.path = f"{entry.path}[{','.join(str(n) for n in numbers)}]"
+            entry.elements[numbers] = element
+            chosen = {
+                n: [Modifier(m.argument, m.environment, numbers) for m in given] for n, given in own.items()
+            }
+            element.state, element.value = (
+                "done",
+                self._nested(found, where, element.path + ".", chosen, home.items),
+            )
+
+    def _model_of(self, d: tree.Instance, space: Namespace) -> tuple[tree.ModelDeclaration, Namespace]:
+        try:
+            found, where = space.find(d.type.path, d.type.span, "model or type")
+        except Wrong as wrong:
+            remedy = wrong.fault.remedy or did_you_mean(d.type.path[-1], ELEMENTS)
+            raise Wrong(wrong.fault.code, wrong.fault.message, wrong.fault.span, remedy) from None
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0204", f"`{'.'.join(d.type.path)}` is not a model", d.type.span)
+        if found.partial:
+            raise Wrong(
+                "LAG0211",
+                f"`{found.name}` is partial, it can only be extended",
+                d.type.span,
+                related=((found.name_span, "declared here"),),
+            )
+        return found, where
+
+    def _nested(
+        self,
+        model: tree.ModelDeclaration,
+        space: Namespace,
+        path: str,
+        modifiers: Modifiers,
+        items: list[Item],
+    ) -> Part:
+        above: Instance | None = self.instance
+        while above is not None:
+            if above.declaration is model:
+                raise Wrong("LAG0205", f"`{model.name}` contains itself", model.name_span)
+            above = above.parent
+        if self.instance.depth >= DEEPEST:
+            raise Wrong("LAG0218", f"instances are nested deeper than {DEEPEST}", model.name_span)
+        inner = instantiate(self.context, model, space, path, modifiers, self.instance)
+        items.append(inner.items)
+        self.context.conditions += inner.conditions
+        return Part(inner)
+
+    def _unknown_modifier(self, name: str, modifier: Modifier) -> Wrong:
+        owner = self.instance.declaration.name
+        span = modifier.argument.name_span or modifier.argument.span
+        known = [n for n, e in self.instance.entries.items() if e.kind in _CHANGEABLE]
+        remedy = did_you_mean(name, known)
+        if remedy is None and known:
+            remedy = f"what can be given is {', '.join(f'`{n}`' for n in known[:MOST_NAMED])}"
+        return Wrong("LAG0209", f"`{owner}` has no `{name}`", span, remedy)
+
+
+def instantiate(
+    context: Context,
+    declaration: tree.ModelDeclaration,
+    space: Namespace,
+    path: str,
+    modifiers: Modifiers,
+    parent: Instance | None,
+) -> Instance:
+    """The instance of a model under `path` ("" for the main one)."""
+    context.grow(declaration.name_span)
+    instance = Instance(path, declaration, parent, 0 if parent is None else parent.depth + 1)
+    Builder(context, instance, modifiers).build(declaration, space)
+    return instance
+
+
+def names_of(d: tree.Declaration) -> list[str]:
+    """The names that a declaration brings."""
+    if isinstance(d, tree.Quantities | tree.Instance):
+        return [declarator.name for declarator in d.declarators]
+    if isinstance(d, tree.ForLoop):
+        return [name for inner in d.body for name in names_of(inner)]
+    if isinstance(d, tree.Construct | tree.Load | tree.Constraint | tree.FunctionDeclaration):
+        return [d.name]
+    return []

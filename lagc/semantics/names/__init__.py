@@ -1,0 +1,1 @@
+"""Names: namespaces, scopes, modifications, data files, effects."""

@@ -1,0 +1,275 @@
+"""What a file or a package declares, and imports of other files.
+
+An import, or a file of numbers, never leaves its roots: the folder of the importing file, and the folders
+given.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+
+from lagc.diagnostics.faults import Refused, Source, Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.host.model_library import LARGEST_DATA, Unreadable, content, decoded, fingerprint, folder_of
+from lagc.semantics.names.data_files import Columns, Unfit, columns
+from lagc.semantics.names.imports import Imports
+from lagc.semantics.names.values import Wrong
+from lagc.syntax import tree
+
+TOGETHER = 40_000_000  # bytes of all imports
+
+Declared = (
+    tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration | tree.Quantities
+)
+
+
+class Namespace:
+    """Names of one file, package or model body; `parent` is asked next."""
+
+    def __init__(
+        self, declarations: Iterable[tree.Declaration], parent: Namespace | None, importer: Importer
+    ):
+        self.parent = parent
+        self.importer = importer
+        self.names: dict[str, Declared] = {}
+        self.imports: list[tree.Import] = []
+        self._imported: Imports | None = None
+        for declaration in declarations:
+            if isinstance(declaration, tree.Import):
+                self.imports.append(declaration)
+            elif isinstance(declaration, tree.Quantities):
+                for declarator in declaration.declarators:
+                    self.names.setdefault(declarator.name, declaration)
+            elif isinstance(
+                declaration,
+                tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration,
+            ):
+                self._add(declaration)
+
+    def _add(
+        self,
+        declaration: tree.ModelDeclaration | tree.Package | tree.TypeDeclaration | tree.FunctionDeclaration,
+    ) -> None:
+        first = self.names.get(declaration.name)
+        if first is not None:
+            place = first.span if isinstance(first, tree.Quantities) else first.name_span
+            self.importer.report(
+                Wrong(
+                    "LAG0202",
+                    f"`{declaration.name}` is declared twice",
+                    declaration.name_span,
+                    related=((place, "first here"),),
+                )
+            )
+            return
+        self.names[declaration.name] = declaration
+
+    def imported(self) -> Imports:
+        """What the imports here bring, found when it is first asked for."""
+        if self._imported is None:
+            self._imported = Imports(self.imports, self)
+        return self._imported
+
+    def lookup(self, name: str) -> Found | None:
+        """Raises Wrong where an import at fault may be to blame that there is no such name."""
+        space: Namespace | None = self
+        while space is not None:
+            declared = space.names.get(name)
+            found = (declared, space) if declared is not None else space.imported().get(name)
+            if found is not None:
+                return found
+            space = space.parent
+        return None
+
+    def known(self) -> Iterator[str]:
+        space: Namespace | None = self
+        while space is not None:
+            yield from space.names
+            yield from (i.alias or (i.path[-1] if i.path else "") for i in space.imports)
+            space = space.parent
+
+    def find(self, path: tuple[str, ...], span: Span, what: str) -> Found:
+        """The declaration called `a.b.c`.  Raises Wrong."""
+        return self.follow(self.lookup(path[0]), path, span, what)
+
+    def follow(self, found: Found | None, path: tuple[str, ...], span: Span, what: str) -> Found:
+        """The same, where `found` is what `a` is.  Raises Wrong."""
+        near: Iterable[str] = self.known()
+        for name in path[1:]:
+            if found is None:
+                break
+            declaration, space = found
+            if not isinstance(declaration, tree.Package):
+                raise Wrong("LAG0206", f"`{path[0]}` is no package, it has no `{name}`", span)
+            inner = self.importer.inside(declaration, space)
+            near = inner.names
+            member = inner.names.get(name)
+            found = None if member is None else (member, inner)
+        if found is None:
+            remedy = did_you_mean(path[-1], sorted(set(near)))
+            raise Wrong("LAG0203", f"there is no {what} `{'.'.join(path)}`", span, remedy)
+        return found
+
+
+Found: TypeAlias = tuple[Declared, Namespace]  # with where it is declared
+
+
+class Importer:
+    """Reads imported files, each once; remembers the faults found on the way."""
+
+    def __init__(self, main: Source, roots: tuple[str, ...]):
+        folder = folder_of(main.name if os.path.exists(main.name) else "")
+        self.roots = tuple(dict.fromkeys(os.path.realpath(r) for r in (folder, *roots) if r))
+        self.free: list[Source] = []  # texts whose files may be anywhere
+        self.faults: list[Wrong] = []
+        self.refused: list[Refused] = []
+        self.files: dict[str, Namespace] = {}
+        self.broken: set[str] = set()
+        self.asked: dict[str, str | None] = {}  # path -> fingerprint; None where there is no such file
+        self.size = 0  # bytes read
+        self._fingerprints: dict[str, str] = {}
+        self._data: dict[str, Columns] = {}
+        self._inner: dict[int, Namespace] = {}  # of packages and models, by identity
+
+    def report(self, wrong: Wrong) -> None:
+        self.faults.append(wrong)
+
+    def inside(self, outer: tree.Package | tree.ModelDeclaration, parent: Namespace) -> Namespace:
+        """The names within, the same for all who ask: its imports are found once."""
+        space = self._inner.get(id(outer))
+        if space is None:
+            space = self._inner[id(outer)] = Namespace(outer.body, parent, self)
+        return space
+
+    def look_at(self, declarations: Iterable[tree.Declaration], space: Namespace) -> None:
+        """Note the faults of the imports among `declarations`, also of those whose names nobody uses."""
+        self.faults += space.imported().faults
+        for declaration in declarations:
+            if isinstance(declaration, tree.Package | tree.ModelDeclaration):
+                self.look_at(declaration.body, self.inside(declaration, space))
+
+    def file(self, declaration: tree.Import) -> Namespace:
+        """What `import "..."` brings.  Raises Wrong."""
+        return self._read(self._beside(declaration.file or "", declaration.span), declaration.span)
+
+    def member(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+        """What an import brings, where the first name of its path is `found`.  Raises Wrong."""
+        return self._opened(
+            declaration, found[1].follow(found, declaration.path, declaration.span, "declaration")
+        )
+
+    def _opened(self, declaration: tree.Import, found: Found) -> Found | Namespace:
+        if not declaration.wildcard:
+            return found
+        container, outer = found
+        if not isinstance(container, tree.Package):
+            raise Wrong("LAG0216", f"`{'.'.join(declaration.path)}` is no package", declaration.span)
+        return self.inside(container, outer)
+
+    def data(self, written: str, span: Span) -> Columns:
+        """A file of numbers, found as imports are.  Raises Wrong."""
+        path = self._beside(written, span)
+        real = os.path.realpath(path)
+        try:
+            if real not in self._data:
+                found = content(path, largest=LARGEST_DATA)
+                self._count(found, span)
+                self._fingerprints[real] = fingerprint(path, found)
+                self._data[real] = columns(decoded(found))
+        except Unreadable as error:
+            raise Wrong("LAG0226", f"`{written}` {error}", span, error.remedy) from None
+        except Unfit as error:
+            raise Wrong("LAG0314", f"`{written}` {error}", span, error.remedy) from None
+        finally:
+            self.asked[path] = self._fingerprints.get(real)
+        return self._data[real]
+
+    def _beside(self, written: str, span: Span) -> str:
+        """The path of a file that is named in a text.  Raises Wrong where it leads outside."""
+        path = os.path.join(folder_of(span.source.name) or os.sep, written)
+        if span.source not in self.free and not self._allowed(os.path.realpath(path)):
+            raise Wrong(
+                "LAG0217",
+                f"`{written}` is outside the folders that may be imported from",
+                span,
+                remedy="put the file in the folder of the model or below",
+            )
+        return path
+
+    def _count(self, data: bytes, span: Span) -> None:
+        """Raises Wrong where this is too much."""
+        self.size += len(data)
+        if self.size > TOGETHER:
+            raise Wrong("LAG0216", f"imports of more than {TOGETHER // 1_000_000} MB together", span)
+
+    def _allowed(self, path: str) -> bool:
+        return any(path.startswith(root.rstrip(os.sep) + os.sep) for root in self.roots)
+
+    def in_files(self, declaration: tree.Import) -> Found | Namespace | None:
+        """What an import brings of a file that is called by its path, if any.  Raises Wrong."""
+        names = declaration.path
+        for root in self.roots:
+            for length in range(len(names), 0, -1):
+                path = os.path.join(root, *names[:length]) + ".lag"
+                if not os.path.exists(path):
+                    self.asked[path] = None
+                    continue
+                if not self._allowed(os.path.realpath(path)):
+                    continue
+                file = self._read(path, declaration.span)
+                if names[length - 1] in file.names:
+                    found = file.find(names[length - 1 :], declaration.span, "declaration")
+                    return self._opened(declaration, found)
+        return None
+
+    def nothing(self, declaration: tree.Import) -> Wrong:
+        names = declaration.path
+        return Wrong(
+            "LAG0216",
+            f"there is nothing to import called `{'.'.join(names)}`",
+            declaration.span,
+            remedy=f"looked for {_candidates(names)} in: {', '.join(shown(r) or '.' for r in self.roots)}",
+        )
+
+    def _read(self, asked: str, span: Span) -> Namespace:
+        path = os.path.realpath(asked)
+        if path not in self.files and path not in self.broken:
+            self._parse(path, span)
+        if path in self.broken:
+            raise Wrong("LAG0216", f"`{os.path.basename(path)}` has faults of its own", span)
+        self.asked[asked] = self._fingerprints[path]
+        return self.files[path]
+
+    def _parse(self, path: str, span: Span) -> None:
+        """Into `files`, or `broken`."""
+        from lagc.syntax.parse import parse
+
+        try:
+            data = content(path)
+            text = decoded(data)
+        except Unreadable as error:
+            message = f"`{os.path.basename(path)}` cannot be imported: it {error}"
+            raise Wrong("LAG0216", message, span, error.remedy) from None
+        self._count(data, span)
+        self._fingerprints[path] = fingerprint(path, data)
+        try:
+            parsed = parse(Source(shown(path), text))
+        except Refused as refused:
+            self.refused.append(refused)
+            self.broken.add(path)
+            return
+        self.files[path] = Namespace(parsed.declarations, None, self)
+
+
+def _candidates(names: tuple[str, ...]) -> str:
+    return " and ".join(f"{'/'.join(names[:n])}.lag" for n in range(1, len(names) + 1))
+
+
+def shown(path: str) -> str:
+    """The path as people know it: from where they are, if it is below."""
+    here = folder_of("")
+    if not here:
+        return path
+    return os.path.relpath(path, here) if path == here or path.startswith(here + os.sep) else path

@@ -1,0 +1,249 @@
+"""Syntax tree to Model: the table of contents of this room."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TypeVar
+
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context
+from lagc.semantics.declarations.actions import condition
+from lagc.semantics.declarations.events import ending, when_clause
+from lagc.semantics.declare import declare
+from lagc.semantics.instantiate import Builder
+from lagc.semantics.names.effects import Uses
+from lagc.semantics.names.namespace import Importer, Namespace
+from lagc.semantics.names.scope import Environment, Instance
+from lagc.semantics.names.values import Wrong
+from lagc.semantics.scenes.choice import (
+    Inputs,
+    Numbers,
+    Setting,
+    check_effects,
+    choose_model,
+    choose_scene,
+    read_command,
+    read_inputs,
+    read_rest,
+    read_values,
+    scenes_of,
+)
+from lagc.semantics.time_derivatives import MOVING
+from lagc.semantics.values.calls import look_at_uncalled
+from lagc.semantics.values.expressions import HOW
+from lagc.syntax import tree
+
+RECURSION = 40_000  # frames of Python; what is nested is bounded well below that
+T = TypeVar("T")
+
+
+def resolve(
+    file: tree.Tree,
+    scene: str | None = None,
+    with_effects: Sequence[str] = (),
+    without_effects: Sequence[str] = (),
+    model: str | None = None,
+    parameters: Numbers | None = None,
+    starts: Numbers | None = None,
+    inputs: Inputs | None = None,
+    until: str | None = None,
+    roots: Sequence[str] | None = None,
+) -> nouns.Model:
+    """One scene of a model of the file, every name resolved.
+
+    `parameters` and `starts` are values by full name, in SI or with a unit, `inputs` texts of expressions or
+    points over time, `until` the condition that ends a run; `roots` the folders that may be imported from
+    besides that of the file.  Raises Refused with all faults.
+    """
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), RECURSION))
+    importer = Importer(file.source, tuple(roots or ()))
+    space = Namespace(file.declarations, None, importer)
+    importer.look_at(file.declarations, space)
+    context = Context(importer, Uses(), declare, HOW)
+    try:
+        declaration, where = choose_model(file, space, model)
+        setting = choose_scene(scenes_of(context, declaration, where), scene, with_effects, without_effects)
+        context.uses = setting.uses
+        instance = Instance("", declaration, None)
+        environment = Environment(instance, importer.inside(declaration, where))
+        read_values(context, setting, environment)
+        read_command(context, parameters, starts)
+        read_inputs(context, inputs or {}, environment)
+        if until is not None:
+            context.whens.append((ending(context, until), environment, None))
+        Builder(context, instance, {}).build(declaration, where)
+        context.conditions[:0] = instance.conditions
+        simulate = read_rest(context, setting, environment)
+    except Wrong as wrong:
+        context.report(wrong)
+        context.refuse_faults()
+        raise AssertionError("a fault refuses") from None
+    check_effects(context, setting)
+    found = _evaluate(context, instance)
+    conditions = _conditions(context)
+    whens = _whens(context)
+    look_at_uncalled(context, instance.in_order())
+    _check_given(context, instance)
+    if not context.faults and not _of(found, nouns.Coordinate) and not _of(found, nouns.Orientation):
+        empty = _empty(declaration)
+        reason = f": {empty}" if empty else ""
+        context.report(
+            Wrong(
+                "LAG0222",
+                f"the model `{declaration.name}` has no coordinates, so nothing can move{reason}",
+                declaration.name_span,
+                "give a size of 1 or more" if empty else "declare one: `coordinate Length x;`",
+            )
+        )
+    context.refuse_faults()
+    return _model(context, declaration, setting, found, conditions, whens, simulate)
+
+
+def _empty(declaration: tree.ModelDeclaration) -> str:
+    """Which arrays of coordinates it declares, of a model that has none: a size of each is 0."""
+    arrays = [
+        declarator
+        for d in declaration.body
+        if isinstance(d, tree.Quantities) and d.kind == "coordinate"
+        for declarator in d.declarators
+        if declarator.dimensions
+    ]
+    return "; ".join(
+        f"`{a.name}` has no entries, as {' or '.join(size.span.text for size in a.dimensions)} = 0"
+        for a in arrays
+    )
+
+
+def _evaluate(context: Context, instance: Instance) -> list[nouns.Noun]:
+    """The nouns of every declaration, in order."""
+    found: list[nouns.Noun] = []
+    for entry in instance.in_order():
+        if context.attempt(context.value, entry, entry.span):
+            found.extend(entry.nouns)
+    return found
+
+
+def _conditions(context: Context) -> list[nouns.InitialCondition]:
+    found: list[nouns.InitialCondition] = []
+    for written, environment in context.conditions:
+        context.attempt(lambda w, e: found.extend(condition(context, w, e)), written, environment)
+    return found
+
+
+def _whens(context: Context) -> list[nouns.When]:
+    """In the order written, those of instances within at their place; what never changes is left out."""
+    found: list[nouns.When] = []
+
+    def one(written: tree.When, environment: Environment, effect: str | None) -> None:
+        clause = when_clause(context, written, environment, effect)
+        if context.clock.mask(clause.condition) & MOVING:
+            found.append(clause)
+
+    for given in context.whens:
+        context.attempt(one, *given)
+    return found
+
+
+def _check_given(context: Context, instance: Instance) -> None:
+    """Report what is given to names that take nothing."""
+    for table, what, code in (
+        (context.parameters, "parameter or input", "LAG0215"),
+        (context.starts, "coordinate, rate or speed", "LAG0224"),
+    ):
+        kinds = (
+            ("parameter", "structural", "input") if table is context.parameters else ("coordinate", "speed")
+        )
+        for name, given in table.items():
+            if name in context.taken:
+                continue
+            reason = instance.unused.get(given.owner)
+            if reason is not None:
+                context.report(Wrong(code, f"`{name}` {reason}", given.span))
+                continue
+            entries = [e for e in instance.in_order() if e.kind in kinds]
+            if context.faults and any(not e.nouns and e.path == _base(given.owner) for e in entries):
+                continue
+            known = [n for e in entries for n in (_names(e.nouns) or [e.path])]
+            remedy = did_you_mean(name, known) or _other_kind(instance, _base(given.owner))
+            context.report(Wrong(code, f"there is no {what} `{name}`", given.span, remedy))
+
+
+def _base(name: str) -> str:
+    """`a.th` of `a.th[2]`."""
+    return name.rpartition("[")[0] if name.endswith("]") else name
+
+
+def _other_kind(instance: Instance, path: str) -> str | None:
+    """What a name that is given a value in the wrong way is."""
+    kind = next((e.kind for e in instance.in_order() if e.path == path), None)
+    if kind == "parameter":
+        return f"`{path}` is a parameter: write `parameter {path} = ...;`"
+    if kind == "coordinate":
+        return f"`{path}` is a coordinate: write `start {path} = ...;`"
+    return None if kind is None else f"`{path}` is a {kind}"
+
+
+def _names(found: Sequence[nouns.Noun]) -> list[str]:
+    names = [noun.name for noun in found]
+    return [*names, *(n.rate_symbol.record.name for n in found if isinstance(n, nouns.Coordinate))]
+
+
+def _of(found: Sequence[nouns.Noun], kind: type[T]) -> tuple[T, ...]:
+    return tuple([noun for noun in found if isinstance(noun, kind)])
+
+
+def _model(
+    context: Context,
+    declaration: tree.ModelDeclaration,
+    setting: Setting,
+    found: list[nouns.Noun],
+    conditions: list[nouns.InitialCondition],
+    whens: list[nouns.When],
+    simulate: dict[str, float],
+) -> nouns.Model:
+    coordinates = [n for n in found if isinstance(n, nouns.Coordinate | nouns.Orientation)]
+    actions = [
+        n
+        for n in found
+        if isinstance(n, nouns.Potential | nouns.Force | nouns.Torque | nouns.Dissipation | nouns.Lagrangian)
+    ]
+    effects = tuple(
+        [
+            nouns.Effect(path, e.description or "", setting.uses.has(path))
+            for path, e in context.effects.items()
+        ]
+    )
+    left_out = [e.name for e in effects if not e.used]
+    notes = setting.notes
+    if setting.scene is None and left_out:
+        notes = (*notes, f"the model has no scenes, the effects are left out: {', '.join(left_out)}")
+    return nouns.Model(
+        name=declaration.name,
+        scene=setting.name,
+        description=declaration.description or "",
+        graph=context.graph,
+        time=context.time,
+        parameters=_of(found, nouns.Parameter),
+        inputs=_of(found, nouns.Input),
+        coordinates=tuple(coordinates),
+        speeds=_of(found, nouns.Speed),
+        frames=_of(found, nouns.Frame),
+        points=_of(found, nouns.Point),
+        bodies=_of(found, nouns.Body),
+        actions=tuple(actions),
+        constraints=_of(found, nouns.Constraint),
+        initial_conditions=tuple(conditions),
+        whens=tuple(whens),
+        tables=tuple(context.curves.values()),
+        outputs=_of(found, nouns.Output),
+        effects=effects,
+        scenes=setting.names,
+        simulate=simulate,
+        limits=_of(found, nouns.Limit),
+        built_in=tuple(context.built_in),
+        imports=tuple(context.importer.asked.items()),
+        notes=notes,
+        warnings=tuple(context.warnings.values()),
+    )

@@ -1,0 +1,1 @@
+"""Scenes: which effects, parameters and settings a run uses."""

@@ -1,0 +1,343 @@
+"""The choice of a model of the file and of a scene of the model, and what the scene gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Source, Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics.context import Context, Given, Points
+from lagc.semantics.names.effects import Uses, keys, without_subscripts
+from lagc.semantics.names.namespace import Namespace
+from lagc.semantics.names.scope import DEEPEST, Environment
+from lagc.semantics.names.values import Wrong
+from lagc.semantics.scenes.settings import Settings
+from lagc.semantics.values.evaluate import integer
+from lagc.symbolic.leaves import derived, underived
+from lagc.syntax import tree
+
+MOST_LISTED = 12  # effects, in a message
+
+Numbers = Mapping[str, "float | tuple[float, str | None]"]
+Inputs = Mapping[str, "Source | Points"]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A scene, the effects it uses after what the command adds and removes, and how it was chosen."""
+
+    scene: tree.Scene | None
+    name: str
+    names: tuple[str, ...]
+    uses: Uses
+    notes: tuple[str, ...]
+
+
+def choose_model(
+    file: tree.Tree, space: Namespace, wanted: str | None
+) -> tuple[tree.ModelDeclaration, Namespace]:
+    """The model that is meant: `wanted`, else the last of the file that is not partial; one in a package
+    where there is no other.  Raises Wrong."""
+    if wanted is not None:
+        nowhere = Span(file.source, 0, 0)
+        try:
+            found, where = space.find(tuple(wanted.split(".")), nowhere, "model")
+        except Wrong as wrong:
+            remedy = _which_model(wanted, file) or wrong.fault.remedy
+            raise Wrong("LAG0215", wrong.fault.message, None, remedy) from None
+        if not isinstance(found, tree.ModelDeclaration):
+            raise Wrong("LAG0215", f"`{wanted}` is not a model", None, _which_model(wanted, file))
+        if found.partial:
+            raise Wrong("LAG0211", f"`{wanted}` is partial, it can only be extended", found.name_span)
+        return found, where
+    models = [d for d in file.declarations if isinstance(d, tree.ModelDeclaration)]
+    whole = [m for m in models if not m.partial]
+    if whole:
+        return whole[-1], space
+    inner = models_of(file.declarations)
+    if inner:  # in packages
+        return choose_model(file, space, inner[-1])
+    if models:
+        raise Wrong(
+            "LAG0211",
+            f"`{models[-1].name}` is partial, and the file has no other model",
+            models[-1].name_span,
+        )
+    start = Span(file.source, 0, min(1, len(file.source.text)))
+    raise Wrong("LAG0215", "the file has no model", start, "write `model Name ... end Name;`")
+
+
+def models_of(declarations: Sequence[tree.Declaration], path: str = "") -> list[str]:
+    """The full names of the models that can be chosen."""
+    found: list[str] = []
+    for d in declarations:
+        if isinstance(d, tree.ModelDeclaration) and not d.partial:
+            found.append(path + d.name)
+        elif isinstance(d, tree.Package):
+            found += models_of(d.body, f"{path}{d.name}.")
+    return found
+
+
+def _which_model(wanted: str, file: tree.Tree) -> str | None:
+    known = models_of(file.declarations)
+    listed = f"the models are: {', '.join(known)}" if known else None
+    return did_you_mean(wanted, known) or listed
+
+
+def scenes_of(
+    context: Context,
+    model: tree.ModelDeclaration,
+    space: Namespace,
+    depth: int = 0,
+    seen: set[int] | None = None,
+) -> dict[str, tree.Scene]:
+    """The scenes of a model, its own first, then the inherited ones, not those of models that were `seen`.
+    Raises Wrong."""
+    seen = set() if seen is None else seen
+    if id(model) in seen:
+        return {}
+    seen.add(id(model))
+    found: dict[str, tree.Scene] = {}
+    inner = context.importer.inside(model, space)
+    for declaration in model.body:
+        if isinstance(declaration, tree.Scene):
+            if declaration.name in found:
+                context.report(
+                    Wrong(
+                        "LAG0202",
+                        f"the scene `{declaration.name}` is declared twice",
+                        declaration.name_span,
+                        related=((found[declaration.name].name_span, "first here"),),
+                    )
+                )
+                continue
+            found[declaration.name] = declaration
+    for declaration in model.body:
+        if isinstance(declaration, tree.Extends) and depth < DEEPEST:
+            base, where = inner.find(declaration.path, declaration.path_span, "model")
+            if isinstance(base, tree.ModelDeclaration):
+                for name, scene in scenes_of(context, base, where, depth + 1, seen).items():
+                    found.setdefault(name, scene)
+    return found
+
+
+def choose_scene(
+    scenes: Mapping[str, tree.Scene], wanted: str | None, added: Sequence[str], removed: Sequence[str]
+) -> Setting:
+    """Raises Wrong where there is no such scene, or an effect is both added and removed."""
+    notes: list[str] = []
+    if wanted is None and scenes:
+        wanted = next(iter(scenes))
+        if len(scenes) > 1:
+            notes.append(f"no scene named, the first one is used: {wanted}")
+    elif wanted is None or (wanted == "default" and not scenes):
+        wanted = "default"
+    scene = scenes.get(wanted)
+    if scene is None and (scenes or wanted != "default"):
+        raise Wrong(
+            "LAG0215",
+            f"there is no scene `{wanted}`",
+            None,
+            did_you_mean(wanted, scenes)
+            or (f"the scenes are: {', '.join(scenes)}" if scenes else "the model has no scenes"),
+        )
+    both = [e for e in added if e in removed]
+    if both:
+        raise Wrong("LAG0215", f"the effect `{both[0]}` is both added and left out", None)
+    named = frozenset([n.name for n in scene.uses] if scene else ())
+    names = tuple(scenes) or ("default",)
+    return Setting(scene, wanted, names, Uses(named, frozenset(added), frozenset(removed)), tuple(notes))
+
+
+def read_values(context: Context, setting: Setting, environment: Environment) -> None:
+    """Note the values of parameters that the scene gives, of those whose names are known before
+    anything is: sizes may hang on them.  `read_rest` notes the others."""
+    for d in setting.scene.body if setting.scene else ():
+        if isinstance(d, tree.Quantities):
+            if d.type is not None:
+                context.attempt(_typed, d.type)
+            for declarator in d.declarators:
+                if _is_plain(declarator):
+                    context.attempt(_parameter, context, declarator, environment)
+
+
+def read_rest(context: Context, setting: Setting, environment: Environment) -> dict[str, float]:
+    """Note what else the scene gives, once its names can be looked up; the result is what it says
+    about the run."""
+    settings = Settings(context, environment)
+    for d in setting.scene.body if setting.scene else ():
+        if isinstance(d, tree.Quantities):
+            for declarator in d.declarators:
+                if not _is_plain(declarator):
+                    context.attempt(_parameter, context, declarator, environment)
+        elif isinstance(d, tree.Start):
+            context.attempt(_start, context, d, environment)
+        elif isinstance(d, tree.Simulate):
+            settings.read(d)
+    return settings.numbers()
+
+
+def _typed(type_name: tree.TypeName) -> None:
+    raise Wrong(
+        "LAG0221",
+        "a scene gives another value to what the model declares, its type is known",
+        type_name.span,
+        "leave the type out",
+    )
+
+
+def _is_plain(declarator: tree.Declarator) -> bool:
+    """Whether no name has to be looked up in its subscripts."""
+    found = [*declarator.dimensions]
+    e = declarator.within
+    while isinstance(e, tree.Member | tree.Index):
+        if isinstance(e, tree.Index):
+            found += e.indices
+        e = e.base
+    return all(isinstance(index, tree.Number) for index in found)
+
+
+def _parameter(context: Context, declarator: tree.Declarator, environment: Environment) -> None:
+    if declarator.value is None:
+        raise Wrong("LAG0210", f"the parameter `{declarator.name}` gets no value here", declarator.span)
+    plain = tree.Name(declarator.name, declarator.name_span)
+    name = target_text(context, declarator.within or plain, environment)
+    if declarator.dimensions:
+        name += subscript_text(context, declarator.dimensions, environment)
+    given = Given(name, declarator.value, environment, span=declarator.name_span)
+    _give(context, context.parameters, name, given)
+
+
+def _start(context: Context, d: tree.Start, environment: Environment) -> None:
+    inner = _of_rate(d.target)
+    owner = target_text(context, inner or d.target, environment)
+    name = owner if inner is None else derived(owner)
+    _give(context, context.starts, name, Given(owner, d.value, environment, span=d.target.span))
+
+
+def _of_rate(e: tree.Expression) -> tree.Expression | None:
+    """`x` of `der(x)`."""
+    if not isinstance(e, tree.Call) or not isinstance(e.function, tree.Name):
+        return None
+    return e.arguments[0].value if e.function.name == "der" and len(e.arguments) == 1 else None
+
+
+def _give(context: Context, table: dict[str, Given], name: str, given: Given) -> None:
+    """What the command gives goes before what the scene says.  Raises Wrong where that says it twice."""
+    first = table.get(name)
+    if first is not None and first.span is not None:
+        related = ((first.span, "first here"),)
+        raise Wrong("LAG0209", f"`{name}` is given twice", given.span, related=related)
+    table.setdefault(name, given)
+
+
+def subscript_text(context: Context, indices: Sequence[tree.Expression], environment: Environment) -> str:
+    """`[2,1]`.  Raises Wrong."""
+    return f"[{','.join(str(integer(context, i, environment, 'a subscript')) for i in indices)}]"
+
+
+def target_text(context: Context, e: tree.Expression, environment: Environment) -> str:
+    """The full name that `start ... = ` is about: `theta`, `der(a.th[2])`.  Raises Wrong."""
+    if isinstance(e, tree.Name):
+        return e.name
+    if isinstance(e, tree.Member):
+        return f"{target_text(context, e.base, environment)}.{e.name}"
+    if isinstance(e, tree.Index):
+        return target_text(context, e.base, environment) + subscript_text(context, e.indices, environment)
+    inner = _of_rate(e)
+    if inner is not None:
+        return derived(target_text(context, inner, environment))
+    raise Wrong(
+        "LAG0224",
+        "a start is given to a coordinate or to its rate",
+        e.span,
+        "write `start x = ...;` or `start der(x) = ...;`",
+    )
+
+
+def read_inputs(context: Context, inputs: Inputs, environment: Environment) -> None:
+    """Note the inputs that the command or a Python caller gives.  Their files may be anywhere: who asks names
+    them.  Raises Refused where a text is no expression."""
+    from lagc.syntax.parse import parse_expression
+
+    for name, given in inputs.items():
+        plain = "".join(name.split())
+        if isinstance(given, Source):
+            context.importer.free.append(given)
+            expression = parse_expression(given)
+            context.parameters[plain] = Given(plain, expression, environment)
+        else:
+            context.parameters[plain] = Given(plain, points=given)
+
+
+def read_command(context: Context, parameters: Numbers | None, starts: Numbers | None) -> None:
+    """Note what the command or a Python caller gives; it goes before what the scene says."""
+    for table, given in ((context.parameters, parameters), (context.starts, starts)):
+        for name, value in (given or {}).items():
+            number, unit = value if isinstance(value, tuple) else (value, None)
+            plain = "".join(name.split())
+            table[plain] = Given(underived(plain), number=float(number), unit=unit)
+
+
+def _effects(name: str, context: Context) -> str:
+    """What to do about an effect that there is not."""
+    if not context.effects:
+        own = name.rpartition(".")[2].partition("[")[0]
+        return f"the model has no effects; one is declared by `effect {own} ... end {own};`"
+    whole = without_subscripts(name)
+    elements = [path for path in context.effects if whole != name and without_subscripts(path) == whole]
+    listed = ", ".join(f"`{path}`" for path in (elements or [*context.effects])[:MOST_LISTED])
+    if elements:
+        return f"the model has {listed}"
+    known = [*context.effects, *(path.rpartition(".")[2] for path in context.effects)]
+    return did_you_mean(name, known) or f"the model has {listed}"
+
+
+def check_effects(context: Context, setting: Setting) -> None:
+    """Report every effect that is named and unknown, lacking, or excluded."""
+    known = {key for path in context.effects for key in keys(path)}
+    named = list(setting.scene.uses) if setting.scene else []
+    named += [n for e in context.effects.values() for n in (*e.requires, *e.excludes)]
+    named += [n for n, _ in context.mentioned]
+    written = {n.name for n in named}
+    for name in named:
+        if name.name not in known:
+            context.report(
+                Wrong("LAG0212", f"there is no effect `{name.name}`", name.span, _effects(name.name, context))
+            )
+    for text in sorted(setting.uses.all - known - written):
+        context.report(Wrong("LAG0212", f"there is no effect `{text}`", None, _effects(text, context)))
+    for path, effect in context.effects.items():
+        if not setting.uses.has(path):
+            continue
+        for other in effect.requires:
+            if other.name in known and not setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
+                context.report(
+                    Wrong(
+                        "LAG0213",
+                        f"the effect `{path}` requires `{other.name}`, which the scene "
+                        f"`{setting.name}` does not use",
+                        other.span,
+                        f"add it: `uses ..., {other.name}`",
+                        _scene_place(setting, (path,)),
+                    )
+                )
+        for other in effect.excludes:
+            if setting.uses.has_beside(path[: path.rfind(".") + 1], other.name):
+                context.report(
+                    Wrong(
+                        "LAG0213",
+                        f"the effects `{path}` and `{other.name}` exclude each other, and the scene "
+                        f"`{setting.name}` uses both",
+                        other.span,
+                        "leave one of them out",
+                        _scene_place(setting, (path, other.name)),
+                    )
+                )
+
+
+def _scene_place(setting: Setting, effects: Sequence[str]) -> tuple[tuple[Span, str], ...]:
+    """Where the scene names these effects."""
+    names = setting.scene.uses if setting.scene else ()
+    return tuple((n.span, "used here") for n in names if n.name in {key for e in effects for key in keys(e)})

@@ -1,0 +1,100 @@
+"""What a scene says about the run: the arguments of its `simulate`."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import NamedTuple
+
+from lagc.base.numerals import FINEST, MOST_POINTS
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics.context import Context
+from lagc.semantics.names.scope import Environment
+from lagc.semantics.names.values import Scalar, Wrong, expect, kind
+from lagc.semantics.types.units import NONE, Dimension, S
+from lagc.semantics.values.evaluate import evaluate_as
+from lagc.syntax import tree
+
+_SETTINGS: dict[str, Dimension] = {
+    "stop": S, "every": S, "step": S, "maxstep": S, "accuracy": NONE, "points": NONE, "rtol": NONE,
+    "atol": NONE,
+}  # fmt: skip
+_BELOW_ONE = {"accuracy": "error", "rtol": "tolerance"}
+_ALTERNATIVES = (
+    ("accuracy", "rtol"), ("accuracy", "atol"), ("accuracy", "step"), ("step", "rtol"), ("step", "atol"),
+    ("step", "maxstep"), ("every", "points"),
+)  # fmt: skip
+
+
+class _Given(NamedTuple):
+    number: float
+    span: Span
+
+
+class Settings:
+    """Those of a scene, of all its `simulate` together."""
+
+    def __init__(self, context: Context, environment: Environment):
+        self.context, self.environment = context, environment
+        self._given: dict[str, _Given] = {}
+
+    def numbers(self) -> dict[str, float]:
+        """What was given."""
+        return {name: given.number for name, given in self._given.items()}
+
+    def read(self, simulate: tree.Simulate) -> None:
+        """Note what it is given, and report what is wrong with it."""
+        for argument in simulate.arguments:
+            self.context.attempt(self._read, argument)
+
+    def _read(self, argument: tree.Argument) -> None:
+        """Raises Wrong."""
+        name, value = argument.name, argument.value
+        if name is None:
+            raise Wrong("LAG0209", "what `simulate` is given has a name: `stop = 20`", argument.span)
+        if name not in _SETTINGS or value is None:
+            raise Wrong(
+                "LAG0209",
+                f"`simulate` has no argument `{name}`",
+                argument.name_span or argument.span,
+                did_you_mean(name, _SETTINGS) or f"it has {', '.join(_SETTINGS)}",
+            )
+        if name in self._given:
+            related = ((self._given[name].span, "first here"),)
+            raise Wrong("LAG0209", f"`{name}` is given twice", argument.span, related=related)
+        number = self._number(name, value)
+        wrong = self._fault(name, number)
+        if wrong:
+            raise Wrong("LAG0308", wrong, value.span)
+        for first, second in _ALTERNATIVES:
+            if name in (first, second) and (first in self._given or second in self._given):
+                raise Wrong("LAG0209", f"`{first}` and `{second}` exclude each other", argument.span)
+        self._given[name] = _Given(number, argument.span)
+
+    def _number(self, name: str, e: tree.Expression) -> float:
+        """Raises Wrong where it is none, or not of the dimension."""
+        value = evaluate_as(self.context, e, self.environment, _SETTINGS[name])
+        if not isinstance(value, Scalar):
+            raise Wrong("LAG0306", f"`{name}` is one number, this is {kind(value)}", e.span)
+        if not value.node.is_const:
+            message = f"`{name}` is a fixed number, this depends on parameters or on the motion"
+            raise Wrong("LAG0208", message, e.span)
+        expect(value.dimension, _SETTINGS[name], e.span, f"`{name}`")
+        number = value.node.value
+        assert isinstance(number, float)
+        return number
+
+    def _fault(self, name: str, number: float) -> str | None:
+        """What makes a number no such setting."""
+        if number <= 0:
+            return f"`{name}` is positive"
+        if name in _BELOW_ONE and number >= 1:
+            return f"`{name}` is a relative {_BELOW_ONE[name]}, below 1"
+        if name == "rtol" and number < FINEST:
+            return f"`rtol` is below {FINEST:g}, where rounding is all that is left"
+        if name == "points" and (number < 2 or number % 1 or number > MOST_POINTS):
+            return f"`points` is a whole number, 2 to {MOST_POINTS:,}"
+        numbers = {**self.numbers(), name: number}
+        if name in ("stop", "every") and numbers.get("stop", 0.0) / numbers.get("every", inf) > MOST_POINTS:
+            return f"a point every {numbers['every']:g} s makes more than {MOST_POINTS:,} points"
+        return None

@@ -1,0 +1,112 @@
+"""All that a file can mean: its models, their scenes, and the effects that no scene uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from lagc.base.records import dataclass
+from lagc.semantics.names.namespace import Importer, Namespace
+from lagc.semantics.names.scope import DEEPEST
+from lagc.semantics.names.values import Wrong
+from lagc.syntax import tree
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """What `resolve` is asked for; None is its own choice."""
+
+    model: str | None
+    scene: str | None
+    with_effects: tuple[str, ...] = ()
+    without_effects: tuple[str, ...] = ()
+    alone: tuple[str, ...] = ()  # of an effect that no scene uses: the effects that need not be there
+
+
+def variants(file: tree.Tree, model: str | None = None, roots: Sequence[str] = ()) -> list[Variant]:
+    """Every scene of every model of the file (of `model` where one is named), and each effect that no
+    scene uses, with what it requires, in the first scene.
+
+    A model that others are made of is looked at within these: alone it may be no whole.  Names that
+    cannot be found are passed over: `resolve` reports them.
+    """
+    importer = Importer(file.source, tuple(roots))
+    space = Namespace(file.declarations, None, importer)
+    models = list(_models(file.declarations, space, ""))
+    main = [d.name for _, d, where in models if where is space]
+    parts = set(_parts(file.declarations)) - set(main[-1:])
+    found: list[Variant] = []
+    for name, declaration, where in models:
+        if name == model or (model is None and declaration.name not in parts):
+            found += _of_model(name, declaration, where)
+    return found or [Variant(model, None)]
+
+
+def _parts(declarations: Sequence[tree.Declaration]) -> Iterator[str]:
+    """The names of the models that others extend or contain."""
+    for d in declarations:
+        if isinstance(d, tree.Extends):
+            yield d.path[-1]
+        elif isinstance(d, tree.Instance):
+            yield d.type.path[-1]
+        elif isinstance(d, tree.ModelDeclaration | tree.Package | tree.Effect):
+            yield from _parts(d.body)
+
+
+def _models(
+    declarations: Sequence[tree.Declaration], space: Namespace, path: str
+) -> Iterator[tuple[str, tree.ModelDeclaration, Namespace]]:
+    """The whole models of a file and of its packages, by their full names."""
+    for d in declarations:
+        if isinstance(d, tree.ModelDeclaration) and not d.partial:
+            yield path + d.name, d, space
+        elif isinstance(d, tree.Package):
+            yield from _models(d.body, space.importer.inside(d, space), f"{path}{d.name}.")
+
+
+def _of_model(name: str, declaration: tree.ModelDeclaration, space: Namespace) -> Iterator[Variant]:
+    scenes: dict[str, tree.Scene] = {}
+    effects: dict[str, tree.Effect] = {}
+    for inner in _declarations(declaration, space, 0, set()):
+        if isinstance(inner, tree.Scene):
+            scenes.setdefault(inner.name, inner)
+        elif isinstance(inner, tree.Effect):
+            effects.setdefault(inner.name, inner)
+    yield from (Variant(name, scene) for scene in scenes or (None,))
+    first = next(iter(scenes), None)
+    used = {name.name for scene in scenes.values() for name in scene.uses}
+    for effect in effects.values():
+        if effect.name not in used:
+            wanted = _required(effect, effects)
+            excluded = {e.name for w in wanted if w in effects for e in effects[w].excludes}
+            excluded |= {n for n, e in effects.items() if any(x.name in wanted for x in e.excludes)}
+            others = [n.name for n in scenes[first].uses] if first is not None else []
+            alone = tuple(n for n in others if n not in wanted and n not in excluded)
+            yield Variant(name, first, tuple(wanted), tuple(sorted(excluded - set(wanted))), alone)
+
+
+def _required(effect: tree.Effect, effects: dict[str, tree.Effect]) -> list[str]:
+    """The effect and all that it needs."""
+    wanted = [effect.name]
+    for name in wanted:  # grows
+        if name in effects:
+            wanted += [r.name for r in effects[name].requires if r.name not in wanted]
+    return wanted
+
+
+def _declarations(
+    declaration: tree.ModelDeclaration, space: Namespace, depth: int, seen: set[int]
+) -> Iterator[tree.Declaration]:
+    """What a model declares, then what it inherits, but for that of models that were `seen`."""
+    if id(declaration) in seen:
+        return
+    seen.add(id(declaration))
+    yield from declaration.body
+    inner = space.importer.inside(declaration, space)
+    for base in declaration.body:
+        if isinstance(base, tree.Extends) and depth < DEEPEST:
+            try:
+                found, where = inner.find(base.path, base.path_span, "model")
+            except Wrong:
+                continue
+            if isinstance(found, tree.ModelDeclaration):
+                yield from _declarations(found, where, depth + 1, seen)

@@ -1,0 +1,1 @@
+"""Values: evaluation of expressions, calls, frame vectors, tables."""

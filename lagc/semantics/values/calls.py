@@ -1,0 +1,290 @@
+"""Calls: functions of the model, of packages, and those that are there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+
+from lagc.diagnostics.suggest import did_you_mean, foreign
+from lagc.semantics.context import Context
+from lagc.semantics.names.scope import Entry, Environment
+from lagc.semantics.names.type_names import type_of
+from lagc.semantics.names.values import Poisoned, Scalar, Value, Wrong, expect, flat
+from lagc.semantics.types.types import QuantityType
+from lagc.semantics.values import functions, rotations, tables
+from lagc.semantics.values import kinematics as motion
+from lagc.semantics.values.constants import dotted, space_only
+from lagc.semantics.values.evaluate import all_values, each, evaluate, evaluate_as
+from lagc.semantics.values.functions import RESERVED, Argument, Builtin
+from lagc.semantics.values.unit_hints import is_bare
+from lagc.syntax import tree
+
+BUILTINS: dict[str, Builtin] = {**functions.TABLE, **motion.TABLE, **rotations.TABLE, **tables.TABLE}
+
+DEEPEST = 64  # functions within functions
+MOST_CALLS = 50_000  # of the user's functions in one model
+LONGEST = 64  # arguments of one call
+
+
+def written(name: str) -> str | None:
+    """How a function that is there is called at least, `velocity(of)`; None where there is none."""
+    builtin = BUILTINS.get(name)
+    if builtin is None:
+        return None
+    return f"{name}({', '.join(builtin.parameters[: builtin.required])})"
+
+
+def call(context: Context, e: tree.Call, environment: Environment) -> Value:
+    """The value of a call.  Raises Wrong."""
+    if len(e.arguments) > LONGEST:
+        raise Wrong("LAG0209", f"a call of more than {LONGEST} arguments", e.span)
+    try:
+        called, arguments = _called(context, e, environment)
+    except (Wrong, Poisoned):
+        look_at_arguments(context, e, environment)
+        raise
+    if not isinstance(called, Builtin):
+        return _inline(context, e, environment, *called, arguments)
+    filled = iter(all_values(context, [a for a in arguments if a is not None], environment))
+    given = [None if a is None else Argument(next(filled), a.span, is_bare(a)) for a in arguments]
+    return _applied(context, called, e, given)
+
+
+def _called(
+    context: Context, e: tree.Call, environment: Environment
+) -> tuple[Builtin | tuple[tree.FunctionDeclaration, Environment], list[tree.Expression | None]]:
+    """What is called, and its arguments in the order of its parameters.  Raises Wrong, Poisoned."""
+    own = _declared(context, e.function, environment)
+    if own is not None:
+        names = _parameters(own[0])
+        return own, match(context, e, names, len(names), f"`{own[0].name}`")
+    name = e.function.name if isinstance(e.function, tree.Name) else ""
+    builtin = BUILTINS.get(name)
+    if builtin is None:
+        raise _unknown(name, e, environment)
+    return builtin, match(context, e, builtin.parameters, builtin.required, f"`{name}`")
+
+
+def look_at_arguments(context: Context, e: tree.Call, environment: Environment) -> None:
+    """Report the faults within the arguments of a call that is itself at fault."""
+    for argument in e.arguments[:LONGEST]:
+        if argument.value is not None:
+            context.attempt(evaluate, context, argument.value, environment)
+
+
+def _applied(context: Context, builtin: Builtin, e: tree.Call, given: list[Argument | None]) -> Value:
+    try:
+        return builtin.apply(context, e.span, *given)
+    except (ZeroDivisionError, OverflowError, ValueError):
+        raise Wrong("LAG0309", "this has no finite value", e.span) from None
+
+
+def match(
+    context: Context, e: tree.Call, parameters: tuple[str, ...], required: int, who: str
+) -> list[tree.Expression | None]:
+    """The arguments of a call in the order of the parameters; None for one left out.
+
+    A last parameter called `*` takes all that is left.  Raises Poisoned, with all that is wrong
+    reported.
+    """
+    found: dict[str, tree.Expression] = {}
+    many: list[tree.Expression | None] = []
+    wrong: list[Wrong] = []
+    for position, argument in enumerate(e.arguments):
+        try:
+            name = _parameter(argument, position, parameters, who)
+            if name in found:
+                raise Wrong("LAG0209", f"the argument `{name}` is given twice", argument.span)
+        except Wrong as one:
+            wrong.append(one)
+            continue
+        assert argument.value is not None
+        if name == "*":
+            many.append(argument.value)
+        else:
+            found[name] = argument.value
+    missing = [p for p in parameters[:required] if p not in found and p != "*"]
+    if not wrong and (missing or required > len(found) + len(many)):
+        lacking = missing[0] if missing else "another"
+        listed = ", ".join("..." if p == "*" else p for p in parameters)
+        remedy = f"{who} takes ({listed})" if len(parameters) > 1 else None
+        wrong.append(Wrong("LAG0210", f"{who} needs the argument `{lacking}`", e.span, remedy))
+    for fault in wrong:
+        context.report(fault)
+    if wrong:
+        raise Poisoned
+    ordered = [found.get(p) for p in parameters if p != "*"]
+    return [*ordered, *many]
+
+
+def _parameter(argument: tree.Argument, position: int, parameters: tuple[str, ...], who: str) -> str:
+    """The parameter that an argument is for.  Raises Wrong."""
+    if argument.value is None or argument.arguments:
+        raise Wrong("LAG0209", "this argument has no value", argument.span)
+    if argument.name is None:
+        if parameters and parameters[-1] == "*" and position >= len(parameters) - 1:
+            return "*"
+        if position >= len(parameters):
+            raise Wrong("LAG0209", f"{who} takes {_count(parameters)}, here are more", argument.span)
+        return parameters[position]
+    if argument.name not in parameters or argument.name == "*":
+        known = [p for p in parameters if p != "*"]
+        listed = f"it takes {', '.join(f'`{p}`' for p in known)}" if known else None
+        raise Wrong(
+            "LAG0209",
+            f"{who} has no argument `{argument.name}`",
+            argument.name_span or argument.span,
+            did_you_mean(argument.name, known) or listed,
+        )
+    return argument.name
+
+
+def _count(parameters: tuple[str, ...]) -> str:
+    if not parameters:
+        return "no argument"
+    return f"{len(parameters)} argument{'' if len(parameters) == 1 else 's'}"
+
+
+def _declared(
+    context: Context, function: tree.Expression, environment: Environment
+) -> tuple[tree.FunctionDeclaration, Environment] | None:
+    """The user's function that is meant, and where its body is read."""
+    path = dotted(function)
+    if path is None:
+        raise Wrong("LAG0201", "this is not a function", function.span)
+    if len(path) == 1:
+        entry = environment.instance.entries.get(path[0])
+        if entry is not None:
+            if isinstance(entry.source, tree.FunctionDeclaration):
+                return entry.source, entry.environment
+            raise Wrong(
+                "LAG0221",
+                f"`{path[0]}` is a {entry.kind}, not a function",
+                function.span,
+                related=((entry.span, "declared here"),),
+            )
+        declared = environment.space.lookup(path[0])
+        if declared is None:
+            return None
+    elif path[0] in environment.instance.entries or path[0] in environment.bindings:
+        raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    found, space = environment.space.find(path, function.span, "function")
+    if not isinstance(found, tree.FunctionDeclaration):
+        if len(path) == 1 and path[0] in BUILTINS:
+            return None
+        raise Wrong("LAG0221", f"`{'.'.join(path)}` is not a function", function.span)
+    return found, space_only(space, found.span)
+
+
+def _parameters(function: tree.FunctionDeclaration) -> tuple[str, ...]:
+    """Their names.  Raises Wrong."""
+    names = tuple(name for _, name, _ in function.parameters)
+    for k, (_, name, span) in enumerate(function.parameters):
+        if name in names[:k]:
+            first = function.parameters[names.index(name)][2]
+            raise Wrong("LAG0202", f"`{name}` is declared twice", span, related=((first, "first here"),))
+    return names
+
+
+def _inline(
+    context: Context,
+    e: tree.Call,
+    environment: Environment,
+    function: tree.FunctionDeclaration,
+    home: Environment,
+    arguments: list[tree.Expression | None],
+) -> Value:
+    names = _parameters(function)
+    types = [type_of(t, home.space) for t, _, _ in function.parameters]
+    written = [a for a in arguments if a is not None]  # all of them: none is optional
+
+    def one(pair: tuple[tree.Expression, QuantityType]) -> Value:
+        return evaluate_as(context, pair[0], environment, pair[1].dimension)
+
+    values = each(context, one, list(zip(written, types)))
+    for value, meant, argument, (_, name, span) in zip(values, types, written, function.parameters):
+        for scalar in flat(value, argument.span, f"the argument `{name}`"):
+            try:
+                expect(scalar.dimension, meant.dimension, argument.span, f"the argument `{name}`")
+            except Wrong as wrong:
+                fault = wrong.fault
+                raise Wrong(
+                    fault.code, fault.message, fault.span, related=((span, "declared here"),)
+                ) from None
+    key = (home.instance.path, id(function), tuple(values))
+    known = context.results.get(key)  # the same arguments give the same nodes
+    if known is not None:
+        return known
+    context.called.add(id(function))
+    _enter(context, e, function)
+    try:
+        inner = Environment(home.instance, home.space, dict(zip(names, values)))
+        context.results[key] = evaluate(context, function.body, inner)
+        return context.results[key]
+    except Wrong as wrong:
+        context.report(wrong)
+        raise Poisoned from None
+    finally:
+        context.callers.pop()
+
+
+def look_at_uncalled(context: Context, entries: Iterable[Entry]) -> None:
+    """Report the unknown names in the functions of a model that nobody calls.
+
+    What their arguments are, numbers or vectors, only calls would tell: nothing else is reported.
+    """
+    for entry in entries:
+        function = entry.source
+        if not isinstance(function, tree.FunctionDeclaration) or id(function) in context.called:
+            continue
+        context.called.add(id(function))
+        bindings: dict[str, Value] = {
+            name: Scalar(context.graph.symbol("parameter", name), None) for _, name, _ in function.parameters
+        }
+        inner = Environment(entry.environment.instance, entry.environment.space, bindings)
+        context.look(partial(evaluate, context, function.body, inner), ("LAG0201",))
+
+
+def _enter(context: Context, e: tree.Call, function: tree.FunctionDeclaration) -> None:
+    """One more call within others.  Raises Wrong where there is no end of them."""
+    if context.all_calls > MOST_CALLS:
+        raise Poisoned
+    context.all_calls += 1
+    context.callers.append(e.span)
+    related = ((function.name_span, "declared here"),)
+    if len(context.callers) > DEEPEST:
+        context.callers.pop()
+        context.all_calls = MOST_CALLS + 1  # whatever else calls it has no end either
+        raise Wrong(
+            "LAG0225",
+            f"`{function.name}` calls itself, or functions are nested deeper than {DEEPEST}",
+            e.span,
+            related=related,
+        )
+    if context.all_calls > MOST_CALLS:
+        context.callers.pop()
+        raise Wrong("LAG0218", f"more than {MOST_CALLS} calls of functions", e.span, related=related)
+
+
+def _unknown(name: str, e: tree.Call, environment: Environment) -> Wrong:
+    span = e.function.span
+    if name in RESERVED:
+        message = f"`{name}` is part of the language, but not yet of this version"
+        before = "leave it out: in `reinit(x, value)` names stand for the values before"
+        return Wrong("LAG0220", message, span, before if name == "pre" else None)
+    if name in environment.instance.unused:
+        return Wrong("LAG0214", f"`{name}` {environment.instance.unused[name]}", span)
+    if name in ("Particle", "Solid", "Gravity"):
+        return Wrong(
+            "LAG0221",
+            f"`{name}` is the value of a whole declaration, not of an expression",
+            span,
+            f"write `body b = {name}(...);`" if name != "Gravity" else "write `Gravity field;`",
+        )
+    functions = [n for n, entry in environment.instance.entries.items() if entry.kind == "function"]
+    return Wrong(
+        "LAG0201",
+        f"there is no function `{name}`",
+        span,
+        foreign(name) or did_you_mean(name, [*functions, *BUILTINS, *environment.space.known()]),
+    )

@@ -1,0 +1,91 @@
+"""Constants of files and packages: names that belong to no instance."""
+
+from __future__ import annotations
+
+from lagc.diagnostics.faults import Span
+from lagc.semantics.context import Context
+from lagc.semantics.names.namespace import Declared, Namespace
+from lagc.semantics.names.scope import Environment, Instance
+from lagc.semantics.names.type_names import type_of
+from lagc.semantics.names.values import Value, Wrong, expect, flat
+from lagc.semantics.values.evaluate import evaluate_as
+from lagc.syntax import tree
+
+
+def constant_of(
+    context: Context, declared: tree.Quantities, space: Namespace, name: str, span: Span
+) -> Value:
+    """The value of a `constant` of a file or a package.  Raises Wrong."""
+    declarator = next(d for d in declared.declarators if d.name == name)
+    if declared.kind != "constant":
+        raise Wrong(
+            "LAG0221",
+            f"`{name}` is a {declared.kind} outside of any model",
+            span,
+            related=((declarator.name_span, "declared here"),),
+            remedy="declare it in a model, or make it a `constant`",
+        )
+    if declarator.value is None:
+        raise Wrong("LAG0210", f"the constant `{name}` has no value", declarator.name_span)
+    key = (id(declarator), "constant")
+    if key in context.running:
+        raise Wrong("LAG0205", f"`{name}` depends on itself", span)
+    if key not in context.constants:
+        context.running.add(key)
+        try:
+            meant = type_of(declared.type, space)
+            value = evaluate_as(
+                context, declarator.value, space_only(space, declarator.span), meant.dimension
+            )
+        finally:
+            context.running.discard(key)
+        for scalar in flat(value, declarator.value.span, "a constant"):
+            expect(scalar.dimension, meant.dimension, declarator.value.span, f"`{name}`")
+        context.constants[key] = value
+    return context.constants[key]
+
+
+def packaged(context: Context, e: tree.Member, environment: Environment) -> Value | None:
+    """`lib.g`: the constant of a package; None where `e` is no such path."""
+    path = dotted(e)
+    if path is None or _is_here(path[0], environment):
+        return None
+    declared = environment.space.lookup(path[0])
+    if declared is None or not isinstance(declared[0], tree.Package):
+        return None
+    found, space = environment.space.find(path, e.span, "constant")
+    return outside(context, found, space, path[-1], e.span)
+
+
+def outside(context: Context, declared: Declared, space: Namespace, name: str, span: Span) -> Value:
+    """The value of a constant of a file or a package.  Raises Wrong for anything else."""
+    if isinstance(declared, tree.Quantities):
+        return constant_of(context, declared, space, name, span)
+    words = {
+        tree.ModelDeclaration: "a model",
+        tree.Package: "a package",
+        tree.TypeDeclaration: "a type",
+        tree.FunctionDeclaration: "a function",
+    }
+    raise Wrong("LAG0221", f"`{name}` is {words[type(declared)]}, not a value", span)
+
+
+def _is_here(name: str, environment: Environment) -> bool:
+    return name in environment.bindings or name in environment.instance.entries
+
+
+def dotted(e: tree.Expression) -> tuple[str, ...] | None:
+    """("a", "b", "c") for `a.b.c`; None for anything else."""
+    names: list[str] = []
+    while isinstance(e, tree.Member):
+        names.append(e.name)
+        e = e.base
+    if not isinstance(e, tree.Name):
+        return None
+    return (e.name, *reversed(names))
+
+
+def space_only(space: Namespace, span: Span) -> Environment:
+    """Where only what files and packages declare is known."""
+    nowhere = tree.ModelDeclaration("", span, False, None, (), span)
+    return Environment(Instance("", nowhere, None), space)

@@ -1,0 +1,293 @@
+"""Each kind of expression to its value: nodes with dimensions, arrays, things."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean, foreign
+from lagc.semantics.context import Context
+from lagc.semantics.names.scope import Environment, Instance
+from lagc.semantics.names.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
+from lagc.semantics.types.types import CONSTANTS, describe
+from lagc.semantics.types.units import NONE, Dimension, S, UnknownUnit, unit
+from lagc.semantics.values.arithmetic import binary, negative, select
+from lagc.semantics.values.calls import call, written
+from lagc.semantics.values.constants import outside, packaged
+from lagc.semantics.values.evaluate import all_values, each, evaluate, integer, integers
+from lagc.semantics.values.members import element, member, part
+from lagc.semantics.values.unit_hints import is_bare, unit_remedy
+from lagc.symbolic.graph import Node
+from lagc.syntax import tree
+
+
+def _number(context: Context, e: tree.Number, environment: Environment) -> Value:
+    if not math.isfinite(e.value):
+        raise Wrong("LAG0309", f"the number {e.text} is too large", e.span)
+    return Scalar(context.graph.const(e.value), None if e.value == 0 else NONE)
+
+
+def _boolean(context: Context, e: tree.Boolean, environment: Environment) -> Value:
+    return Truth(context.graph.const(1.0 if e.value else 0.0))
+
+
+def _string(context: Context, e: tree.String, environment: Environment) -> Value:
+    return Text(e.value)
+
+
+def _quantity(context: Context, e: tree.Quantity, environment: Environment) -> Value:
+    try:
+        meant = unit(e.unit.text)
+    except UnknownUnit as unknown:
+        raise Wrong(
+            "LAG0304",
+            unknown.reason,
+            e.unit.span,
+            remedy=_AN_ELEMENT if _is_number(e, environment) else unknown.remedy,
+        ) from None
+    value = evaluate(context, e.value, environment)
+
+    def converted(value: Value) -> Value:
+        if isinstance(value, Array):
+            return Array(tuple([converted(x) for x in value.elements]))
+        if isinstance(value, Scalar) and value.node.is_const and value.dimension in (None, NONE):
+            number = meant.to_si(value.node.value)
+            if not math.isfinite(number):
+                raise Wrong("LAG0309", "the number is too large", e.span)
+            return Scalar(context.graph.const(number), meant.dimension)
+        raise Wrong("LAG0304", "a unit stands after a number or a vector of numbers", e.unit.span)
+
+    return converted(value)
+
+
+def _is_number(e: tree.Quantity, environment: Environment) -> bool:
+    """Whether what stands behind a vector is no unit but the number of an element."""
+    return isinstance(e.value, tree.Vector | tree.Family) and _is_subscript(e.unit.text.strip(), environment)
+
+
+def _is_subscript(text: str, environment: Environment) -> bool:
+    """Whether it is a number or a known name, though it may be a unit too."""
+    return text.isdigit() or text in environment.bindings or text in environment.instance.entries
+
+
+def _name(context: Context, e: tree.Name, environment: Environment) -> Value:
+    found = find(context, e.name, environment, e.span)
+    if found is not None:
+        return found
+    instance = environment.instance
+    if e.name in instance.unused:
+        raise Wrong(
+            "LAG0214",
+            f"`{e.name}` {instance.unused[e.name]}",
+            e.span,
+            remedy="use it within the same effect, or let the scene use that effect",
+        )
+    function = written(e.name)
+    if function is not None:
+        raise Wrong("LAG0201", f"`{e.name}` is a function", e.span, remedy=f"write `{function}`")
+    known = [
+        *environment.bindings,
+        *instance.entries,
+        *environment.space.known(),
+        *CONSTANTS,
+        "time",
+        "world",
+    ]
+    raise Wrong(
+        "LAG0201",
+        f"`{e.name}` is not known here",
+        e.span,
+        remedy=foreign(e.name) or _strength(e.name, instance) or did_you_mean(e.name, known),
+    )
+
+
+def _strength(name: str, instance: Instance) -> str | None:
+    """Equations call `field.g` shortly `g`."""
+    fields = [e.name for e in instance.entries.values() if e.kind == "gravity"] if name == "g" else []
+    return f"write {' or '.join(f'`{field}.g`' for field in fields)}" if fields else None
+
+
+def find(context: Context, name: str, environment: Environment, span: Span) -> Value | None:
+    """What a name stands for; None where it is not known.  The user's names come first."""
+    if name in environment.bindings:
+        return environment.bindings[name]
+    entry = environment.instance.entries.get(name)
+    if entry is not None:
+        return context.value(entry, span)
+    if name in environment.instance.unused:
+        return None
+    declared = environment.space.lookup(name)
+    if declared is not None:
+        return outside(context, declared[0], declared[1], name, span)
+    if name == "time":
+        return Scalar(context.time, S)
+    if name == "world":
+        return context.world
+    if name in CONSTANTS:
+        return Scalar(context.graph.const(CONSTANTS[name]), NONE)
+    return None
+
+
+def _member(context: Context, e: tree.Member, environment: Environment) -> Value:
+    constant = packaged(context, e, environment)
+    if constant is not None:
+        return constant
+    return member(context, evaluate(context, e.base, environment), e)
+
+
+def _index(context: Context, e: tree.Index, environment: Environment) -> Value:
+    base = evaluate(context, e.base, environment)
+    if isinstance(base, Scalar):
+        _no_unit(e, environment)
+    if any(isinstance(i, tree.Range) for i in e.indices):
+        wanted = [
+            integers(context, i, environment)
+            if isinstance(i, tree.Range)
+            else integer(context, i, environment, "a subscript")
+            for i in e.indices
+        ]
+        return part(context, base, wanted, e)
+    numbers = [integer(context, i, environment, "a subscript") for i in e.indices]
+    return element(context, base, numbers, e)
+
+
+def _no_unit(e: tree.Index, environment: Environment) -> None:
+    """Raises Wrong where a unit stands behind something else than a number."""
+    text = e.span.source.text[e.base.span.end : e.span.end].strip()
+    if _is_subscript(text[1:-1].strip(), environment):
+        return
+    try:
+        unit(text[1:-1])
+    except UnknownUnit:
+        return
+    message = "a unit stands after a number or a vector of numbers"
+    raise Wrong("LAG0304", message, e.span, remedy=f"a factor `1 {text}` gives it that unit")
+
+
+def _range(context: Context, e: tree.Range, environment: Environment) -> Value:
+    raise Wrong("LAG0208", "a range stands in a loop, `for i in 1:n`, or takes elements, `x[1:n]`", e.span)
+
+
+def _unary(context: Context, e: tree.Unary, environment: Environment) -> Value:
+    value = evaluate(context, e.operand, environment)
+    if e.op == "not":
+        if not isinstance(value, Truth):
+            raise Wrong("LAG0307", f"`not` takes a condition, this is {kind(value)}", e.operand.span)
+        return Truth(context.graph.logical_not(value.node))
+    if e.op == "+":
+        flat(value, e.operand.span, "what `+` stands before")
+        return value
+    return negative(value, e.operand.span)
+
+
+def _binary(context: Context, e: tree.Binary, environment: Environment) -> Value:
+    """Along the left spine in a loop: sums of thousands of terms are trees as deep."""
+    spine = [e]
+    while isinstance(spine[-1].left, tree.Binary):
+        spine.append(spine[-1].left)
+    value: Value | None = None
+    failed = False
+    for node in reversed(spine):
+        jobs = [node.left, node.right] if node is spine[-1] else [node.right]
+        try:
+            sides = all_values(context, jobs, environment)
+        except Poisoned:
+            failed = True
+            continue
+        if not failed:
+            left = sides[0] if value is None else value
+            value = binary(context, node, left, sides[-1])
+    if failed or value is None:
+        raise Poisoned
+    return value
+
+
+def _conditional(context: Context, e: tree.Conditional, environment: Environment) -> Value:
+    def truth_of(condition: tree.Expression) -> Node:
+        truth = evaluate(context, condition, environment)
+        if not isinstance(truth, Truth):
+            raise Wrong("LAG0307", f"`if` takes a condition, this is {kind(truth)}", condition.span)
+        return truth.node
+
+    try:
+        truths = each(context, truth_of, [condition for condition, _ in e.branches])
+    except Poisoned:
+        all_values(context, [*(branch for _, branch in e.branches), e.otherwise], environment)
+        raise
+    chosen: list[tuple[Node, tree.Expression]] = []  # branches that may be taken; others are not looked at
+    for truth, (_, branch) in zip(truths, e.branches):
+        if not truth.is_const or truth.value:
+            chosen.append((truth, branch))
+        if truth.is_const and truth.value:
+            break
+    else:
+        chosen.append((context.graph.one, e.otherwise))
+    values = all_values(context, [branch for _, branch in chosen], environment)
+    value, span = values[-1], chosen[-1][1].span
+    for (truth, branch), branch_value in zip(reversed(chosen[:-1]), reversed(values[:-1])):
+        value = select(context, truth, (branch_value, branch.span), (value, span))
+    return value
+
+
+def _vector(context: Context, e: tree.Vector, environment: Environment) -> Value:
+    return _array(all_values(context, e.elements, environment), e.elements)
+
+
+def _family(context: Context, e: tree.Family, environment: Environment) -> Value:
+    def of(number: int) -> Value:
+        context.grow(e.span)
+        value = Scalar(context.graph.const(number), None if number == 0 else NONE)
+        return evaluate(context, e.element, environment.bind({e.variable: value}))
+
+    numbers = integers(context, e.range, environment)
+    return _array(each(context, of, numbers), [e.element] * len(numbers))
+
+
+def _array(elements: Sequence[Value], written: Sequence[tree.Expression]) -> Array:
+    conditions = all([_of_conditions(value) for value in elements])
+    for value, given in zip(elements, written):
+        if not conditions:
+            flat(value, given.span, "an element of a vector")
+        if shape(value) != shape(elements[0]):
+            raise Wrong("LAG0306", "the elements of an array are all of one shape", given.span)
+    _one_dimension(elements, written)
+    return Array(tuple(elements))
+
+
+def _of_conditions(value: Value) -> bool:
+    if isinstance(value, Array):
+        return bool(value.elements) and all([_of_conditions(element) for element in value.elements])
+    return isinstance(value, Truth)
+
+
+def _one_dimension(elements: Sequence[Value], written: Sequence[tree.Expression]) -> None:
+    """Raises Wrong where the numbers of a vector differ in dimension, at the first that does."""
+    first: tuple[Dimension, tree.Expression] | None = None
+    for value, expression in zip(elements, written):
+        if not isinstance(value, Scalar) or value.dimension is None:
+            continue
+        if first is None or (is_bare(first[1]) and not is_bare(expression)):
+            first = (value.dimension, expression)
+    for value, expression in zip(elements, written):
+        if first is None or not isinstance(value, Scalar) or value.dimension in (None, first[0]):
+            continue
+        assert value.dimension is not None
+        here, there = describe(value.dimension), describe(first[0])
+        raise Wrong(
+            "LAG0301",
+            f"the elements differ in dimension: {there} and {here}",
+            expression.span,
+            unit_remedy(expression, first[0]),
+            related=((first[1].span, there),),
+        )
+
+
+_AN_ELEMENT = "an element is taken behind parentheses: `({3, 1, 2})[i]`"
+
+HOW: dict[type, Callable[..., Value]] = {
+    tree.Number: _number, tree.Boolean: _boolean, tree.String: _string, tree.Quantity: _quantity,
+    tree.Name: _name, tree.Member: _member, tree.Index: _index, tree.Call: call, tree.Unary: _unary,
+    tree.Binary: _binary, tree.Conditional: _conditional, tree.Vector: _vector, tree.Range: _range,
+    tree.Family: _family,
+}  # fmt: skip

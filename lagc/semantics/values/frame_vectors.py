@@ -1,0 +1,215 @@
+"""Vectors in the axes of frames, and their lengths.
+
+What is a sum of a frame's unit vectors with factors that stand still is found as such: its components are
+these factors, whatever turns the frame, and its length is theirs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Sequence
+from typing import TypeAlias
+
+from lagc.diagnostics.faults import Span
+from lagc.semantics.context import Context
+from lagc.semantics.model import Frame
+from lagc.semantics.names.values import Wrong
+from lagc.semantics.time_derivatives import LATE, MOVING
+from lagc.symbolic.graph import Node
+from lagc.symbolic.vectors import Matrix, Vector, matvec, norm, transpose
+
+_MOST = 300  # parts of a vector that are looked at
+_ABOVE = 6  # frames that are
+
+_ROUNDING = 2.0**-48  # of numbers
+
+Terms: TypeAlias = dict[Node, Node]  # what moves, with the factor that does not
+Row: TypeAlias = tuple[list[float], Node]  # coefficients, and the right side
+
+
+def still(context: Context, nodes: Sequence[Node]) -> bool:
+    """Whether they keep their values in all motions."""
+    return not any([context.clock.mask(node) & (MOVING | LATE) for node in nodes])
+
+
+def length_of(context: Context, vector: Vector) -> Node:
+    """Its length."""
+    if not still(context, vector):
+        for axes in _near(context, vector):
+            own = _factors(context, axes, vector)
+            if own is not None:
+                return norm(own)
+    return norm(vector)
+
+
+def unit_vector(context: Context, vector: Vector, span: Span) -> Vector:
+    """`vector` over its length.  Raises Wrong where that is zero."""
+    length = length_of(context, vector)
+    if length.is_zero:
+        raise Wrong("LAG0309", "the zero vector has no direction", span)
+    return (vector[0] / length, vector[1] / length, vector[2] / length)
+
+
+def in_frame(context: Context, frame: Frame, vector: Vector) -> Vector:
+    """A vector of the world in the frame's axes."""
+    found = known_in_frame(context, frame, vector)
+    if found is None:
+        return matvec(transpose(frame.axes), vector)
+    return found
+
+
+def known_in_frame(context: Context, frame: Frame, vector: Vector) -> Vector | None:
+    """That, where it follows from how `vector` stands to the frame or to one that the frame was turned
+    from."""
+    turns: list[Matrix] = []
+    axes = frame.axes
+    above = 0 if still(context, vector) else _ABOVE
+    own = _standing(context, axes, vector)
+    while own is None:
+        if len(turns) == above or axes not in context.turns:
+            return None
+        axes, turn = context.turns[axes]
+        turns.append(turn)
+        own = _standing(context, axes, vector)
+    for turn in reversed(turns):
+        own = matvec(transpose(turn), own)
+    context.components[frame.axes, vector] = own
+    return own
+
+
+def direction(context: Context, frame: Frame, vector: Vector, span: Span) -> tuple[Vector, Vector]:
+    """`vector` over its length, in the axes of the world and in those of `frame`.  Raises Wrong where it is
+    zero."""
+    unit = unit_vector(context, vector, span)
+    own = None if still(context, vector) else known_in_frame(context, frame, vector)
+    if own is None:
+        return unit, in_frame(context, frame, unit)
+    if all([x.is_const for x in own]):
+        largest = max([abs(x.value) for x in own])
+        x, y, z = (_as_written(x.value / largest) if largest else 0.0 for x in own)
+        graph = own[0].graph
+        own = (graph.const(x), graph.const(y), graph.const(z))
+    length = length_of(context, own if still(context, own) else vector)
+    own = (own[0] / length, own[1] / length, own[2] / length)
+    context.components[frame.axes, unit] = own
+    return unit, own
+
+
+def _as_written(value: float) -> float:
+    """A number of few digits that `value` is but for rounding, or `value`."""
+    short = float(f"{value:.12g}")
+    return short if abs(short - value) <= _ROUNDING * abs(value) else value
+
+
+def _standing(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
+    return context.components.get((axes, vector)) or _factors(context, axes, vector)
+
+
+def _near(context: Context, vector: Vector) -> list[Matrix]:
+    """The axes of frames, the last ones first, whose components stand in `vector`."""
+    found: dict[Matrix, int] = {}
+    stack, left = list(vector), _MOST
+    while stack and left:
+        left -= 1
+        node = stack.pop()
+        axes = context.clock.axes.get(node)
+        if axes is not None:
+            found[axes] = max(node.index, found.get(axes, 0))
+        if node.op in ("add", "scale", "mul"):
+            stack.extend(node.args)
+    return sorted(found, key=found.__getitem__, reverse=True)[:_ABOVE]
+
+
+def _factors(context: Context, axes: Matrix, vector: Vector) -> Vector | None:
+    """The factors, standing still, with which the unit vectors in the columns of `axes` add up to `vector`;
+    None where none are found."""
+    columns = transpose(axes)
+    one, zero = vector[0].graph.one, vector[0].graph.zero
+    units: tuple[Vector, ...] = ((one, zero, zero), (zero, one, zero), (zero, zero, one))
+    for column, unit in zip(columns, units):
+        if vector == column:
+            return unit
+    if still(context, columns[0] + columns[1] + columns[2]):
+        return None
+    whole = {x.args[0] if x.op == "scale" else x for row in axes for x in row if not still(context, [x])}
+    return _sought(context, axes, vector, whole) or _sought(context, axes, vector, ())
+
+
+def _sought(context: Context, axes: Matrix, vector: Vector, whole: Container[Node]) -> Vector | None:
+    """The same, of what `whole` sums are not taken apart: their factors are found without rounding."""
+    left, zero = _MOST, vector[0].graph.zero
+    rows: list[Row] = []
+    for k in range(3):
+        tables: list[Terms] = []
+        for node in (*axes[k], vector[k]):
+            terms, left = _moving_terms(context, node, whole, left)
+            if left < 0:
+                return None
+            tables.append(terms)
+        for base in dict.fromkeys(base for terms in tables for base in terms):
+            *coefficients, right = (terms.get(base, zero) for terms in tables)
+            if not all([c.is_const for c in coefficients]):
+                return None
+            rows.append(([c.value for c in coefficients], right))
+    return _solved(rows)
+
+
+def _moving_terms(context: Context, node: Node, whole: Container[Node], most: int) -> tuple[Terms, int]:
+    """The terms of a sum, and how many of `most` parts are left, less than none where there are more."""
+    graph, found = node.graph, Terms()
+    stack = [(node, graph.one)]
+    while stack and most >= 0:
+        most -= 1
+        part, factor = stack.pop()
+        if still(context, [part]):
+            part, factor = graph.one, factor * part
+        elif part in whole:
+            pass
+        elif part.op == "add":
+            stack += [(a, factor) for a in part.args]
+            continue
+        elif part.op == "scale":
+            stack.append((part.args[0], factor * part.value))
+            continue
+        elif part.op == "mul":
+            pairs = list(zip(part.args, part.value))
+            moving = [(base, e) for base, e in pairs if not still(context, [base])]
+            if len(moving) < len(pairs):
+                factor = factor * graph.product([pair for pair in pairs if pair not in moving])
+                stack.append((graph.product(moving), factor))
+                continue
+        found[part] = found.get(part, graph.zero) + factor
+    return found, most
+
+
+def _solved(rows: list[Row]) -> Vector | None:
+    """The x for which `coefficients` x = right in all `rows`, by Jordan's elimination."""
+    done: list[Row] = []
+    for k in range(3):
+        best = max(rows, key=lambda row: abs(row[0][k]), default=None)
+        if best is None or best[0][k] == 0.0:
+            return None
+        rows = [row for row in rows if row is not best]
+        pivot = best[0][k]
+        first = [n / pivot for n in best[0]], best[1] / best[1].graph.const(pivot)
+        done = [*(_without(row, k, first) for row in done), first]
+        rows = [_without(row, k, first) for row in rows]
+    if not all([right.is_zero for _, right in rows]):
+        return None
+    return (done[0][1], done[1][1], done[2][1])
+
+
+def _without(row: Row, k: int, first: Row) -> Row:
+    """`row` less so much of `first` that its number k is zero."""
+    c = row[0][k]
+    if c == 0.0:
+        return row
+    numbers = [_difference(a, c * b) for a, b in zip(row[0], first[0])]
+    right, other = row[1], first[1] * c
+    if right.is_const and other.is_const:
+        return numbers, right.graph.const(_difference(right.value, other.value))
+    return numbers, right - other
+
+
+def _difference(a: float, b: float) -> float:
+    """a - b, zero where that is rounding."""
+    return 0.0 if abs(a - b) <= _ROUNDING * abs(a) else a - b

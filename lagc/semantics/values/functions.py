@@ -1,0 +1,261 @@
+"""The functions that are there: mathematics, vectors, motion, and what a run can report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Span
+from lagc.semantics.context import Context
+from lagc.semantics.names.values import (
+    Array,
+    Indexed,
+    Scalar,
+    Value,
+    Wrong,
+    constant,
+    numbers_of,
+    scalar_of,
+    shape,
+    vector_of,
+    vector_value,
+)
+from lagc.semantics.types.types import describe
+from lagc.semantics.types.units import NONE, Dimension, raised, times
+from lagc.semantics.values.frame_vectors import length_of, unit_vector
+from lagc.symbolic import vectors
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import END, ENTIRE, OPERATORS, POLE
+
+Apply: TypeAlias = Callable[..., Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """An argument of a call; `bare`: made of numbers without units."""
+
+    value: Value
+    span: Span
+    bare: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Builtin:
+    """`apply(context, span of the call, *arguments)`; the arguments are `Argument`, or None where
+    one is left out (after the first `required`).  A last parameter `*` takes any number."""
+
+    parameters: tuple[str, ...]
+    required: int
+    apply: Apply
+
+
+RESERVED = ("pre", "initial", "terminal", "sample", "edge", "change")  # to come
+
+
+class Table(dict[str, Builtin]):
+    """Functions by name."""
+
+    def enter(self, name: str, *parameters: str, required: int | None = None) -> Callable[[Apply], Apply]:
+        """Put a function into the table under `name`."""
+
+        def decorate(apply: Apply) -> Apply:
+            self[name] = Builtin(parameters, len(parameters) if required is None else required, apply)
+            return apply
+
+        return decorate
+
+
+TABLE = Table()
+
+
+# -- mathematics ----------------------------------------------------------------------------
+
+
+def _plain(op: str) -> Callable[[Context, Span, Argument], Value]:
+    def apply(context: Context, span: Span, x: Argument) -> Value:
+        return Scalar(folded(context.graph.unary(op, number(x, f"`{op}` takes")), span), NONE)
+
+    return apply
+
+
+for _op, _row in OPERATORS.items():
+    if _row.arity == 1 and _row.smoothness in (ENTIRE, POLE, END) and _op != "sqrt":  # it takes dimensions
+        TABLE[_op] = Builtin(("x",), 1, _plain(_op))
+
+
+def number(x: Argument, what: str) -> Node:
+    """The node of an argument that is a pure number.  Raises Wrong."""
+    scalar = scalar_of(x.value, x.span, f"what {what}")
+    if scalar.dimension not in (None, NONE):
+        raise Wrong(
+            "LAG0303", f"{what} a number without a dimension, this is {describe(scalar.dimension)}", x.span
+        )
+    return scalar.node
+
+
+def folded(node: Node, span: Span) -> Node:
+    """`node`; a function of a constant that could not be folded has no finite value there."""
+    if node.args and all(a.is_const for a in node.args):
+        raise Wrong("LAG0309", f"`{node.op}` has no finite value here", span)
+    return node
+
+
+@TABLE.enter("log10", "x")
+def _log10(context: Context, span: Span, x: Argument) -> Value:
+    return Scalar(folded(context.graph.unary("log", number(x, "`log10` takes")), span) / math.log(10.0), NONE)
+
+
+@TABLE.enter("sqrt", "x")
+def _sqrt(context: Context, span: Span, x: Argument) -> Value:
+    scalar = scalar_of(x.value, x.span, "what `sqrt` takes")
+    dimension: Dimension | None = None
+    if scalar.dimension is not None:
+        dimension = raised(scalar.dimension, 0.5)
+        if dimension is None:
+            raise Wrong("LAG0305", f"{describe(scalar.dimension)} has no square root", x.span)
+    return Scalar(folded(context.graph.sqrt(scalar.node), span), dimension)
+
+
+@TABLE.enter("abs", "x")
+def _abs(context: Context, span: Span, x: Argument) -> Value:
+    scalar = scalar_of(x.value, x.span, "what `abs` takes")
+    return Scalar(context.graph.unary("abs", scalar.node), scalar.dimension)
+
+
+@TABLE.enter("sign", "x")
+def _sign(context: Context, span: Span, x: Argument) -> Value:
+    return Scalar(context.graph.unary("sign", scalar_of(x.value, x.span, "what `sign` takes").node), NONE)
+
+
+@TABLE.enter("floor", "x")
+def _floor(context: Context, span: Span, x: Argument) -> Value:
+    return Scalar(context.graph.unary("floor", number(x, "`floor` takes")), NONE)
+
+
+@TABLE.enter("ceil", "x")
+def _ceil(context: Context, span: Span, x: Argument) -> Value:
+    return Scalar(-context.graph.unary("floor", -number(x, "`ceil` takes")), NONE)
+
+
+@TABLE.enter("mod", "x", "y")
+def _mod(context: Context, span: Span, x: Argument, y: Argument) -> Value:
+    a, b = scalar_of(x.value, x.span, "what `mod` takes"), scalar_of(y.value, y.span, "what `mod` takes")
+    dimension = shared([x, y], "`mod`")
+    return Scalar(a.node - b.node * context.graph.unary("floor", a.node / b.node), dimension)
+
+
+@TABLE.enter("atan2", "y", "x")
+def _atan2(context: Context, span: Span, y: Argument, x: Argument) -> Value:
+    shared([y, x], "`atan2`")
+    a, b = scalar_of(y.value, y.span, "what `atan2` takes"), scalar_of(x.value, x.span, "what `atan2` takes")
+    return Scalar(context.graph.binary("atan2", a.node, b.node), NONE)
+
+
+def _extreme(op: str) -> Callable[..., Value]:
+    def apply(context: Context, span: Span, *given: Argument) -> Value:
+        every = [g for g in given if g is not None]
+        if len(every) == 1 and isinstance(every[0].value, Array):
+            every = [Argument(element, every[0].span) for element in every[0].value.elements]
+        if not every:
+            raise Wrong("LAG0306", f"`{op}` of nothing", span)
+        dimension = shared(every, f"`{op}`")
+        nodes = [scalar_of(g.value, g.span, f"what `{op}` takes").node for g in every]
+        result = nodes[0]
+        for node in nodes[1:]:
+            result = context.graph.binary(op, result, node)
+        return Scalar(result, dimension)
+
+    return apply
+
+
+for _op in ("min", "max"):
+    TABLE[_op] = Builtin(("x", "*"), 1, _extreme(_op))
+
+
+def shared(given: list[Argument], who: str) -> Dimension | None:
+    """The one dimension of all the arguments.  Raises Wrong."""
+    found: tuple[Dimension, Span] | None = None
+    for one in given:
+        dimension = scalar_of(one.value, one.span, f"what {who} takes").dimension
+        if dimension is None:
+            continue
+        if found is not None and found[0] != dimension:
+            message = (
+                f"the arguments of {who} differ in dimension: {describe(found[0])} and {describe(dimension)}"
+            )
+            raise Wrong("LAG0301", message, one.span, related=((found[1], describe(found[0])),))
+        found = found or (dimension, one.span)
+    return None if found is None else found[0]
+
+
+# -- vectors and arrays -----------------------------------------------------------------------
+
+
+def _product(a: Dimension | None, b: Dimension | None) -> Dimension | None:
+    return None if a is None or b is None else times(a, b)
+
+
+@TABLE.enter("dot", "a", "b")
+def _dot(context: Context, span: Span, a: Argument, b: Argument) -> Value:
+    u, first = numbers_of(a.value, a.span, "what `dot` takes")
+    w, second = numbers_of(b.value, b.span, "what `dot` takes")
+    if len(u) != len(w):
+        message = f"`dot` takes two of one length, these have {len(u)} and {len(w)} elements"
+        raise Wrong("LAG0306", message, span)
+    return Scalar(vectors.dot(u, w), _product(first, second))
+
+
+@TABLE.enter("cross", "a", "b")
+def _cross(context: Context, span: Span, a: Argument, b: Argument) -> Value:
+    u, first = vector_of(a.value, a.span, "what `cross` takes")
+    w, second = vector_of(b.value, b.span, "what `cross` takes")
+    return vector_value(vectors.cross(u, w), _product(first, second))
+
+
+@TABLE.enter("norm", "a")
+def _norm(context: Context, span: Span, a: Argument) -> Value:
+    vector, dimension = numbers_of(a.value, a.span, "what `norm` takes")
+    length = length_of(context, vector) if len(vector) == 3 else vectors.norm(vector)
+    return Scalar(length, dimension)
+
+
+@TABLE.enter("normalize", "a")
+def _normalize(context: Context, span: Span, a: Argument) -> Value:
+    vector, _ = vector_of(a.value, a.span, "what `normalize` takes")
+    return vector_value(unit_vector(context, vector, a.span), NONE)
+
+
+@TABLE.enter("sum", "a")
+def _sum(context: Context, span: Span, a: Argument) -> Value:
+    if not isinstance(a.value, Array):
+        raise Wrong("LAG0306", "`sum` takes an array", a.span)
+    if not a.value.elements:
+        return constant(context.graph, 0.0, None)
+    first = a.value.elements[0]
+    if isinstance(first, Array):  # of vectors: theirs
+        columns = zip(*(element.elements for element in a.value.elements if isinstance(element, Array)))
+        return Array(tuple([_sum(context, span, Argument(Array(column), a.span)) for column in columns]))
+    given = [Argument(element, a.span) for element in a.value.elements]
+    dimension = shared(given, "`sum`")
+    return Scalar(context.graph.sum(scalar_of(g.value, a.span, "an element").node for g in given), dimension)
+
+
+@TABLE.enter("size", "a", "dimension", required=1)
+def _size(context: Context, span: Span, a: Argument, dimension: Argument | None) -> Value:
+    """The number of elements along a dimension, the first where none is said."""
+    if isinstance(a.value, Indexed):
+        places = list(a.value.entry.elements or {})
+        sizes = [len({place[k] for place in places}) for k in range(len(places[0]) if places else 1)]
+    elif isinstance(a.value, Array):
+        sizes = shape(a.value)
+    else:
+        raise Wrong("LAG0306", "`size` takes an array", a.span)
+    if dimension is None:
+        return constant(context.graph, float(sizes[0]), NONE)
+    which = number(dimension, "the dimension in `size` is")
+    if not which.is_const or which.value not in range(1, len(sizes) + 1):
+        last = len(sizes)
+        raise Wrong("LAG0207", f"the dimensions of this array are numbered 1 to {last}", dimension.span)
+    return constant(context.graph, float(sizes[int(which.value) - 1]), NONE)

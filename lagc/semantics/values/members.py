@@ -1,0 +1,163 @@
+"""Parts of values: `frame.x`, `vector.z`, `orientation.rate`, `instance.name`, subscripts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics.context import Context
+from lagc.semantics.model import Body, Frame, Orientation
+from lagc.semantics.names.values import Array, Indexed, Part, Scalar, Thing, Value, Wrong, kind, vector_value
+from lagc.semantics.types.units import KG, NONE, M, S, over
+from lagc.syntax import tree
+
+MOST_NAMED = 8  # names that a remedy lists
+_MOTION = (
+    "velocity",
+    "acceleration",
+    "angular_velocity",
+    "kinetic",
+    "momentum",
+    "angular_momentum",
+    "position",
+)
+_AXES = ("x", "y", "z")
+
+
+def member(context: Context, value: Value, e: tree.Member) -> Value:
+    """`value.name`.  Raises Wrong."""
+    if isinstance(value, Part):
+        return _of_instance(context, value, e)
+    if isinstance(value, Thing) and e.name in value.entry.parts:
+        return value.entry.parts[e.name]
+    known = _members(value)
+    if e.name not in known:
+        raise Wrong(
+            "LAG0206",
+            f"{kind(value)} has no `{e.name}`",
+            e.name_span,
+            _called(value, e.name)
+            or did_you_mean(e.name, known)
+            or (f"it has {', '.join(known)}" if known else None),
+        )
+    if isinstance(value, Frame):
+        axis = _AXES.index(e.name)
+        return vector_value((value.axes[0][axis], value.axes[1][axis], value.axes[2][axis]), NONE)
+    if isinstance(value, Orientation):
+        if e.name == "rate":
+            return vector_value(value.rate_symbols, over(NONE, S))
+        return Scalar(value.symbols["wxyz".index(e.name)], NONE)
+    if isinstance(value, Body):
+        return _of_body(value, e.name)
+    assert isinstance(value, Array)
+    return value.elements[_AXES.index(e.name)]
+
+
+def _called(value: Value, name: str) -> str | None:
+    """Some parts are written as functions: `velocity(b)`."""
+    if name in _MOTION and isinstance(value, Body | Array | Frame):
+        return f"write `{name}(...)`"
+    return None
+
+
+def _members(value: Value) -> tuple[str, ...]:
+    if isinstance(value, Frame):
+        return _AXES
+    if isinstance(value, Orientation):
+        return ("w", "x", "y", "z", "rate")
+    if isinstance(value, Body):
+        return ("mass", "position") if value.frame is None else ("mass", "position", "frame")
+    if isinstance(value, Array) and len(value.elements) == 3:
+        return _AXES
+    return tuple(value.entry.parts) if isinstance(value, Thing) else ()
+
+
+def _of_body(body: Body, name: str) -> Value:
+    if name == "mass":
+        return Scalar(body.mass, KG)
+    if name == "frame":
+        assert body.frame is not None
+        return body.frame
+    return vector_value(body.position, M)
+
+
+def _of_reaction(value: Value, numbers: Sequence[int]) -> str | None:
+    """Rows are called `roll[1]` in reports."""
+    if isinstance(value, Thing) and value.entry.kind == "constraint":
+        written = ", ".join(map(str, numbers))
+        return f"the force of a row is an element of all: `reaction({value.entry.name})[{written}]`"
+    return None
+
+
+def _of_instance(context: Context, part: Part, e: tree.Member) -> Value:
+    instance = part.instance
+    entry = instance.entries.get(e.name)
+    if entry is not None:
+        return context.value(entry, e.name_span)
+    owner = instance.path.rstrip(".")
+    if e.name in instance.unused:
+        raise Wrong("LAG0214", f"`{e.name}` of `{owner}` {instance.unused[e.name]}", e.name_span)
+    raise Wrong(
+        "LAG0206",
+        f"`{owner}` has no `{e.name}`",
+        e.name_span,
+        did_you_mean(e.name, instance.entries) or _contents(instance.entries),
+    )
+
+
+def _contents(names: Iterable[str]) -> str | None:
+    """What there is, where it is not too much to say."""
+    found = list(names)
+    return f"it has {', '.join(f'`{n}`' for n in found)}" if 0 < len(found) <= MOST_NAMED else None
+
+
+def element(context: Context, base: Value, numbers: list[int], e: tree.Index) -> Value:
+    """`base[i, j]`.  Raises Wrong."""
+    if isinstance(base, Indexed):
+        elements = base.entry.elements or {}
+        entry = elements.get(tuple(numbers))
+        if entry is None:
+            written = ", ".join(str(n) for n in numbers)
+            raise Wrong(
+                "LAG0207",
+                f"there is no `{base.entry.path}[{written}]`",
+                e.span,
+                _declared(list(elements)),
+                related=((base.entry.span, "declared here"),),
+            )
+        return context.value(entry, e.span)
+    value: Value = base
+    for number, index in zip(numbers, e.indices):
+        if not isinstance(value, Array):
+            raise Wrong("LAG0207", f"{kind(value)} has no elements", e.span, _of_reaction(value, numbers))
+        if not 1 <= number <= len(value.elements):
+            raise Wrong(
+                "LAG0207",
+                f"there is no element {number}, there are {len(value.elements)}",
+                index.span,
+                "elements are counted from 1",
+            )
+        value = value.elements[number - 1]
+    return value
+
+
+def part(context: Context, base: Value, wanted: list[int | list[int]], e: tree.Index) -> Value:
+    """`base[1:n, 2]`: a list of numbers takes several elements, a number one.  Raises Wrong."""
+
+    def found(before: list[int], rest: list[int | list[int]]) -> Value:
+        if not rest:
+            return element(context, base, before, e)
+        first = rest[0]
+        if isinstance(first, int):
+            return found([*before, first], rest[1:])
+        return Array(tuple([found([*before, number], rest[1:]) for number in first]))
+
+    return found([], wanted)
+
+
+def _declared(subscripts: list[tuple[int, ...]]) -> str | None:
+    if not subscripts:
+        return None
+    if all(len(s) == 1 for s in subscripts):
+        return f"its subscripts run from {min(subscripts)[0]} to {max(subscripts)[0]}"
+    return f"{len(subscripts)} elements are declared"

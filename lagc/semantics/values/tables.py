@@ -1,0 +1,189 @@
+"""`table(x, data, ...)`: functions through points that are given as numbers, in the text or in a file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from itertools import pairwise
+
+from lagc.base.records import dataclass
+from lagc.diagnostics.faults import Span
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.semantics import model as nouns
+from lagc.semantics.context import Context, Points
+from lagc.semantics.names.data_files import Columns, Unfit
+from lagc.semantics.names.values import Array, Scalar, Text, Value, Wrong, common_dimension, kind, scalar_of
+from lagc.semantics.types.types import describe
+from lagc.semantics.types.units import NONE, Dimension, UnknownUnit, unit
+from lagc.semantics.values.functions import Argument, Table
+from lagc.symbolic.graph import Node
+from lagc.symbolic.interpolants import KINDS, interpolant, key_of
+
+TABLE = Table()
+BEYOND = ("hold", "line")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """Numbers of one dimension, NONE where nothing is said of it, in SI."""
+
+    numbers: Sequence[float]
+    dimension: Dimension
+    bare: bool
+
+
+@TABLE.enter("table", "x", "data", "values", "interpolation", "extrapolation", "over", required=2)
+def _table(
+    context: Context, span: Span, x: Argument, data: Argument, values: Argument | None,
+    interpolation: Argument | None, extrapolation: Argument | None, over: Argument | None,
+) -> Value:  # fmt: skip
+    """The function of x through points: `values` at `data`, or pairs of both, `{{x, y}, ...}`; of a file, the
+    column `values` over the column `over`."""
+    at = scalar_of(x.value, x.span, "what a table is asked at")
+    way = _choice(interpolation, tuple(KINDS), "linear")
+    beyond = _choice(extrapolation, BEYOND, "line" if way == "cubic" else "hold")
+    name, file = "table", ""
+    if isinstance(data.value, Text):
+        file = data.value.text
+        knots, found, name = _from_file(context, data, values, over)
+    elif over:
+        raise Wrong("LAG0209", "columns have names in files only", over.span)
+    else:
+        knots, found = _from_text(data, values)
+    if at.dimension is not None and not knots.bare and knots.dimension != at.dimension:
+        message = f"the table is over {describe(knots.dimension)}, and is asked at {describe(at.dimension)}"
+        raise Wrong("LAG0301", message, x.span, related=((data.span, describe(knots.dimension)),))
+    points = knots.numbers, found.numbers
+    node = through(context, at.node, *points, way, beyond == "line", name, data.span, file)
+    return Scalar(node, found.dimension, found.bare)
+
+
+def through(
+    context: Context, x: Node, knots: Sequence[float], values: Sequence[float], way: str, straight: bool,
+    name: str, span: Span | None, file: str = "",
+) -> Node:  # fmt: skip
+    """`interpolant`, with a name that no other has, of letters, digits and `_`, after the column of a `file`.
+    Raises Wrong."""
+    check_order(knots, span)
+    key, count, column = key_of(knots, values, way, straight), 1, name
+    own = name = re.sub(r"\W+", "_", name).strip("_") or "table"
+    while context.curves.setdefault(own, nouns.Table(own, key, file, column if file else "")).key != key:
+        count += 1
+        own = f"{name}_{count}"
+    try:
+        return interpolant(x, knots, values, way, straight, own)
+    except (OverflowError, ZeroDivisionError):
+        raise Wrong("LAG0314", "between some knots the table is steeper than any number", span) from None
+
+
+def over_time(context: Context, points: Points, name: str) -> Node:
+    """What goes through `points` of time and value.  Raises Wrong."""
+    knots, values, way = points
+    if way not in KINDS:
+        raise Wrong("LAG0307", f"points are gone through {', '.join(KINDS)}, not {way!r}", None)
+    if len(knots) != len(values) or not all(map(math.isfinite, [*knots, *values])):
+        message = f"`{name}` is given by as many finite values as times, in order"
+        raise Wrong("LAG0314", message, None)
+    return through(context, context.time, knots, values, way, way == "cubic", name, None)
+
+
+def check_order(knots: Sequence[float], span: Span | None, lines: Sequence[int] = ()) -> None:
+    """Raises Wrong where there are not two, or one is not above the one before.  `lines` of a file."""
+    if len(knots) < 2:
+        raise Wrong("LAG0314", f"a table has two rows at least, this has {len(knots)}", span)
+    for k, (before, here) in enumerate(pairwise(knots), 2):
+        if not here > before:
+            said = "again" if here == before else f"after {before:g}"
+            place = f"line {lines[k - 1]} of the file" if lines else f"row {k}"
+            message = f"what a table is over grows from row to row: in {place} comes {here:g} {said}"
+            raise Wrong("LAG0314", message, span)
+
+
+def _choice(given: Argument | None, known: Sequence[str], default: str) -> str:
+    if given is None:
+        return default
+    said = given.value.text if isinstance(given.value, Text) else ""
+    if said not in known:
+        listed = ", ".join(f'"{word}"' for word in known)
+        raise Wrong("LAG0307", f"this is one of {listed}", given.span, did_you_mean(said, known))
+    return said
+
+
+def _from_text(data: Argument, values: Argument | None) -> tuple[Column, Column]:
+    if values is not None:
+        knots, found = (_column(_elements(a), a) for a in (data, values))
+        if len(knots.numbers) != len(found.numbers):
+            counts = f"{len(found.numbers)} values at {len(knots.numbers)} places"
+            raise Wrong("LAG0314", f"a table has a value at each place, here are {counts}", values.span)
+        return knots, found
+    pairs = [row.elements for row in _elements(data) if isinstance(row, Array)]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        message = "the data of a table are `{x1, x2, ...}, {y1, y2, ...}`, pairs `{{x1, y1}, ...}`, or a file"
+        raise Wrong("LAG0306", message, data.span)
+    first, second = zip(*pairs)
+    return _column(first, data), _column(second, data)
+
+
+def _elements(a: Argument) -> Sequence[Value]:
+    if not isinstance(a.value, Array):
+        raise Wrong("LAG0306", f"the data of a table are arrays or a file, this is {kind(a.value)}", a.span)
+    return a.value.elements
+
+
+def _column(cells: Sequence[Value], given: Argument) -> Column:
+    scalars = [scalar_of(cell, given.span, "an entry of a table") for cell in cells]
+    if not all(s.node.is_const for s in scalars):
+        message = "the numbers of a table are fixed: this depends on parameters or on the motion"
+        raise Wrong("LAG0208", message, given.span, "multiply the table by the parameter")
+    dimension = common_dimension(tuple(scalars), given.span) or NONE
+    return Column([s.node.value for s in scalars], dimension, given.bare)
+
+
+def _from_file(
+    context: Context, data: Argument, values: Argument | None, over: Argument | None
+) -> tuple[Column, Column, str]:
+    """What the table is over, its values, and what they are called."""
+    assert isinstance(data.value, Text)
+    file = context.importer.data(data.value.text, data.span)
+    first = 0 if over is None else _place(file, over)
+    if values is None:
+        others = [k for k in range(len(file.heads)) if k != first]
+        if len(others) != 1:
+            listed = ", ".join(f"`{name}`" for name, _ in file.heads)
+            raise Wrong("LAG0210", f"which column is meant?  There are {listed}", data.span)
+        second = others[0]
+    else:
+        second = _place(file, values)
+    columns = _measured(file, first, over or data), _measured(file, second, values or data)
+    check_order(columns[0].numbers, data.span, [line for line, _ in file.rows])
+    return (*columns, file.heads[second][0])
+
+
+def _place(file: Columns, asked: Argument) -> int:
+    if not isinstance(asked.value, Text):
+        raise Wrong("LAG0307", f"a column is named by a text, this is {kind(asked.value)}", asked.span)
+    found = file.place(asked.value.text)
+    if found is None:
+        names = [name for name, _ in file.heads]
+        listed = "there are " + ", ".join(f"`{name}`" for name in names[:12])
+        remedy = did_you_mean(asked.value.text, names) or listed
+        raise Wrong("LAG0314", f"the file has no column `{asked.value.text}`", asked.span, remedy)
+    return found
+
+
+def _measured(file: Columns, k: int, asked: Argument) -> Column:
+    """Column k in SI."""
+    name, said = file.heads[k]
+    try:
+        numbers, meant = file.numbers(k), None if said is None else unit(said)
+    except Unfit as error:
+        raise Wrong("LAG0314", f"the file {error}", asked.span, error.remedy) from None
+    except UnknownUnit as unknown:
+        raise Wrong("LAG0304", f"the column `{name}`: {unknown.reason}", asked.span, unknown.remedy) from None
+    if meant is None:
+        return Column(numbers, NONE, True)
+    numbers = [meant.to_si(x) for x in numbers] if meant.factor != 1.0 else numbers
+    if not all(map(math.isfinite, numbers)):
+        raise Wrong("LAG0309", f"a number of the column `{name}` is too large", asked.span)
+    return Column(numbers, meant.dimension, False)
