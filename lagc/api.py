@@ -29,8 +29,8 @@ from lagc.run.solution import Solution
 
 if TYPE_CHECKING:
     from lagc.artifact import Artifact
+    from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
-    from lagc.optimize.program import Interface, Program
     from lagc.run.begin import NoStart
     from lagc.run.solution import Array
     from lagc.run.start import Start

@@ -16,7 +16,7 @@ from lagc.base.records import dataclass, names
 from lagc.host import cache
 from lagc.host.cache.sources import tool_fingerprint
 from lagc.host.model_library import LARGEST_DATA, Unreadable, content, fingerprint
-from lagc.optimize.program import Clause, Field, Interface
+from lagc.lowering.program import Clause, Field, Interface
 from lagc.version import __version__
 
 # Of an interface, what is made of which records.

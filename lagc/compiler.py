@@ -21,14 +21,14 @@ from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
 from lagc.host.budgets import stage
 from lagc.host.model_library import folder_of
-from lagc.optimize.program import Field
+from lagc.lowering.program import Field
 from lagc.run.request import Given, Quantity
 
 if TYPE_CHECKING:
     from types import CodeType
 
+    from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
-    from lagc.optimize.program import Interface, Program
     from lagc.semantics.context import Points
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
@@ -154,7 +154,7 @@ def derive(model: Model) -> EquationsOfMotion:
 
 @_uncollected
 def optimize(equations: EquationsOfMotion, work: bool, differentiate: bool = False) -> Program:
-    from lagc.optimize.optimize import optimize as run
+    from lagc.lowering.lower_equations import optimize as run
 
     unknowns = len(equations.v) + len(equations.rows)
     with stage("simplifying the equations", PER_PAIR * unknowns**2):
@@ -317,7 +317,7 @@ def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
 
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:
     """Those that people look at.  Raises Refused where a given value is none that a run would take."""
-    from lagc.optimize.interface import input_field
+    from lagc.lowering.interface import input_field
     from lagc.run.request import given_values
 
     compilation = Compilation(source, choice)
@@ -357,7 +357,7 @@ def unused(model: Model, interface: Interface) -> tuple[Field, ...]:
 
 def _own(model: Model, but: Container[str]) -> tuple[Field, ...]:
     """The parameters of the model, and those that are built in, but for these."""
-    from lagc.optimize.interface import parameter_field
+    from lagc.lowering.interface import parameter_field
 
     fields = [parameter_field(p) for p in model.parameters if p.name not in but]
     listed = {p.name for p in model.parameters}

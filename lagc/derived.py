@@ -12,7 +12,7 @@ from lagc.host.budgets import Exhausted, reached
 from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
-    from lagc.optimize.program import Interface
+    from lagc.lowering.program import Interface
     from lagc.run.backends.numpy import NumpySystem
     from lagc.run.derivatives import Array, Point
     from lagc.run.linearize import Linear

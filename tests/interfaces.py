@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from lagc.optimize.kinds import kinds
-from lagc.optimize.program import Field, Interface
+from lagc.lowering.kinds import kinds
+from lagc.lowering.program import Field, Interface
 
 
 def field(name: str, value: float | None = 1.0, unit: str = "", **more: Any) -> Field:

@@ -18,7 +18,7 @@ from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import Run
-    from lagc.optimize.program import Interface
+    from lagc.lowering.program import Interface
 
 
 def deliver(found: Run, options: argparse.Namespace) -> int:

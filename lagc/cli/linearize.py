@@ -23,7 +23,7 @@ from lagc.cli.spare import spare
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
-    from lagc.optimize.program import Interface
+    from lagc.lowering.program import Interface
     from lagc.run.linearize import Linear
     from lagc.run.request import Quantity
 

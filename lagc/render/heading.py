@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.render.names import comment
 
 ABI_VERSION = 4

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.names import Names, prefix
 
 # Arrays of any Program, so that a name does not depend on which functions a model happens to have.

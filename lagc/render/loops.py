@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.base.records import dataclass, replace
-from lagc.optimize.program import Function, Run
+from lagc.lowering.program import Function, Run
 from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
 from lagc.render.statements import Dialect, lines
 

@@ -1,4 +1,4 @@
-"""The runs of a rolled function (see `lagc.optimize.rolling`) as segments: bodies of loops and what stands
+"""The runs of a rolled function (see `lagc.lowering.loops.loop_rolling`) as segments: bodies of loops and what stands
 between them.
 
 A segment computes from arrays into arrays.  What one needs of another, or of a repetition before, is kept in
@@ -14,8 +14,8 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from lagc.base.records import dataclass, replace
-from lagc.optimize.block import reordered
-from lagc.optimize.program import LEAVES, Function, Operation, Run, Store
+from lagc.lowering.program import LEAVES, Function, Operation, Run, Store
+from lagc.lowering.scalar.value_numbering import reordered
 
 KEPT = "kept"  # the array of values that other segments need
 NUMBERS = ""  # stands for an array whose entries are their indices

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from lagc.base.records import dataclass
-from lagc.optimize.program import Function, Operation, uses
+from lagc.lowering.program import Function, Operation, uses
 from lagc.symbolic.operators import COMPARISONS, INFIX, LOOKED_UP, TRUTHS
 from lagc.symbolic.table import Table
 

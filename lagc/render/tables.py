@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.optimize.program import Program, tables
+from lagc.lowering.program import Program, tables
 from lagc.render.kernels.arithmetic import Arithmetic
 from lagc.symbolic.table import Table
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.conditions import FIXED, RUN, UNSTATED, Conditions, Consistency, least_norm
 from lagc.run.problem import NOT_FINITE, OK, System
 from lagc.run.start import Anchor, Change, Missed, Start

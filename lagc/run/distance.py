@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from math import inf, isfinite
 from operator import sub
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.problem import TERMINATED, Trajectory
 
 NEAR_THE_END = 1e-5  # of the time

@@ -7,7 +7,7 @@ from math import inf
 from time import perf_counter
 
 from lagc.diagnostics.faults import Refused
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 
 
 class TakesLong(Exception):

@@ -24,7 +24,7 @@ from lagc.kernels.statuses import (
     STEP_UNDERFLOW,
     TERMINATED,
 )
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 
 __all__ = [

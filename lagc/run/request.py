@@ -12,7 +12,7 @@ from lagc.base.records import dataclass, field
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.kernels import METHODS
-from lagc.optimize.program import Field, Interface
+from lagc.lowering.program import Field, Interface
 from lagc.run.problem import System
 
 ACCURACY = 1e-6  # global relative error where nothing is said

@@ -12,7 +12,7 @@ from typing import Any
 
 from lagc.base.once import once
 from lagc.host import cache as store
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.numpy.render import evaluation
 from lagc.run.backends.numpy import NumpyModel, compiled, executed
 from lagc.run.begin import NoStart, begin, strange_outputs, undetermined

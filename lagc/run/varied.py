@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.optimize.program import Field, Interface
+from lagc.lowering.program import Field, Interface
 from lagc.run.request import unknown
 
 

@@ -29,7 +29,7 @@ from lagc.run.problem import (
 )
 
 if TYPE_CHECKING:
-    from lagc.optimize.program import Clause
+    from lagc.lowering.program import Clause
     from lagc.run.balance import Balance
 
 SHORTEST = 2.3e-308  # s: smaller numbers have fewer digits

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from lagc.diagnostics.report import as_json
+from lagc.lowering.program import Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, analyse
 from lagc.mechanics.formulation.equations import EquationsOfMotion, StartValue, WhenEquations
-from lagc.optimize.program import Interface, Program
 from lagc.semantics.model import UNSTATED, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node

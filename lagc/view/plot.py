@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from lagc.optimize.program import Interface
+    from lagc.lowering.program import Interface
     from lagc.run.solution import Solution
 
 COLORS = (

@@ -34,7 +34,7 @@ def mark(): marks.append(clock())
 import lagc
 from lagc.compiler import Choice, Compilation, derive, optimize, parse, render, resolve
 from lagc import library
-import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.optimize.optimize
+import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.lowering.lower_equations
 import lagc.render.numpy.render, lagc.run.backends.numpy
 mark()
 tree = parse(library.read("chain")); mark()

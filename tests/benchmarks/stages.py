@@ -18,7 +18,7 @@ from lagc.compiler import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library as library
 from lagc.host.budgets import Limits
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from tests.benchmarks.tables import Cell, machine, table
 
 LEAST = 0.3  # s of CPU a size, beyond which it is not measured again

@@ -21,7 +21,7 @@ from lagc.compiler import Choice, Compilation
 from lagc.host import cache
 from lagc.host import model_library as library
 from lagc.host.cache import folders, upkeep
-from lagc.optimize.program import Field
+from lagc.lowering.program import Field
 
 POSIX = os.name == "posix"
 KEY = cache.key("a")

@@ -41,7 +41,7 @@ STAGES = [  # where it is done, by which command, what it is called
     ("lagc.syntax.parse.parse", "check", "reading the model"),
     ("lagc.semantics.resolve.resolve", "check", "finding what its names mean"),
     ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
-    ("lagc.optimize.optimize.optimize", "check", "simplifying the equations"),
+    ("lagc.lowering.lower_equations.optimize", "check", "simplifying the equations"),
     ("lagc.view.equations.write", "equations", "writing the equations"),
     ("lagc.view.explain.explanation", "explain", "examining the equations"),
     ("lagc.render.c.render.render", "build", "writing the code"),

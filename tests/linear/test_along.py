@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.optimize import derivatives
+from lagc.lowering import jacobians as derivatives
 
 ROUNDING = 1e-12  # of the largest entry: a few hundred roundings
 AT = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from lagc.optimize.program import Function, Program
+from lagc.lowering.program import Function, Program
 from lagc.symbolic.table import Table
 
 FUNCTIONS = {

@@ -7,9 +7,9 @@ import random
 
 import pytest
 
-from lagc.optimize.balance import balanced
-from lagc.optimize.block import Block
-from lagc.optimize.program import Function
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.scheduling import balanced
+from lagc.lowering.scalar.value_numbering import Block
 from tests.optimize.interpret import interpret
 
 

@@ -7,8 +7,8 @@ import random
 import mpmath as mp
 import pytest
 
-from lagc.optimize.conditions import condition_rows
-from lagc.optimize.optimize import optimize
+from lagc.lowering.initial_equations import condition_rows
+from lagc.lowering.lower_equations import optimize
 from tests.optimize.interpret import ask
 from tests.oracle.lagrange import Expressions
 from tests.run.started import compilation_of

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 import lagc
+from lagc.lowering.jacobians import groups, motion_by_sweeps, stack
+from lagc.lowering.kkt.massless import with_pivots
+from lagc.lowering.kkt.prune import prune
+from lagc.lowering.modes import frozen
+from lagc.lowering.storage import places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.derivatives import groups, motion_by_sweeps, stack
-from lagc.optimize.freezing import frozen
-from lagc.optimize.massless import with_pivots
-from lagc.optimize.prune import prune
-from lagc.optimize.symbols import places
 from lagc.run.derivatives import Point
 from lagc.symbolic.graph import Node
 from tests.optimize.exact import DIGITS, along, values

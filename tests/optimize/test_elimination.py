@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lagc.optimize.block import Block
-from lagc.optimize.elimination import Elimination, Structure, eliminate
-from lagc.optimize.factoring import Matrix, factor, pair, refine, residual, substitute
+from lagc.lowering.kkt.fill_ordering import Elimination, Structure, eliminate
+from lagc.lowering.kkt.ldl import Matrix, factor, pair, refine, residual, substitute
+from lagc.lowering.scalar.value_numbering import Block
 from tests.optimize.interpret import interpret
 
 

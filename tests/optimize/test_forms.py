@@ -6,8 +6,8 @@ import pytest
 
 from lagc.compiler import Choice, Compilation
 from lagc.diagnostics.faults import Source
+from lagc.lowering.kkt.form_choice import solvers
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.forms import solvers
 
 NET = """
 model Net "knots, joined to their neighbours by rods"

@@ -10,12 +10,12 @@ import pytest
 
 import lagc
 from lagc.base.records import replace
+from lagc.lowering.kkt.articulated_body import lifted
+from lagc.lowering.kkt.fill_ordering import eliminate
+from lagc.lowering.kkt.form_choice import solvers
+from lagc.lowering.kkt.solve import Solver
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.elimination import eliminate
-from lagc.optimize.forms import solvers
-from lagc.optimize.kkt import Solver
-from lagc.optimize.lift import lifted
 from tests.mechanics.numbers import consistent_state
 from tests.mechanics.random_systems import model, random_system
 from tests.optimize import large

@@ -13,10 +13,10 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
-from lagc.optimize import functions
-from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import Places, places
+from lagc.lowering import functions
+from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes
+from lagc.lowering.program import Function
+from lagc.lowering.storage import Places, places
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from tests.oracle.lagrange import Expressions

@@ -15,15 +15,15 @@ import pytest
 import lagc
 from lagc import compiler
 from lagc.diagnostics.faults import Refused
+from lagc.lowering.kkt import solve as kkt
+from lagc.lowering.kkt.articulated_body import lifted
+from lagc.lowering.kkt.fill_ordering import eliminate
+from lagc.lowering.kkt.form_choice import solvers
+from lagc.lowering.kkt.solve import Solver
+from lagc.lowering.program import Function
+from lagc.lowering.storage import places
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize import kkt
-from lagc.optimize.elimination import eliminate
-from lagc.optimize.forms import solvers
-from lagc.optimize.kkt import Solver
-from lagc.optimize.lift import lifted
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import places
 from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable

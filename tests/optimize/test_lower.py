@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lagc.optimize.block import Block
-from lagc.optimize.expand import expanded
-from lagc.optimize.factors import factored, plan
-from lagc.optimize.lower import Lowering
-from lagc.optimize.program import Function
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.common_factors import factored, plan
+from lagc.lowering.scalar.emit import Lowering
+from lagc.lowering.scalar.expand import expanded
+from lagc.lowering.scalar.value_numbering import Block
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from tests.optimize.interpret import interpret

@@ -14,9 +14,9 @@ import pytest
 
 import lagc
 from lagc.diagnostics.faults import Refused, Source, Span
+from lagc.lowering.lower_equations import optimize
+from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
-from lagc.optimize.optimize import optimize
-from lagc.optimize.program import Program
 from lagc.semantics.model import Model
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate

@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import lagc
-from lagc.optimize.block import Block
-from lagc.optimize.coefficients import Coefficients
-from lagc.optimize.lower import Lowering
-from lagc.optimize.preparation import Preparation
-from lagc.optimize.program import Function, Operation
-from lagc.optimize.symbols import Places, lower
+from lagc.lowering.program import Function, Operation
+from lagc.lowering.scalar.coefficients import Coefficients
+from lagc.lowering.scalar.emit import Lowering
+from lagc.lowering.scalar.parameter_hoisting import Preparation
+from lagc.lowering.scalar.value_numbering import Block
+from lagc.lowering.storage import Places, lower
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import TRUTHS

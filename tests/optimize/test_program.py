@@ -13,10 +13,10 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.host import model_library as library
+from lagc.lowering.lower_equations import optimize
+from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.optimize import optimize
-from lagc.optimize.program import Program
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from tests.mechanics import models

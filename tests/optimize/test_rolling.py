@@ -10,10 +10,10 @@ import pytest
 from lagc.base.records import replace
 from lagc.compiler import Choice, derive, parse, resolve
 from lagc.host import model_library as library
-from lagc.optimize.block import ordered
-from lagc.optimize.optimize import optimize
-from lagc.optimize.program import LEAVES, Function, Program
-from lagc.optimize.rolling import local, rolled
+from lagc.lowering.loops.loop_rolling import local, rolled
+from lagc.lowering.lower_equations import optimize
+from lagc.lowering.program import LEAVES, Function, Program
+from lagc.lowering.scalar.value_numbering import ordered
 from lagc.render.c.render import render
 from lagc.render.segments import segments
 from tests.optimize import large
@@ -75,8 +75,10 @@ def test_what_is_done_to_a_part_is_done_at_once() -> None:
 
 @pytest.mark.parametrize("seed", range(15))
 def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
+    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr(
+        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
+    )
     f = sorted_leaves(repeated_function(seed, "f"))
     rng = random.Random(seed)
     given = {"p": [0.3, 1.0, 9.81], "t": [0.7], "x": [rng.uniform(-1.0, 1.0) for _ in range(60)]}
@@ -90,8 +92,10 @@ def test_the_order_of_long_functions_changes_no_value(seed: int, monkeypatch: py
 
 def test_an_entry_that_is_read_and_changed_keeps_a_function_straight(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its stores would be in another order than its loads."""
-    monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
+    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr(
+        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
+    )
     f = sorted_leaves(repeated_function(1, "f"))
     for behind, has_runs in ((0, False), (60, True)):  # of 60 entries that are read
         stores = tuple([replace(store, array="x", index=store.index + behind) for store in f.stores])

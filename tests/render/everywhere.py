@@ -18,7 +18,7 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.run.backends.compile import FLAGS
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from lagc.optimize.program import Function, Operation, Program, Store, operands
+from lagc.lowering.program import Function, Operation, Program, Store, operands
 from lagc.symbolic.operators import LOOKED_UP
 from lagc.symbolic.table import Table
 from tests.interfaces import field, interface

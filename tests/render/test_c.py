@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from lagc.diagnostics.faults import Source
+from lagc.lowering.lower_equations import optimize
+from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
-from lagc.optimize.optimize import optimize
-from lagc.optimize.program import Program
 from lagc.render.c.render import render
 from tests.interfaces import field
 from tests.mechanics.models import entangled

@@ -15,7 +15,7 @@ import pytest
 from lagc import compiler
 from lagc.diagnostics.faults import Source
 from lagc.kernels import METHODS, statuses
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python

@@ -14,10 +14,10 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
+from lagc.lowering import jacobians as derivatives
+from lagc.lowering.lower_equations import optimize
+from lagc.lowering.program import Interface, Program
 from lagc.mechanics.derive import derive
-from lagc.optimize import derivatives
-from lagc.optimize.optimize import optimize
-from lagc.optimize.program import Interface, Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render as render_numpy
 from tests.mechanics.models import entangled

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from lagc.kernels import METHODS, statuses
-from lagc.optimize import derivatives
+from lagc.lowering import jacobians as derivatives
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import codes, members
 from lagc.render.kernels.shipped import parts

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from lagc.base.records import replace
-from lagc.optimize.program import Function, Program, operands
+from lagc.lowering.program import Function, Program, operands
 from lagc.render.c import runtime
 from lagc.render.c.functions import function_text as c_text
 from lagc.render.c.functions import helpers

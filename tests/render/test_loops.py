@@ -12,8 +12,8 @@ import pytest
 
 import lagc
 from lagc.base.records import replace
-from lagc.optimize.program import LEAVES, Function, uses
-from lagc.optimize.rolling import local, rolled
+from lagc.lowering.loops.loop_rolling import local, rolled
+from lagc.lowering.program import LEAVES, Function, uses
 from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.optimize.interpret import interpret
 from tests.render.programs import Builder, repeated_function
@@ -35,10 +35,12 @@ def sorted_leaves(f: Function) -> Function:
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     """Short functions are rolled, too, and ones with little repetition."""
-    monkeypatch.setattr("lagc.optimize.rolling.STRAIGHT", 0)
-    monkeypatch.setattr("lagc.optimize.rolling._cost", lambda often, text, indexing=-math.inf: -indexing)
-    monkeypatch.setattr("lagc.optimize.rolling._GRAM", 4)
-    monkeypatch.setattr("lagc.optimize.rolling._WORTH", 6)
+    monkeypatch.setattr("lagc.lowering.loops.loop_rolling.STRAIGHT", 0)
+    monkeypatch.setattr(
+        "lagc.lowering.loops.loop_rolling._cost", lambda often, text, indexing=-math.inf: -indexing
+    )
+    monkeypatch.setattr("lagc.lowering.loops.loop_rolling._GRAM", 4)
+    monkeypatch.setattr("lagc.lowering.loops.loop_rolling._WORTH", 6)
     monkeypatch.setattr("lagc.render.numpy.functions._STRAIGHT", 0)
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render
 from tests.render.programs import Builder, pendulum, program

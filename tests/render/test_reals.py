@@ -14,7 +14,7 @@ import lagc
 from lagc import compiler
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused, Source
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.render.kernels.arithmetic import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
 from lagc.render.names import prefix

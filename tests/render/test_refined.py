@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render
 from tests.render.test_numpy import bits, doubles, states

@@ -10,7 +10,7 @@ import pytest
 from lagc.compiler import Choice
 from lagc.compiler import program as compiled
 from lagc.host import model_library as library
-from lagc.optimize.program import LEAVES, Program
+from lagc.lowering.program import LEAVES, Program
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import tables_of
 from lagc.render.numpy.render import render as in_python

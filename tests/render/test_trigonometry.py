@@ -21,7 +21,7 @@ from typing import Any
 import mpmath
 import pytest
 
-from lagc.optimize.program import Function, Operation, Store
+from lagc.lowering.program import Function, Operation, Store
 from lagc.render.c import runtime
 from lagc.render.numpy import functions
 from lagc.render.numpy.functions import ARITHMETIC

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 
 MODELS = Path(__file__).parents[2] / "models"
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-ffp-contract=off"]

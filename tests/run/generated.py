@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.optimize.program import Function, Program
+from lagc.lowering.program import Function, Program
 from tests.run.traced import PTX, cos, program, sin, trace
 
 GOOD = (1.0, 0.0)  # health of a solve

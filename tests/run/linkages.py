@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import cos, sin
 from typing import Any
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from tests.run.traced import PTX, program, trace
 
 Rod = tuple[int | tuple[float, float], int | tuple[float, float], float]

@@ -11,7 +11,7 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.run.backends.c import CModel
 from lagc.run.backends.numpy import NumpyModel
 from lagc.run.problem import System

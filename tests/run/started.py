@@ -13,7 +13,7 @@ from typing import Any
 from lagc import compiler
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.names import prefix
 from lagc.render.numpy.render import render as render_python

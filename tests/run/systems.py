@@ -8,7 +8,7 @@ from copy import copy
 from math import sqrt
 from typing import Any
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.problem import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 

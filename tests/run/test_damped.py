@@ -20,13 +20,13 @@ from lagc.base.records import replace
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
+from lagc.lowering.kkt import form_choice as forms
+from lagc.lowering.kkt.massless import with_pivots
+from lagc.lowering.kkt.prune import prune
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
-from lagc.optimize import forms
-from lagc.optimize.massless import with_pivots
-from lagc.optimize.prune import prune
 from lagc.render.c.render import render as render_c
 from lagc.run.backends.compile import compiler as compiler_of_c
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, Options, System

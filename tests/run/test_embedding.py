@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.run.problem import OK, Options
 from tests.run.linkages import four_bar

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render as render_c
 from lagc.render.numpy.render import render as render_python
 from lagc.run.backends import load

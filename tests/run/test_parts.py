@@ -9,7 +9,7 @@ import lagc
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
-from lagc.optimize.conditions import condition_slopes
+from lagc.lowering.initial_equations import condition_slopes
 from lagc.run.backends.numpy import NumpySystem
 from lagc.run.begin import consistent_start
 

@@ -12,7 +12,7 @@ import pytest
 
 from lagc.compiler import Choice, Compilation
 from lagc.host.model_library import read
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix
 from tests.run.linkages import four_bar

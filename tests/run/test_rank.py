@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
 from tests.interfaces import interface
 from tests.run.handmade import module

@@ -10,7 +10,7 @@ from functools import cache
 import pytest
 
 from lagc.host.model_library import library_models, read
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.run.backends.compile import compiler
 from lagc.run.begin import consistent_start
 from lagc.run.problem import OK, Options, Trajectory

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from lagc.optimize.program import Function, Operation, Program, Store
+from lagc.lowering.program import Function, Operation, Program, Store
 from tests.interfaces import field, interface
 
 

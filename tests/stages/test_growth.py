@@ -21,7 +21,7 @@ from lagc import checking, compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
-from lagc.optimize.factors import factored, plan
+from lagc.lowering.scalar.common_factors import factored, plan
 from lagc.run.trial import try_start
 from lagc.semantics.context import MOST_FAULTS
 from lagc.semantics.instantiate import Builder

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from lagc.diagnostics.faults import Source
+from lagc.lowering.lower_equations import optimize
 from lagc.mechanics.derive import derive
-from lagc.optimize.optimize import optimize
 from lagc.render.c.render import render
 from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import Variant, variants

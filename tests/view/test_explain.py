@@ -11,7 +11,7 @@ from random import Random
 import pytest
 
 from lagc.cli.main import main
-from lagc.optimize.optimize import optimize
+from lagc.lowering.lower_equations import optimize
 from lagc.view.explain import Facts, explanation, text
 from tests.view.models import MODELS, derived, equations_of
 

@@ -7,8 +7,8 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
-from lagc.optimize.program import Function, Program, Run, uses
-from lagc.optimize.rolling import moves_itself
+from lagc.lowering.loops.loop_rolling import moves_itself
+from lagc.lowering.program import Function, Program, Run, uses
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from lagc.optimize.program import Field, Interface
+from lagc.lowering.program import Field, Interface
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.kernels.arithmetic import Arithmetic
 from lagc.render.kernels.assembly import sizes_of

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from lagc.optimize.program import Interface, Program
+from lagc.lowering.program import Interface, Program
 from lagc.render.c import header
 from lagc.render.c.demands import demands
 from lagc.render.c.functions import function_text, helpers

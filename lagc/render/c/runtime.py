@@ -8,7 +8,7 @@ from fractions import Fraction
 from textwrap import fill
 from typing import Any
 
-from lagc.optimize.program import Program
+from lagc.lowering.program import Program
 from lagc.render.c import header
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.kernels.assembly import (

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass
-from lagc.optimize.program import Interface, Program
+from lagc.lowering.program import Interface, Program
 from lagc.render.c.header import members
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 from lagc.render.statements import loads

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Refused
-from lagc.optimize.program import FARTHEST
+from lagc.lowering.program import FARTHEST
 
 if TYPE_CHECKING:
     from fractions import Fraction

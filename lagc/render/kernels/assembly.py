@@ -10,7 +10,7 @@ from typing import Any
 
 from lagc.base.records import dataclass
 from lagc.kernels import MOST_ACTS
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 
 CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8, "NSETS": 3}
 # Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.

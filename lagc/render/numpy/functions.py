@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from lagc.base.records import replace
-from lagc.optimize.program import Function, Run
+from lagc.lowering.program import Function, Run
 from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
 from lagc.render.loops import Forms, Running, loops
 from lagc.render.names import comment

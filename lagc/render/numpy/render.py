@@ -6,7 +6,7 @@ Layout of the module: what it is, names, functions of the model (printed from th
 
 from __future__ import annotations
 
-from lagc.optimize.program import Field, Interface, Program
+from lagc.lowering.program import Field, Interface, Program
 from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
 from lagc.render.locals import local_names
 from lagc.render.names import Names, prefix

@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 from lagc.kernels import METHODS
-from lagc.optimize.program import Interface, Program
+from lagc.lowering.program import Interface, Program
 from lagc.render.kernels.assembly import Chosen, Part, chosen, codes, sizes_of, switches_of, tables_of
 from lagc.render.kernels.shipped import parts
 from lagc.render.numpy.states import EQUATIONS, STATES

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.optimize.program import Interface, Program, tables
+from lagc.lowering.program import Interface, Program, tables
 from lagc.render.statuses import texts
 
 _ALWAYS = '''\

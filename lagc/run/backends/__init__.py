@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import CodeType
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.problem import System
 
 

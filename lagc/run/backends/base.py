@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, cast
 
 from lagc.base.once import RLock
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.problem import System, Vector
 
 Branch: TypeAlias = Any  # its modes, as a backend keeps them

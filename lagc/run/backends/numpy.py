@@ -13,7 +13,7 @@ from types import CodeType
 from typing import Any
 
 from lagc.base.once import once
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.problem import OK, Options, Trajectory, Vector
 
@@ -203,7 +203,7 @@ class NumpySystem(CompiledSystem):
         work.modes[:], work.held = before, held
 
     def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
-        """What is differentiated (`lagc.optimize.derivatives`), of a program with derivatives; without
+        """What is differentiated (`lagc.lowering.jacobians`), of a program with derivatives; without
         `modes` on the branch of the state."""
         found = [0.0] * max([part.stop for part in self.interface.stack.values()])
         self._differentiated("stack", t, x, a, lam, modes, found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from lagc.optimize.program import Interface
+from lagc.lowering.program import Interface
 
 Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
 

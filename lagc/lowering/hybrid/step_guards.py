@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Set
 
+from lagc.lowering.modes import deciding
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.freezing import deciding
 from lagc.symbolic.enclosures.numeric import intervals
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import depends

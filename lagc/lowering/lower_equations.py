@@ -5,28 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import replace
+from lagc.lowering import functions
+from lagc.lowering.hybrid.event_functions import in_boxes, switching
+from lagc.lowering.hybrid.poles import poles
+from lagc.lowering.hybrid.step_guards import features
+from lagc.lowering.hybrid.whens import changing, whens
+from lagc.lowering.initial_equations import condition_slopes
+from lagc.lowering.interface import interface, used_parameters
+from lagc.lowering.jacobians import derivatives
+from lagc.lowering.kkt import solve as kkt
+from lagc.lowering.kkt.articulated_body import plain
+from lagc.lowering.kkt.form_choice import forms_matrix, solvers
+from lagc.lowering.kkt.massless import with_pivots
+from lagc.lowering.kkt.prune import independent, prune, sources
+from lagc.lowering.kkt.solve import Solver
+from lagc.lowering.loops.independent_blocks import in_pieces
+from lagc.lowering.loops.loop_rolling import rolled
+from lagc.lowering.modes import Switch, frozen
+from lagc.lowering.parameter_bounds import bounded
+from lagc.lowering.program import Function, Program
+from lagc.lowering.scalar.parameter_hoisting import Preparation
+from lagc.lowering.scalar.scheduling import balanced
+from lagc.lowering.storage import Places, places, weight
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize import functions, kkt
-from lagc.optimize.balance import balanced
-from lagc.optimize.conditions import condition_slopes
-from lagc.optimize.derivatives import derivatives
-from lagc.optimize.features import features
-from lagc.optimize.forms import forms_matrix, solvers
-from lagc.optimize.freezing import Switch, frozen
-from lagc.optimize.interface import interface, used_parameters
-from lagc.optimize.kkt import Solver
-from lagc.optimize.lift import plain
-from lagc.optimize.limits import bounded
-from lagc.optimize.massless import with_pivots
-from lagc.optimize.pieces import in_pieces
-from lagc.optimize.poles import poles
-from lagc.optimize.preparation import Preparation
-from lagc.optimize.program import Function, Program
-from lagc.optimize.prune import independent, prune, sources
-from lagc.optimize.rolling import rolled
-from lagc.optimize.switching import in_boxes, switching
-from lagc.optimize.symbols import Places, places, weight
-from lagc.optimize.whens import changing, whens
 from lagc.symbolic.graph import Node
 from lagc.symbolic.jacobians import Slopes
 
@@ -37,7 +38,7 @@ def optimize(equations: EquationsOfMotion, work: bool = False, differentiate: bo
     """The functions of `equations`, each as short as it gets.
 
     `work` adds the integral of the power to the state where the power is not identically zero,
-    `differentiate` the functions of `lagc.optimize.derivatives`.
+    `differentiate` the functions of `lagc.lowering.jacobians`.
     Raises Refused with LAG0501 where a coordinate has no inertia of any kind.
     """
     equations, left_out = prune(equations)

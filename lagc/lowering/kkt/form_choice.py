@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lagc.base.records import replace
+from lagc.lowering.kkt.articulated_body import Lifted, lifted, plain, together
+from lagc.lowering.kkt.fill_ordering import Elimination, Structure, eliminate
+from lagc.lowering.kkt.prune import sources
+from lagc.lowering.kkt.solve import Solver
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.elimination import Elimination, Structure, eliminate
-from lagc.optimize.kkt import Solver
-from lagc.optimize.lift import Lifted, lifted, plain, together
-from lagc.optimize.prune import sources
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 

@@ -6,14 +6,14 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
+from lagc.lowering.initial_equations import condition_rows, start_units
+from lagc.lowering.kinds import kinds, rates
+from lagc.lowering.kkt.solve import row_comments
+from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes, magnitudes, terms
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.value_numbering import Block
+from lagc.lowering.storage import STATE, Places, cheapest, lower
 from lagc.mechanics.formulation.equations import Row
-from lagc.optimize.block import Block
-from lagc.optimize.conditions import condition_rows, start_units
-from lagc.optimize.kinds import kinds, rates
-from lagc.optimize.kkt import row_comments
-from lagc.optimize.lengths import gradient_bounds, gradient_magnitudes, magnitudes, terms
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places, cheapest, lower
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.jacobians import Slopes

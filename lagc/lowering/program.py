@@ -376,7 +376,7 @@ class Program:
       measures    (p)             -> s[], largest[]   stated rates; largest parameter of each of `start_units`
       stack       (p,t,x,a,lam)   -> s[]        where derivatives are asked for: what is differentiated
       by_time, by_state, by_acceleration, by_parameter   (p,t,x,a,lam) -> J[]   its derivatives, each at the
-                                     (row, column) of `derivatives`; see `lagc.optimize.derivatives`;
+                                     (row, column) of `derivatives`; see `lagc.lowering.jacobians`;
                                      with switches, all of them of (p,t,x,modes,a,lam)
       along       (p,t,x,a,lam,d) -> s[]        in their place where they are very many: what the stack
                                      changes by with (t, x, a, lam, p) along d = (dt, dx, da, dlam, dp)

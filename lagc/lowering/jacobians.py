@@ -22,12 +22,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from lagc.base.records import replace
+from lagc.lowering.initial_equations import condition_rows
+from lagc.lowering.modes import Switch
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.value_numbering import Block
+from lagc.lowering.storage import Places, cheapest, lower
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.block import Block
-from lagc.optimize.conditions import condition_rows
-from lagc.optimize.freezing import Switch
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import Places, cheapest, lower
 from lagc.symbolic.derivative import gradient, tangent
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import depends, within

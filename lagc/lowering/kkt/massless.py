@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused, Span
+from lagc.lowering.kkt.articulated_body import plain
+from lagc.lowering.kkt.fill_ordering import eliminate
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.states import rate_symbols
-from lagc.optimize.elimination import eliminate
-from lagc.optimize.lift import plain
 
 
 def with_pivots(equations: EquationsOfMotion) -> EquationsOfMotion:

@@ -20,10 +20,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 
 from lagc.base.records import dataclass, replace
+from lagc.lowering.kkt.fill_ordering import Entry, Structure, entry
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.mass_matrix import Moving
 from lagc.mechanics.formulation.states import rate_symbols
-from lagc.optimize.elimination import Entry, Structure, entry
 from lagc.symbolic.derivative import gradient, partial
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node

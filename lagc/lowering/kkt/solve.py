@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass
-from lagc.mechanics.formulation.equations import Row
-from lagc.optimize.block import Block
-from lagc.optimize.elimination import Elimination
-from lagc.optimize.factoring import (
+from lagc.lowering.interface import place
+from lagc.lowering.kkt.articulated_body import Lifted
+from lagc.lowering.kkt.fill_ordering import Elimination
+from lagc.lowering.kkt.ldl import (
     Factors,
     Guard,
     Matrix,
@@ -23,10 +23,10 @@ from lagc.optimize.factoring import (
     residual,
     substitute,
 )
-from lagc.optimize.interface import place
-from lagc.optimize.lift import Lifted
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import Places, cheapest, lower
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.value_numbering import Block
+from lagc.lowering.storage import Places, cheapest, lower
+from lagc.mechanics.formulation.equations import Row
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
 

@@ -12,7 +12,7 @@ from operator import add, mul, sub, truediv
 from typing import Any, TypeAlias
 
 from lagc.base.records import replace
-from lagc.optimize.program import LEAVES, Function, Operation, Store
+from lagc.lowering.program import LEAVES, Function, Operation, Store
 from lagc.symbolic.doubles import double
 from lagc.symbolic.operators import TRUTHS
 from lagc.symbolic.table import Table

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from itertools import chain
 
 from lagc.base.records import replace
+from lagc.lowering.kkt.articulated_body import Lifted
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.jacobian import with_places
 from lagc.mechanics.formulation.states import position_symbols
-from lagc.optimize.lift import Lifted
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import symbols
 

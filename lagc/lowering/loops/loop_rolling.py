@@ -16,8 +16,8 @@ from itertools import product
 from typing import NamedTuple, TypeAlias
 
 from lagc.base.records import replace
-from lagc.optimize.block import STRAIGHT, ordered, reordered
-from lagc.optimize.program import LEAVES, Function, Operation, Run
+from lagc.lowering.program import LEAVES, Function, Operation, Run
+from lagc.lowering.scalar.value_numbering import STRAIGHT, ordered, reordered
 
 _GRAM = 16  # operations: what comes again is found by so many of them
 _LONGEST = 3000  # operations of one repetition

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
-from lagc.optimize.freezing import Switch
-from lagc.optimize.functions import made
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places
+from lagc.lowering.functions import made
+from lagc.lowering.modes import Switch
+from lagc.lowering.program import Function
+from lagc.lowering.storage import STATE, Places
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.enclosures.symbolic import Ends, enclosures
 from lagc.symbolic.graph import Node

@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass, replace
+from lagc.lowering.kkt.prune import sources
+from lagc.lowering.program import FARTHEST
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.jacobian import formed_of, with_values
-from lagc.optimize.program import FARTHEST
-from lagc.optimize.prune import sources
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.enclosures.numeric import extended
 from lagc.symbolic.graph import Graph, Node

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass
+from lagc.lowering.program import Function
+from lagc.lowering.scalar.coefficients import Coefficients
+from lagc.lowering.scalar.common_factors import factored, plan
+from lagc.lowering.scalar.emit import Lowering
+from lagc.lowering.scalar.expand import expanded
+from lagc.lowering.scalar.parameter_hoisting import FIXED, dependence
+from lagc.lowering.scalar.value_numbering import Block
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.block import Block
-from lagc.optimize.coefficients import Coefficients
-from lagc.optimize.expand import expanded
-from lagc.optimize.factors import factored, plan
-from lagc.optimize.lower import Lowering
-from lagc.optimize.preparation import FIXED, dependence
-from lagc.optimize.program import Function
 from lagc.semantics.model import Parameter
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.operators import OPERATORS

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from lagc.optimize.block import Block
+from lagc.lowering.scalar.value_numbering import Block
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import PARITY
 from lagc.symbolic.walk import reachable

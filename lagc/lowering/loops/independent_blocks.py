@@ -9,9 +9,9 @@ from itertools import accumulate
 from typing import Any, TypeAlias
 
 from lagc.base.records import replace
-from lagc.optimize.block import STRAIGHT, reordered
-from lagc.optimize.program import LEAVES, Function, Run
-from lagc.optimize.rolling import Letter, lettered, rolled, rolled_between
+from lagc.lowering.loops.loop_rolling import Letter, lettered, rolled, rolled_between
+from lagc.lowering.program import LEAVES, Function, Run
+from lagc.lowering.scalar.value_numbering import STRAIGHT, reordered
 
 _LEAST = 3  # pieces, and alike that make a loop
 

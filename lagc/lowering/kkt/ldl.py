@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from lagc.base.records import dataclass, field
-from lagc.optimize.block import Block
-from lagc.optimize.elimination import Elimination, Entry, Step, Structure, entry
+from lagc.lowering.kkt.fill_ordering import Elimination, Entry, Step, Structure, entry
+from lagc.lowering.scalar.value_numbering import Block
 
 
 @dataclass(frozen=True)

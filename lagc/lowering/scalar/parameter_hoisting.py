@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from lagc.base.records import replace
-from lagc.optimize.block import Block
-from lagc.optimize.program import Function, Operation, uses
+from lagc.lowering.program import Function, Operation, uses
+from lagc.lowering.scalar.value_numbering import Block
 from lagc.symbolic.operators import TRUTHS
 
 PREPARED = "prepared"  # the array that `bind` fills

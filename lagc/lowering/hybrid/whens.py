@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.base.records import replace
+from lagc.lowering.functions import made
+from lagc.lowering.modes import Switch
+from lagc.lowering.program import Function
+from lagc.lowering.storage import STATE, Places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.freezing import Switch
-from lagc.optimize.functions import made
-from lagc.optimize.program import Function
-from lagc.optimize.symbols import STATE, Places
 from lagc.symbolic.walk import symbols
 
 

@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from heapq import heapify, heappop, heappush
 
-from lagc.optimize.block import Block, Row
-from lagc.optimize.program import Function, Operation
+from lagc.lowering.program import Function, Operation
+from lagc.lowering.scalar.value_numbering import Block, Row
 from lagc.symbolic.operators import OPERATORS
 
 # About how many cycles until a result can be used.

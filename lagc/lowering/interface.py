@@ -8,10 +8,10 @@ from itertools import accumulate
 from lagc.base.records import names, replace
 from lagc.diagnostics.faults import Fault, Span
 from lagc.host import cache
+from lagc.lowering.kinds import kinds
+from lagc.lowering.modes import Switch
+from lagc.lowering.program import Clause, Field, Function, Interface
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.freezing import Switch
-from lagc.optimize.kinds import kinds
-from lagc.optimize.program import Clause, Field, Function, Interface
 from lagc.semantics.model import Input, Lagrangian, Limit, Model, Parameter
 from lagc.symbolic.graph import Node
 from lagc.symbolic.jacobians import Slopes

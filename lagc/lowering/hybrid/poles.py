@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lagc.lowering.hybrid.step_guards import MOST, divisors
+from lagc.lowering.modes import deciding
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.optimize.features import MOST, divisors
-from lagc.optimize.freezing import deciding
 from lagc.symbolic.enclosures.numeric import intervals
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.walk import depends, reachable

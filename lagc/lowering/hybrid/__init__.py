@@ -1,0 +1,1 @@
+"""Event indicators and step guards."""

@@ -1,0 +1,1 @@
+"""Loop rerolling and independent blocks."""

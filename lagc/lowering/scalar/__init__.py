@@ -1,0 +1,1 @@
+"""Scalar code: value numbering, common factors, scheduling."""
