@@ -1,4 +1,4 @@
-"""The statuses of generated code, the same in every language: see `lagc.kernels.statuses`."""
+"""The statuses of generated code, the same in every language: see `lagc.kernels.language.statuses`."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass, field
-from lagc.kernels.methods import order
+from lagc.kernels.integrators.tableaus import order
 from lagc.run.distance import Sizes, difference, moving, sizes
 from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
 from lagc.run.remembered import Remembered, name_of, recall, remember, strays

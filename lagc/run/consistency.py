@@ -1,6 +1,6 @@
 """The search for a consistent start, in words.
 
-The search is that of the generated code (`lagc.kernels.start`); here are the names.  Which conditions
+The search is that of the generated code (`lagc.kernels.initialization.consistent`); here are the names.  Which conditions
 forced a value, or contradict each other, is found by leaving out one after the other while the search
 still fails.
 """

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from lagc.kernels.statuses import (
+from lagc.kernels.language.statuses import (
     CHATTERING,
     INCONSISTENT,
     INTERRUPTED,

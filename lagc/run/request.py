@@ -278,7 +278,7 @@ def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
 
 
 def _adapts(method: str) -> bool:
-    from lagc.kernels.methods import adapts
+    from lagc.kernels.integrators.tableaus import adapts
 
     return adapts(method)
 

@@ -17,7 +17,7 @@ from lagc.run.derivatives import Array
 @dataclass(frozen=True)
 class Tableau:
     """k_i = f(t + c_i h, x + h sum a_ij k_j), x1 = x + h sum b_i k_i.  Rows go over the stages, the rate at
-    the new state and the stages of dense output, see `lagc.kernels.methods`."""
+    the new state and the stages of dense output, see `lagc.kernels.integrators.tableaus`."""
 
     order: int
     c: Array
@@ -62,7 +62,7 @@ def combined(row: Array, table: Array) -> Array:
 
 @cache
 def tableau(method: str) -> Tableau:
-    m: Any = import_module(f"lagc.kernels.methods.{method}")
+    m: Any = import_module(f"lagc.kernels.integrators.tableaus.{method}")
     n = len(m.C)
     full = n + 1 + len(m.EXTRA_C)
     return Tableau(

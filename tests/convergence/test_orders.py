@@ -13,7 +13,7 @@ import pytest
 from mpmath import mpf, workdps
 
 from lagc.compiler import render
-from lagc.kernels.methods import bs32, dop853, dopri5, rk4
+from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
 from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
@@ -25,7 +25,7 @@ Row = dict[int, float]  # stage -> coefficient; stages count from 1, zeros are l
 
 
 class Tableau:
-    """A method of `lagc.kernels.methods`, in numbers of a type."""
+    """A method of `lagc.kernels.integrators.tableaus`, in numbers of a type."""
 
     def __init__(
         self, method: Any, error_order: int, dense_order: int, number: Callable[[Fraction], Any] = float

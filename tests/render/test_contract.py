@@ -14,7 +14,8 @@ import pytest
 
 from lagc import compiler
 from lagc.diagnostics.faults import Source
-from lagc.kernels import METHODS, statuses
+from lagc.kernels import METHODS
+from lagc.kernels.language import statuses
 from lagc.lowering.program import Program
 from lagc.render.c.render import render
 from lagc.render.names import prefix

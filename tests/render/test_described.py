@@ -10,7 +10,8 @@ from typing import Any
 
 import pytest
 
-from lagc.kernels import METHODS, statuses
+from lagc.kernels import METHODS
+from lagc.kernels.language import statuses
 from lagc.lowering import jacobians as derivatives
 from lagc.render.c.render import render
 from lagc.render.kernels.assembly import codes, members
@@ -58,13 +59,13 @@ def test_options_are_those_of_the_kernels() -> None:
     assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
     slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
     assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
-    bad = [part["name"] for part in codes(parts(), "records")]
+    bad = [part["name"] for part in codes(parts(), "language/records")]
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 
 
 @pytest.mark.parametrize("levels", [model, conditions])
 def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
-    for part in codes(parts(), "startrecords"):
+    for part in codes(parts(), "initialization/workspace"):
         assert getattr(levels, part["name"]) == int(part["value"])
 
 

@@ -24,7 +24,7 @@ from lagc.render.kernels.syntax import Outside, module
 from lagc.render.kernels.typed import Signature
 from lagc.render.numpy.functions import ARITHMETIC
 
-HEAD = "from lagc.kernels.words import *\n"
+HEAD = "from lagc.kernels.language.words import *\n"
 
 
 def library(text: str) -> Library:

@@ -90,7 +90,7 @@ def test_the_constants_are_those_of_the_script() -> None:
     assert spec is not None and spec.loader is not None
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    from lagc.kernels import trigonometry
+    from lagc.kernels.arithmetic import trigonometry
 
     for name, value in script.constants().items():
         assert getattr(trigonometry, name) == value, name

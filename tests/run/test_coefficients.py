@@ -11,7 +11,7 @@ import pytest
 from lagc.run.conditions import Conditions, Consistency
 from tests.run.started import Twins, program_of
 
-ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.limits`
+ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.language.tolerances`
 Row = tuple[dict[int, float], float]  # coefficients by unknown, and the value of their sum
 
 

@@ -21,7 +21,7 @@ CALLS = spelling("c")
 LONGEST = 600  # lines of a function: the time that C compilers take grows faster than that
 OPERATIONS = 2  # and stores in a line, about
 
-# Sines and cosines in double precision: see `lagc.kernels.trigonometry`.
+# Sines and cosines in double precision: see `lagc.kernels.arithmetic.trigonometry`.
 TURN = "lagc_real sc{number}[2]; lagc_sine_cosine({value}, sc{number});"
 TURN_TWO = "lagc_real sc{number}[4]; lagc_sine_cosine_two({value}, {other}, sc{number});"
 

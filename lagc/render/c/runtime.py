@@ -57,9 +57,9 @@ class Runtime:
         """Enumerations and structs of the interface: for the header."""
         records = self._records()
         found = [self._enumeration("Status"), records["Work"], self._enumeration("Method")]
-        found += [records["Options"], _codes(codes(self.parts, "records")), records["State"]]
+        found += [records["Options"], _codes(codes(self.parts, "language/records")), records["State"]]
         if self.searches:
-            found += [_codes(codes(self.parts, "startrecords")), records["StartWork"]]
+            found += [_codes(codes(self.parts, "initialization/workspace")), records["StartWork"]]
         return "\n".join(found)
 
     def declarations(self) -> str:

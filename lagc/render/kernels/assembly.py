@@ -107,17 +107,19 @@ def members(record: Part, switches: Mapping[str, bool]) -> tuple[Sequence[Any], 
 
 
 def codes(parts: Iterable[Part], file: str) -> list[Part]:
-    """The enumeration of a kernel file."""
+    """The enumeration of a kernel file; a KeyError where there is none."""
     found, now = [], ""
     for part in parts:
         now = part["name"] if part["kind"] == "file" else now
         if part["kind"] == "Code" and now == file:
             found.append(part)
+    if not found:
+        raise KeyError(file)
     return found
 
 
 def sizes_of(interface: Interface) -> dict[str, int]:
-    """The sizes of a model: see `lagc.kernels.sizes`."""
+    """The sizes of a model: see `lagc.kernels.language.sizes`."""
     nq, nv, fields = interface.nq, interface.nv, (*interface.parameters, *interface.inputs)
     start = sizes_of_start(nq, nv, len(interface.rate_names), interface.condition_ends,
                            interface.condition_columns, interface.quaternions,
@@ -179,7 +181,7 @@ def switches_of(interface: Interface, complete: bool) -> dict[str, bool]:
 
 
 def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
-    """What kernels know of a model besides sizes: see `lagc.kernels.tables`."""
+    """What kernels know of a model besides sizes: see `lagc.kernels.language.tables`."""
     fields = (*interface.parameters, *interface.inputs)
     bounded = [i for i, f in enumerate(fields) if isfinite(f.minimum) or isfinite(f.maximum)]
     ends, columns = with_quaternions(

@@ -20,13 +20,13 @@ def _tree(name: str) -> ast.Module:
 
 @cache
 def sizes() -> frozenset[str]:
-    return frozenset(n.name for n in _tree("sizes").body if isinstance(n, ast.ClassDef))
+    return frozenset(n.name for n in _tree("language/sizes").body if isinstance(n, ast.ClassDef))
 
 
 @cache
 def tables() -> dict[str, Type]:
     found = {}
-    for node in _tree("tables").body:
+    for node in _tree("language/tables").body:
         if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
             found[node.target.id] = parsed(ast.unparse(node.annotation), lambda name: False)
     return found
@@ -35,11 +35,11 @@ def tables() -> dict[str, Type]:
 @cache
 def functions() -> dict[str, Function]:
     found = {}
-    for node in _tree("model").body:
+    for node in _tree("language/model").body:
         if isinstance(node, ast.FunctionDef):
             parameters = tuple((a.arg, ast.unparse(a.annotation)) for a in node.args.args if a.annotation)
             found[node.name] = Function(
-                "model.py", node.lineno, node.name, parameters, "None", "", [], False, ()
+                "language/model.py", node.lineno, node.name, parameters, "None", "", [], False, ()
             )
     return found
 
@@ -60,7 +60,7 @@ class Method:
 
 
 def method(name: str, number: int) -> Method:
-    """The method of `kernels/methods/<name>.py`."""
-    module = importlib.import_module(f"lagc.kernels.methods.{name}")
+    """The method of `kernels/integrators/tableaus/<name>.py`."""
+    module = importlib.import_module(f"lagc.kernels.integrators.tableaus.{name}")
     tableau = {k: v for k, v in vars(module).items() if k.isupper()}
     return Method(name, number, tableau, module.TITLE)

@@ -84,7 +84,7 @@ class Library:
             self.constant(Constant("", 0, method.NAME.upper(), "Method", method.number, (), method.title))
         for name in FILES:
             module = read(name)
-            if name == "runge_kutta":
+            if name == "integrators/explicit_runge_kutta":
                 for method in methods:
                     self.module(module, method.tableau, f"{method.NAME}_", method.title)
             else:

@@ -13,14 +13,9 @@ from typing import Any
 
 from lagc.host import cache as store
 from lagc.host.cache.sources import tool_fingerprint
-from lagc.kernels import FILES, METHODS, WORDS
 from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 
 Parts = tuple[dict[str, Any], ...]
-_PRINTERS = (
-    "__init__", "arithmetic", "assembly", "c", "interface", "layout", "library", "names", "places", "python",
-    "shipped", "static", "syntax", "trees", "typed",
-)  # fmt: skip
 
 
 def shipped_path() -> str:
@@ -75,8 +70,10 @@ def _key() -> str:
 
 def sources() -> list[str]:
     """The files on which the printed kernels depend."""
+    from glob import glob
+
     here = os.path.dirname(os.path.abspath(__file__))
     kernels = os.path.join(os.path.dirname(os.path.dirname(here)), "kernels")
-    names = ("__init__", *WORDS, *FILES, *(f"methods/{name}" for name in ("__init__", *METHODS)))
-    return [*(os.path.join(kernels, f"{name}.py") for name in names),
-            *(os.path.join(here, f"{name}.py") for name in _PRINTERS)]  # fmt: skip
+    return sorted(glob(os.path.join(kernels, "**", "*.py"), recursive=True)) + sorted(
+        glob(os.path.join(here, "*.py"))
+    )

@@ -56,7 +56,11 @@ def _constants(interface: Interface, use: Chosen, given: frozenset[str]) -> str:
     """Sizes, tables, statuses, numbers that kernels know, but for those that are `given`."""
     kinds = [kind for _, members in _records(use) for _, kind, *_ in members]
     used = {*use.names, *PUBLIC, *(size for kind in kinds for size in kind)}
-    used |= {part["name"] for part in codes(parts(), "startrecords")} if "prepare" in use.names else set()
+    used |= (
+        {part["name"] for part in codes(parts(), "initialization/workspace")}
+        if "prepare" in use.names
+        else set()
+    )
     used -= given
     sizes = {**sizes_of(interface), "NY": len(interface.outputs)}
     text = "".join(f"{name} = {value}\n" for name, value in sizes.items() if name in used)

@@ -7,7 +7,7 @@ from math import inf
 from typing import Any
 
 from lagc.kernels import METHODS
-from lagc.kernels.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS, TERMINATED
+from lagc.kernels.language.statuses import INCONSISTENT, NOT_FINITE, OK, SINGULAR_MASS, TERMINATED
 
 # -- what follows is part of generated modules --
 

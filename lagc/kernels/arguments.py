@@ -1,0 +1,103 @@
+"""What a call demands."""
+
+from __future__ import annotations
+
+from math import fabs, inf
+
+from lagc.kernels.language.model import fn_limits
+from lagc.kernels.language.parameters import is_bound
+from lagc.kernels.language.records import (
+    BAD_ATOL,
+    BAD_BINDING,
+    BAD_FIRST_STEP,
+    BAD_MAX_STEP,
+    BAD_MAX_STEPS,
+    BAD_METHOD,
+    BAD_PARAMETER,
+    BAD_RTOL,
+    BAD_STEP,
+    BAD_TIME,
+    Options,
+    State,
+)
+from lagc.kernels.language.scaling_groups import not_finite
+from lagc.kernels.language.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NPREPARED, NX
+from lagc.kernels.language.statuses import INVALID, NOT_FINITE, OK
+from lagc.kernels.language.tableau import METHODS
+from lagc.kernels.language.tables import bounded, bounds, derived_bounds
+from lagc.kernels.language.tolerances import LEFT_OVER
+from lagc.kernels.language.words import Cell, Params, Real, Status, present, public, static, vector
+
+
+def bad_option(o: Options) -> int:
+    """The option that makes no sense, or -1."""
+    if o.method < 0 or o.method >= len(METHODS):
+        return BAD_METHOD
+    if o.max_steps < 0:
+        return BAD_MAX_STEPS
+    if not (o.rtol >= 0.0 and o.rtol < 1.0) or (o.step == 0.0 and o.atol == 0.0 and o.rtol < LEFT_OVER):
+        return BAD_RTOL
+    if not (o.atol >= 0.0 and o.atol < inf):
+        return BAD_ATOL
+    if not (o.step >= 0.0 and o.step < inf):
+        return BAD_STEP
+    for m in static(METHODS):
+        if len(m.ERROR) == 0:
+            if o.method == m.NUMBER and o.step == 0.0:  # it has no estimate of its error
+                return BAD_STEP
+    if not (o.first_step >= 0.0 and o.first_step < inf):
+        return BAD_FIRST_STEP
+    return -1 if o.max_step >= 0.0 and o.max_step < inf else BAD_MAX_STEP
+
+
+def bad_parameter(p: Params) -> int:
+    """The parameter that is not finite or out of its bounds, or the value made of some that is, or that they
+    were changed since `bind`, or -1."""
+    for k in range(NP):
+        if not fabs(p[k]) < inf:
+            return BAD_PARAMETER + k
+    if NBOUNDED > 0:
+        for k in range(NBOUNDED):
+            value = p[bounded[k]]
+            if not (value >= bounds[k][0] and value <= bounds[k][1]):
+                return BAD_PARAMETER + bounded[k]
+    if NLIMITS > 0:
+        derived = vector(NLIMITS)
+        fn_limits(p, derived)
+        for k in range(NLIMITS):
+            if not (derived[k] >= derived_bounds[k][0] and derived[k] <= derived_bounds[k][1]):
+                return BAD_PARAMETER + NP + k
+    if NPREPARED > 0:
+        if not is_bound(p):
+            return BAD_BINDING
+    return -1
+
+
+@public
+def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
+    """Whether parameters and inputs are finite and within their bounds, and options make sense: OK or
+    INVALID, with *culprit one of LAGC_BAD_..., else -1.  Each of the three may be NULL: it is left out
+    then."""
+    found = -1
+    if present(o):
+        found = bad_option(o)
+    if found < 0 and present(p):
+        found = bad_parameter(p)
+    if present(culprit):
+        culprit[0] = found
+    return OK if found < 0 else INVALID
+
+
+def demand(p: Params, s: State, t1: Real, o: Options) -> Status:
+    """What a call that goes to t1 demands: OK; else INVALID or NOT_FINITE, and who is to blame."""
+    culprit = bad_option(o)
+    if culprit < 0 and not (fabs(t1) < inf and fabs(s.t) < inf and fabs(t1 - s.t) < inf):
+        culprit = BAD_TIME
+    if COMPLETE:
+        if culprit < 0:
+            culprit = bad_parameter(p)
+    if culprit >= 0:
+        s.culprit = culprit
+        return INVALID
+    s.culprit = not_finite(s.x, NX)
+    return OK if s.culprit < 0 else NOT_FINITE

@@ -1,0 +1,240 @@
+"""Sine and cosine.
+
+Sums, products and tests only, so that they have the same bits on every machine, and less than one unit
+of the last place from the true value.  An angle becomes a multiple of pi/2 and a rest hi + lo of at most
+pi/4, for which two polynomials stand.  The constants are those of `tools/trigonometry.py`.
+
+W. J. Cody, W. Waite, Software Manual for the Elementary Functions, Prentice-Hall 1980: pi/2 in parts.
+M. Hanek, R. Payne, Radian reduction for trigonometric functions, SIGNUM Newsletter 18, 1983: large angles.
+T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971.
+"""
+
+from __future__ import annotations
+
+from math import fabs, inf
+
+from lagc.kernels.language.sizes import FOUR, SEVEN, TWO
+from lagc.kernels.language.words import Count, Pair, Real, Vec, vector, whole
+
+EIGHTH_TURN = 0.785  # of a turn, less a little: no angle up to it is reduced
+# Squares: of the largest rest for which the polynomials are made; of the angle beyond which the parts of
+# pi/2 are too few; of the share of an angle below which a rest has lost digits; of a rest where arithmetic
+# keeps more digits than a double has, so that a sum with ROUNDER is rounded to 2^-11 only.
+WIDEST_SQUARE = 0.79 * 0.79
+FAR_SQUARE = 1e5 * 1e5
+NEAR_SQUARE = 3e-8 * 3e-8
+UNROUNDED_SQUARE = 1e-3 * 1e-3
+ROUNDER = 6755399441055744.0  # 1.5 2^52: a sum with it is rounded to a whole number
+QUARTERS_PER_RADIAN = 0.6366197723675814  # 2/pi
+# pi/2: the products of parts of 33 bits with whole numbers are exact
+FIRST_PART = 1.5707963267341256
+FIRST_REST = 6.077100506506192e-11
+SECOND_PART = 6.077100506303966e-11
+SECOND_REST = 2.0222662487959506e-21
+# pi/2 once more, and its first 26 bits
+HALF_PI = 1.5707963267948966
+HALF_PI_REST = 6.123233995736766e-17
+HALF_PI_ABOVE = 1.5707963407039642
+HALF_PI_BELOW = -1.3909067675399456e-08
+SPLITTER = 134217729.0  # 2^27 + 1
+RADIX = 16777216.0  # 2^24
+PER_RADIX = 1.0 / 16777216.0
+# sin x = x + x^3 (SINE_0 + SINE_1 x^2 ...), cos x = 1 - x^2/2 + x^4 (COSINE_0 + COSINE_1 x^2 ...)
+SINE_0 = -0.16666666666666627
+SINE_1 = 0.008333333333321128
+SINE_2 = -0.00019841269828771918
+SINE_3 = 2.7557313330117316e-06
+SINE_4 = -2.5050701073205687e-08
+SINE_5 = 1.5893466232363824e-10
+COSINE_0 = 0.04166666666666659
+COSINE_1 = -0.0013888888888872167
+COSINE_2 = 2.480158728827483e-05
+COSINE_3 = -2.7557314007400403e-07
+COSINE_4 = 2.0875676847661014e-09
+COSINE_5 = -1.1357264885953852e-11
+# 2/pi to the base 2^24 behind the point, four zeros before it
+TWO_OVER_PI = (
+    0.0, 0.0, 0.0, 0.0, 10680707.0, 7228996.0, 1387004.0, 2578385.0, 16069853.0,
+    12639074.0, 9804092.0, 4427841.0, 16666979.0, 11263675.0, 12935607.0, 2387514.0, 4345298.0, 14681673.0,
+    3074569.0, 13734428.0, 16653803.0, 1880361.0, 10960616.0, 8533493.0, 3062596.0, 8710556.0, 7349940.0,
+    6258241.0, 3772886.0, 3769171.0, 3798172.0, 8675211.0, 12450088.0, 3874808.0, 9961438.0, 366607.0,
+    15675153.0, 9132554.0, 7151469.0, 3571407.0, 2607881.0, 12013382.0, 4155038.0, 6285869.0, 7677882.0,
+    13102053.0, 15825725.0, 473591.0, 9065106.0, 15363067.0, 6271263.0, 9264392.0, 5636912.0, 4652155.0,
+)  # fmt: skip
+
+
+def lost(a: Real, b: Real, total: Real) -> Real:
+    """What rounding took from the sum of a and b (D. E. Knuth)."""
+    share = total - a
+    return (a - (total - share)) + (b - share)
+
+
+def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
+    """x less the whole number of pi/2 that is given back, near a multiple of it, |x| < 1e5; or where the
+    machine rounds another way than to the nearest double."""
+    n = float(whole(fabs(x) * QUARTERS_PER_RADIAN + 0.5))
+    if x < 0.0:
+        n = -n
+    a = x - n * FIRST_PART
+    b = -(n * SECOND_PART)
+    c = -(n * SECOND_REST)
+    total = a + b
+    hi = total + c
+    lo = lost(a, b, total) + lost(total, c, hi)
+    rest[0] = hi + lo
+    rest[1] = lo - (rest[0] - hi)
+    return n
+
+
+def times_half_pi(a: Real, more: Real, rest: Vec[TWO]) -> None:
+    """(a + more) pi/2, the product of the first two exactly (T. J. Dekker)."""
+    shifted = SPLITTER * a
+    above = shifted - (shifted - a)
+    below = a - above
+    value = a * HALF_PI
+    error = (
+        (above * HALF_PI_ABOVE - value) + above * HALF_PI_BELOW + below * HALF_PI_ABOVE
+    ) + below * HALF_PI_BELOW
+    error += a * HALF_PI_REST + more * HALF_PI
+    rest[0] = value + error
+    rest[1] = error - (rest[0] - value)
+
+
+def reduce_far(x: Real, rest: Vec[TWO]) -> Real:
+    """The same for any x, the whole number less a multiple of 4; NaN for what is not finite.
+
+    |x| = 2^24k (y0 + y1 2^-24 + ...); its product with 2/pi digit by digit.  What is a multiple of 2^24 is
+    left out, and what is below 2^-144: no double is nearer to a multiple of pi/2 than 2^-62."""
+    if not fabs(x) < inf:
+        rest[0] = x - x
+        rest[1] = 0.0
+        return 0.0
+    y = fabs(x)
+    k = 0
+    while y >= RADIX:
+        y *= PER_RADIX
+        k += 1
+    digits = vector(FOUR)
+    for i in range(4):
+        digits[i] = float(whole(y))
+        y = (y - digits[i]) * RADIX
+    product = vector(SEVEN)
+    carried = 0.0
+    for i in range(6, -1, -1):
+        value = carried
+        for j in range(4):
+            value += digits[j] * TWO_OVER_PI[k + i - j + 3]
+        carried = float(whole(value * PER_RADIX))
+        product[i] = value - carried * RADIX
+    n = float(whole(product[0]) & 3)
+    if product[1] >= 0.5 * RADIX:  # to the nearest
+        n += 1.0
+        product[1] -= RADIX
+    first = product[1] + product[2] * PER_RADIX
+    second = (product[3] + product[4] * PER_RADIX) * PER_RADIX * PER_RADIX
+    third = (product[5] + product[6] * PER_RADIX) * PER_RADIX * PER_RADIX * PER_RADIX * PER_RADIX
+    hi = first + second
+    lo = second - (hi - first) + third
+    times_half_pi((hi + lo) * PER_RADIX, (lo - ((hi + lo) - hi)) * PER_RADIX, rest)
+    if x < 0.0:
+        n = -n
+        rest[0] = -rest[0]
+        rest[1] = -rest[1]
+    return n
+
+
+def sine_cosine(x: Real) -> Pair:
+    """sin x and cos x."""
+    quarters: Count = 0
+    hi = x
+    lo = 0.0
+    z = x * x
+    if x > EIGHTH_TURN or x < -EIGHTH_TURN:
+        xx = z
+        n = (x * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
+        above = x - n * FIRST_PART
+        below = n * FIRST_REST
+        hi = above - below
+        lo = (above - hi) - below
+        z = hi * hi
+        if not (xx < FAR_SQUARE and z >= NEAR_SQUARE * xx + UNROUNDED_SQUARE and z <= WIDEST_SQUARE):
+            rest = vector(TWO)
+            n = reduce_near(x, rest) if xx < FAR_SQUARE else reduce_far(x, rest)
+            hi = rest[0]
+            lo = rest[1]
+            z = hi * hi
+        quarters = whole(n)
+    elif z == 0.0:
+        return x, 1.0  # zero keeps its sign
+    half = 0.5 * z
+    rough = 1.0 - half
+    zz = z * z
+    zzz = z * zz
+    p = (SINE_0 + z * (SINE_1 + z * SINE_2)) + zzz * (SINE_3 + z * (SINE_4 + z * SINE_5))
+    r = (COSINE_0 + z * (COSINE_1 + z * COSINE_2)) + zzz * (COSINE_3 + z * (COSINE_4 + z * COSINE_5))
+    sine = hi + (z * hi * p + lo * rough)
+    cosine = rough + (((1.0 - rough) - half) + (zz * r - hi * lo))
+    if quarters & 1 != 0:
+        if quarters & 2 != 0:
+            return -cosine, sine
+        return cosine, -sine
+    if quarters & 2 != 0:
+        return -sine, -cosine
+    return sine, cosine
+
+
+def sine_cosine_two(x: Real, y: Real, pairs: Vec[FOUR]) -> None:
+    """sin x, cos x, sin y, cos y, to the bits of `sine_cosine`: C compilers run such loops over two numbers
+    at once.  Two angles that are not reduced are quicker alone; one is its own rest, less zero times pi/2."""
+    if fabs(x) <= EIGHTH_TURN and fabs(y) <= EIGHTH_TURN:
+        pairs[0:2] = sine_cosine(x)
+        pairs[2:4] = sine_cosine(y)
+        return
+    angle = vector(TWO)
+    xx = vector(TWO)
+    least = vector(TWO)
+    n = vector(TWO)
+    hi = vector(TWO)
+    lo = vector(TWO)
+    z = vector(TWO)
+    sine = vector(TWO)
+    cosine = vector(TWO)
+    angle[0] = x
+    angle[1] = y
+    for i in range(2):
+        n[i] = (angle[i] * QUARTERS_PER_RADIAN + ROUNDER) - ROUNDER
+        above = angle[i] - n[i] * FIRST_PART
+        below = n[i] * FIRST_REST
+        hi[i] = above - below
+        lo[i] = (above - hi[i]) - below
+        z[i] = hi[i] * hi[i]
+        xx[i] = angle[i] * angle[i]
+        least[i] = NEAR_SQUARE * xx[i] + UNROUNDED_SQUARE
+    if not (
+        z[0] >= least[0]
+        and z[1] >= least[1]
+        and xx[0] < FAR_SQUARE
+        and xx[1] < FAR_SQUARE
+        and z[0] <= WIDEST_SQUARE
+        and z[1] <= WIDEST_SQUARE
+    ):
+        pairs[0:2] = sine_cosine(x)
+        pairs[2:4] = sine_cosine(y)
+        return
+    for i in range(2):
+        half = 0.5 * z[i]
+        rough = 1.0 - half
+        zz = z[i] * z[i]
+        zzz = z[i] * zz
+        p = (SINE_0 + z[i] * (SINE_1 + z[i] * SINE_2)) + zzz * (SINE_3 + z[i] * (SINE_4 + z[i] * SINE_5))
+        r = (COSINE_0 + z[i] * (COSINE_1 + z[i] * COSINE_2)) + zzz * (
+            COSINE_3 + z[i] * (COSINE_4 + z[i] * COSINE_5)
+        )
+        sine[i] = hi[i] + (z[i] * hi[i] * p + lo[i] * rough)
+        cosine[i] = rough + (((1.0 - rough) - half) + (zz * r - hi[i] * lo[i]))
+    for i in range(2):
+        quarters = whole(n[i])
+        s = cosine[i] if quarters & 1 != 0 else sine[i]
+        c = -sine[i] if quarters & 1 != 0 else cosine[i]
+        pairs[2 * i] = -s if quarters & 2 != 0 else s
+        pairs[2 * i + 1] = -c if quarters & 2 != 0 else c

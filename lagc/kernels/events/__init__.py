@@ -1,0 +1,1 @@
+"""Events: location, modes, mode changes, when clauses."""

@@ -1,0 +1,1 @@
+"""Integrators: step size control, error norm, Runge-Kutta methods."""

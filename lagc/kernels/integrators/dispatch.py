@@ -1,0 +1,109 @@
+"""The methods, by their numbers: what is written once for all of them."""
+
+from __future__ import annotations
+
+from lagc.kernels.language.records import State, Work
+from lagc.kernels.language.sizes import NX
+from lagc.kernels.language.statuses import OK
+from lagc.kernels.language.tableau import METHODS
+from lagc.kernels.language.words import Params, Real, Status, Vec, number, static
+
+
+def method_stages(method: int, p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return m.stages(p, t, x, h, s, w)
+    return OK
+
+
+def method_error(method: int, h: Real, s: State, w: Work) -> Real:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return m.error(h, s, w)
+    return 0.0
+
+
+def has_parts(method: int) -> bool:
+    """Whether the error is made of two estimates."""
+    for m in static(METHODS):
+        if len(m.ERROR) == 2:
+            if method == m.NUMBER:
+                return True
+    return False
+
+
+def method_parts(method: int, s: State, w: Work) -> None:
+    """The parts of the error in w.parts."""
+    for m in static(METHODS):
+        if len(m.ERROR) == 2:
+            if method == m.NUMBER:
+                m.error_parts(s, w)
+
+
+def method_strays(method: int, h: Real, s: State, far: Vec[NX]) -> None:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            m.strays(h, s, far)
+
+
+def method_coefficients(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,
+                        w: Work) -> Status:  # fmt: skip
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            if len(m.EXTRA_C) > 0:
+                s.rhs += len(m.EXTRA_C)
+            return m.coefficients(p, t, x, z, h, s, w)
+    return OK
+
+
+def method_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            m.at(part, s, x)
+
+
+def last(method: int) -> int:
+    """The place of the rate at the new state: the number of stages."""
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return len(m.C)
+    return 0
+
+
+def uses_new(method: int) -> bool:
+    """Whether the error needs the rate at the new state."""
+    for m in static(METHODS):
+        if m.USES_NEW > 0:
+            if method == m.NUMBER:
+                return True
+    return False
+
+
+def exponent(method: int) -> Real:
+    """Of the error of a step, in the size of the next one."""
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return number(m.EXPONENT)
+    return 1.0
+
+
+def beta(method: int) -> Real:
+    """Of the error of the step before."""
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return number(m.BETA)
+    return 0.0
+
+
+def most_shrink(method: int) -> Real:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return 1.0 / number(m.SHRINK)
+    return 1.0
+
+
+def most_growth(method: int) -> Real:
+    for m in static(METHODS):
+        if method == m.NUMBER:
+            return 1.0 / number(m.GROW)
+    return 1.0

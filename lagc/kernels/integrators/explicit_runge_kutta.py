@@ -1,0 +1,105 @@
+"""An explicit Runge-Kutta method.
+
+Printed once for each method: E. Hairer, S. P. Norsett, G. Wanner: Solving Ordinary Differential
+Equations I, Springer 1993, sections II.4 (error), II.6 (dense output), II.10 (DOP853).
+"""
+
+from __future__ import annotations
+
+from math import fabs, inf, sqrt
+
+from lagc.kernels.dynamics.rhs import rhs_at
+from lagc.kernels.language.records import State, Work
+from lagc.kernels.language.sizes import NH, NQ, NV, NX
+from lagc.kernels.language.statuses import OK, failed
+from lagc.kernels.language.tableau import DENSE, ERROR, EXTRA_A, EXTRA_C, A, B, C
+from lagc.kernels.language.words import Params, Real, Status, Vec, combination, number, size, static, vector
+
+
+def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j); the new state in s.y."""
+    own = vector(NX)  # of x: apart from s, so that loops run over several entries at once
+    own[:] = x
+    for j in static(range(1, len(C))):
+        for i in range(NX):
+            s.y[i] = own[i] + h * combination(A[j], s.k, i)
+        status = rhs_at(p, t + number(C[j]) * h, s.y, s.k[j], w.lam, w)
+        if failed(status):
+            return status
+    for i in range(NX):
+        s.y[i] = own[i] + h * combination(B, s.k, i)
+    return OK
+
+
+def error(h: Real, s: State, w: Work) -> Real:
+    """Root mean square of the error over coordinates and speeds, each over its weight (HNW II.4.11); of
+    two estimates e5 and e3 their combination e5^2 / sqrt(e5^2 + 0.01 e3^2).  Infinite where it is beyond all
+    numbers."""
+    if len(ERROR) == 0:
+        return 0.0
+    n = size(NQ) + NV
+    first = 0.0
+    if len(ERROR) == 2:
+        second = 0.0
+    for i in range(NQ + NV):
+        e = h * combination(ERROR[0], s.k, i) / w.weights[i]
+        first += e * e
+        if len(ERROR) == 2:
+            e = h * combination(ERROR[1], s.k, i) / w.weights[i]
+            second += e * e
+    if len(ERROR) == 2:
+        total = n * (first + 0.01 * second)
+        if not total < inf:
+            return inf
+        return first / sqrt(total) if total > 0.0 else 0.0
+    return sqrt(first / n) if first < inf else inf
+
+
+def error_parts(s: State, w: Work) -> None:
+    """The two estimates as vectors, in w.parts."""
+    if NH > 0:
+        for j in static(range(len(ERROR))):
+            for i in range(NX):
+                w.parts[j][i] = combination(ERROR[j], s.k, i)
+
+
+def strays(h: Real, s: State, far: Vec[NX]) -> None:
+    """How far rates at the stages are, at most, from the slopes there of the cubic between the ends of the
+    step from s.x to s.y."""
+    for i in range(NQ + NV):
+        mean = (s.y[i] - s.x[i]) / h
+        far[i] = 0.0
+        for j in static(range(1, len(C))):
+            c = number(C[j])
+            slope = 6.0 * c * (1.0 - c) * mean + (1.0 - c) * (1.0 - 3.0 * c) * s.k[0][i]
+            own = fabs(s.k[j][i] - slope - c * (3.0 * c - 2.0) * s.k[len(C)][i])
+            if own > far[i]:
+                far[i] = own
+
+
+def coefficients(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
+    """Of dense output of the step from x to z, in s.r."""
+    for j in static(range(len(EXTRA_C))):
+        for i in range(NX):
+            s.y[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
+        status = rhs_at(p, t + number(EXTRA_C[j]) * h, s.y, s.k[len(C) + 1 + j], w.lam, w)
+        if failed(status):
+            return status
+    for i in range(NX):
+        s.r[0][i] = x[i]
+        s.r[1][i] = z[i] - x[i]
+        s.r[2][i] = h * s.k[0][i] - s.r[1][i]
+        s.r[3][i] = s.r[1][i] - h * s.k[len(C)][i] - s.r[2][i]
+        for j in static(range(len(DENSE))):
+            s.r[4 + j][i] = h * combination(DENSE[j], s.k, i)
+    return OK
+
+
+def at(part: Real, s: State, x: Vec[NX]) -> None:
+    """x at this part of the last step."""
+    rest = 1.0 - part
+    for i in range(NX):
+        value = s.r[3 + len(DENSE)][i]
+        for j in static(range(2 + len(DENSE), -1, -1)):
+            value = s.r[j][i] + (part if j % 2 == 0 else rest) * value
+        x[i] = value

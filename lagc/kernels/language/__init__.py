@@ -1,0 +1,1 @@
+"""The language of kernels: words, sizes, tables, records, statuses."""
