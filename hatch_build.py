@@ -12,7 +12,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 class CustomBuildHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         sys.path.insert(0, self.root)
-        from lagc.render.kernels import shipped
+        from lagc.codegen.kernel_compiler import shipped
         from lagc.syntax import lalr_tables as tables
 
         for made in (tables, shipped):

@@ -166,11 +166,11 @@ def render(program: Program, target: str, complete: bool = True, real: str = "do
     """File name -> text; `complete` for whoever has no lagc."""
     with stage("writing the code", PER_OPERATION * program.interface.operations):
         if target == "c":
-            from lagc.render.c.render import render as render_c
-            from lagc.render.kernels.arithmetic import TYPES
+            from lagc.codegen.c.emit import render as render_c
+            from lagc.codegen.kernel_compiler.real_types import TYPES
 
             return render_c(program, complete, TYPES[real])
-        from lagc.render.numpy.render import render as render_numpy
+        from lagc.codegen.python.emit import render as render_numpy
 
         return render_numpy(program, complete)
 

@@ -84,7 +84,7 @@ def test_nothing_is_left_behind(installed: Path) -> None:
     for name in (
         "grammar/lag.lark",
         "syntax/tables.json",
-        "render/kernels/kernels.json",
+        "codegen/kernel_compiler/kernels.json",
         "models/classic/kepler.lag",
     ):
         assert (installed / "lagc" / name).is_file()

@@ -1,7 +1,7 @@
 """The runtime, written once: all that runs and is not the equations of a model.
 
 Kernels are Python in a small typed subset (`words`), one file a subject, with the formula and its source
-as comment.  The printers of `lagc.render.kernels` make C and Python of them; what is outside the subset
+as comment.  The printers of `lagc.codegen.kernel_compiler` make C and Python of them; what is outside the subset
 is refused there with file and line.  No kernel calls one that stands after it: files in the order of
 FILES, functions in that of their file.
 """

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 from typing import Any, TypeAlias
 
 from lagc.base.once import once
-from lagc.render.kernels.assembly import of_conditions, sizes_of_start, stretches, with_quaternions
-from lagc.render.numpy.search import SWITCHES, code
+from lagc.codegen.kernel_compiler.linker import of_conditions, sizes_of_start, stretches, with_quaternions
+from lagc.codegen.python.initialization import SWITCHES, code
 from lagc.run.problem import OK
 
 MET = 8  # points whose conditions are remembered: a search of all of them comes back, two times of three

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from lagc.codegen.python.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 from lagc.kernels.language.statuses import (
     CHATTERING,
     INCONSISTENT,
@@ -25,7 +26,6 @@ from lagc.kernels.language.statuses import (
     TERMINATED,
 )
 from lagc.lowering.program import Interface
-from lagc.render.numpy.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 
 __all__ = [
     "CHATTERING",

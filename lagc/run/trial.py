@@ -11,9 +11,9 @@ from types import CodeType
 from typing import Any
 
 from lagc.base.once import once
+from lagc.codegen.python.emit import evaluation
 from lagc.host import cache as store
 from lagc.lowering.program import Program
-from lagc.render.numpy.render import evaluation
 from lagc.run.backends.numpy import NumpyModel, compiled, executed
 from lagc.run.begin import NoStart, begin, strange_outputs, undetermined
 from lagc.run.problem import FAILED, System

@@ -35,7 +35,7 @@ import lagc
 from lagc.compiler import Choice, Compilation, derive, optimize, parse, render, resolve
 from lagc import library
 import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.lowering.lower_equations
-import lagc.render.numpy.render, lagc.run.backends.numpy
+import lagc.codegen.python.emit, lagc.run.backends.numpy
 mark()
 tree = parse(library.read("chain")); mark()
 model = resolve(tree, Choice(parameters={"n": float(n)})); mark()

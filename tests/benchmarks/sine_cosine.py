@@ -16,9 +16,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from lagc.render.c import runtime
-from lagc.render.numpy import functions
-from lagc.render.turning import turning
+from lagc.codegen.c import runtime
+from lagc.codegen.python import functions
+from lagc.codegen.trigonometry import turning
 from lagc.run.backends.compile import FLAGS, compiler
 
 RANGES = (0.7, 3.1, 100.0)

@@ -44,8 +44,8 @@ STAGES = [  # where it is done, by which command, what it is called
     ("lagc.lowering.lower_equations.optimize", "check", "simplifying the equations"),
     ("lagc.view.equations.write", "equations", "writing the equations"),
     ("lagc.view.explain.explanation", "explain", "examining the equations"),
-    ("lagc.render.c.render.render", "build", "writing the code"),
-    ("lagc.render.numpy.render.render", "sim", "writing the code"),
+    ("lagc.codegen.c.emit.render", "build", "writing the code"),
+    ("lagc.codegen.python.emit.render", "sim", "writing the code"),
 ]
 
 

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from mpmath import mpf, workdps
 
+from lagc.codegen.kernel_compiler.syntax import exact
 from lagc.compiler import render
 from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
-from lagc.render.kernels.syntax import exact
 from lagc.run.problem import OK, Options, Vector
 from tests.interfaces import interface
 from tests.render.tools import of_model

@@ -8,7 +8,7 @@ import random
 import mpmath
 import pytest
 
-from lagc.render.numpy.verbs import verbs
+from lagc.codegen.python.public_functions import verbs
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph

@@ -18,8 +18,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc.render.c.render import render
-from lagc.render.names import prefix as prefix_of
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix as prefix_of
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 

@@ -8,14 +8,14 @@ import random
 import pytest
 
 from lagc.base.records import replace
+from lagc.codegen.c.emit import render
+from lagc.codegen.loop_segments import segments
 from lagc.compiler import Choice, derive, parse, resolve
 from lagc.host import model_library as library
 from lagc.lowering.loops.loop_rolling import local, rolled
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import LEAVES, Function, Program
 from lagc.lowering.scalar.value_numbering import ordered
-from lagc.render.c.render import render
-from lagc.render.segments import segments
 from tests.optimize import large
 from tests.optimize.interpret import interpret
 from tests.render.programs import repeated_function

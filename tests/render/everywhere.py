@@ -18,8 +18,8 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from lagc.codegen.c.emit import render
 from lagc.lowering.program import Program
-from lagc.render.c.render import render
 from lagc.run.backends.compile import FLAGS
 
 MAIN = Path(__file__).with_name("everywhere.c")

@@ -17,8 +17,8 @@ import pytest
 
 from lagc import compiler
 from lagc.api import CompiledModel
+from lagc.codegen.identifiers import Names, is_reserved, prefix
 from lagc.diagnostics.faults import Refused, Source
-from lagc.render.names import Names, is_reserved, prefix
 from lagc.view.equations import write as equations_as
 from tests.render.tools import COMPILERS, call, present, write
 

@@ -13,14 +13,14 @@ from typing import Any
 import pytest
 
 from lagc import compiler
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.python.emit import render as render_python
+from lagc.codegen.statuses import texts
 from lagc.diagnostics.faults import Source
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering.program import Program
-from lagc.render.c.render import render
-from lagc.render.names import prefix
-from lagc.render.numpy.render import render as render_python
-from lagc.render.statuses import texts
 from tests.render.tools import COMPILERS, present
 
 GIVEN = """

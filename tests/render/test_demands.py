@@ -11,8 +11,8 @@ from pathlib import Path
 import mpmath
 import pytest
 
-from lagc.render.c.render import render
-from lagc.render.kernels.arithmetic import QUAD, TYPES
+from lagc.codegen.c.emit import render
+from lagc.codegen.kernel_compiler.real_types import QUAD, TYPES
 from tests.render.everywhere import clang, wide
 from tests.render.tools import call, of_model, write
 

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from lagc import compiler
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Source
 from lagc.lowering import jacobians as derivatives
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Interface, Program
 from lagc.mechanics.derive import derive
-from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render as render_numpy
 from tests.mechanics.models import entangled
 from tests.render.tools import COMPILERS, MODELS, STRICT, bits, call, present, write
 

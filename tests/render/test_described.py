@@ -10,16 +10,16 @@ from typing import Any
 
 import pytest
 
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.kernel_compiler.linker import codes, members
+from lagc.codegen.kernel_compiler.shipped import parts
+from lagc.codegen.python.classes import STATES
+from lagc.codegen.python.support import slices
+from lagc.codegen.python.support.base import Options
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering import jacobians as derivatives
-from lagc.render.c.render import render
-from lagc.render.kernels.assembly import codes, members
-from lagc.render.kernels.shipped import parts
-from lagc.render.names import prefix
-from lagc.render.numpy.states import STATES
-from lagc.render.numpy.support import slices
-from lagc.render.numpy.support.base import Options
 from lagc.run import conditions
 from lagc.run.backends.c import _head_type, _Options, _state_type
 from lagc.semantics import model

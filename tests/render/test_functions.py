@@ -14,15 +14,15 @@ from typing import Any
 import pytest
 
 from lagc.base.records import replace
+from lagc.codegen.c import runtime
+from lagc.codegen.c.functions import function_text as c_text
+from lagc.codegen.c.functions import helpers
+from lagc.codegen.kernel_compiler.real_types import DOUBLE
+from lagc.codegen.locals import local_names
+from lagc.codegen.python.functions import ARITHMETIC, function_text, sine_cosine
+from lagc.codegen.tables import c_tables, numbered, python_tables
+from lagc.codegen.trigonometry import turning
 from lagc.lowering.program import Function, Program, operands
-from lagc.render.c import runtime
-from lagc.render.c.functions import function_text as c_text
-from lagc.render.c.functions import helpers
-from lagc.render.kernels.arithmetic import DOUBLE
-from lagc.render.locals import local_names
-from lagc.render.numpy.functions import ARITHMETIC, function_text, sine_cosine
-from lagc.render.tables import c_tables, numbered, python_tables
-from lagc.render.turning import turning
 from lagc.symbolic.operators import LOOKED_UP
 from tests.render.programs import TABLES, TRUTHS, Builder, program, random_function
 from tests.render.tools import bits
@@ -122,8 +122,8 @@ def test_random_functions_agree_bitwise(tmp_path: Path) -> None:
 def test_long_functions_in_parts_are_the_same(
     length: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lagc.render.c.functions.LONGEST", 0)
-    monkeypatch.setattr("lagc.render.segments._LARGEST", length)
+    monkeypatch.setattr("lagc.codegen.c.functions.LONGEST", 0)
+    monkeypatch.setattr("lagc.codegen.loop_segments._LARGEST", length)
     functions = [random_function(seed, name=f"f{seed}") for seed in range(12)]
     # A comment is no use of what it names.
     about = dict.fromkeys(range(0, 400, 3), "what p, t and x have to do with it")

@@ -16,13 +16,13 @@ from typing import Any
 import pytest
 
 import lagc.kernels
-from lagc.render.kernels.arithmetic import DOUBLE
-from lagc.render.kernels.assembly import chosen
-from lagc.render.kernels.library import Library
-from lagc.render.kernels.shipped import parts, sources
-from lagc.render.kernels.syntax import Outside, module
-from lagc.render.kernels.typed import Signature
-from lagc.render.numpy.functions import ARITHMETIC
+from lagc.codegen.kernel_compiler.library import Library
+from lagc.codegen.kernel_compiler.linker import chosen
+from lagc.codegen.kernel_compiler.real_types import DOUBLE
+from lagc.codegen.kernel_compiler.shipped import parts, sources
+from lagc.codegen.kernel_compiler.syntax import Outside, module
+from lagc.codegen.kernel_compiler.type_check import Signature
+from lagc.codegen.python.functions import ARITHMETIC
 
 HEAD = "from lagc.kernels.language.words import *\n"
 
@@ -120,7 +120,7 @@ def test_every_kernel_is_inside_and_is_printed_once_for_each_choice_that_matters
 def test_whatever_is_printed_or_prints_counts_for_what_is_shipped() -> None:
     known = {os.path.realpath(path) for path in sources()}
     package = Path(lagc.kernels.__file__).parent
-    there = [*package.rglob("*.py"), *(package.parent / "render" / "kernels").glob("*.py")]
+    there = [*package.rglob("*.py"), *(package.parent / "codegen" / "kernel_compiler").glob("*.py")]
     assert known == {os.path.realpath(path) for path in there}
 
 

@@ -12,9 +12,9 @@ import pytest
 
 import lagc
 from lagc.base.records import replace
+from lagc.codegen.python.functions import ARITHMETIC, function_text
 from lagc.lowering.loops.loop_rolling import local, rolled
 from lagc.lowering.program import LEAVES, Function, uses
-from lagc.render.numpy.functions import ARITHMETIC, function_text
 from tests.optimize.interpret import interpret
 from tests.render.programs import Builder, repeated_function
 from tests.render.test_functions import both, build, needs_gcc
@@ -41,7 +41,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
     )
     monkeypatch.setattr("lagc.lowering.loops.loop_rolling._GRAM", 4)
     monkeypatch.setattr("lagc.lowering.loops.loop_rolling._WORTH", 6)
-    monkeypatch.setattr("lagc.render.numpy.functions._STRAIGHT", 0)
+    monkeypatch.setattr("lagc.codegen.python.functions._STRAIGHT", 0)
 
 
 @needs_gcc
@@ -50,7 +50,7 @@ def short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_random_repetitions_compute_what_their_operations_say(
     longest: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lagc.render.c.functions.LONGEST", longest)
+    monkeypatch.setattr("lagc.codegen.c.functions.LONGEST", longest)
     made = [sorted_leaves(repeated_function(seed, f"f{seed}")) for seed in range(16)]
     functions = [rolled(local(f) if k % 2 else f) for k, f in enumerate(made)]
     assert all([f.runs and any([run.count > 1 for run in f.runs]) for f in functions])

@@ -9,10 +9,7 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.compiler import Choice, program, render
-from lagc.diagnostics.faults import Source
-from lagc.render.locals import local_names
-from lagc.render.names import (
+from lagc.codegen.identifiers import (
     FAMILIES,
     HEADERS,
     RESERVED,
@@ -22,6 +19,9 @@ from lagc.render.names import (
     is_reserved,
     prefix,
 )
+from lagc.codegen.locals import local_names
+from lagc.compiler import Choice, program, render
+from lagc.diagnostics.faults import Source
 from tests.interfaces import field
 from tests.render.programs import pendulum
 from tests.render.tools import COMPILERS, call, present

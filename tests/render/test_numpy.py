@@ -15,10 +15,10 @@ from typing import Any
 import pytest
 
 from lagc import compiler
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.python.emit import render
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
-from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render
 from tests.render.programs import Builder, pendulum, program
 from tests.render.test_c import PROGRAMS, tricky
 from tests.render.tools import bits, call, of_model, present, write
@@ -184,7 +184,7 @@ def test_module_needs_nothing(name: str, tmp_path: Path) -> None:
 
 def test_text_is_ascii_and_keeps_strings_of_users_inside_strings() -> None:
     ((_, text),) = render(tricky()).items()
-    assert text.isascii() and "lagc.render" not in text
+    assert text.isascii() and "lagc.codegen" not in text
     compile(text, "x", "exec")
 
 

@@ -13,11 +13,11 @@ import pytest
 import lagc
 from lagc import compiler
 from lagc.cli.main import main
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
 from lagc.diagnostics.faults import Refused, Source
 from lagc.lowering.program import Program
-from lagc.render.c.render import render
-from lagc.render.kernels.arithmetic import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
-from lagc.render.names import prefix
 from tests.render.tools import MODELS, call, of_model, write
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
-from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render
 from tests.render.test_numpy import bits, doubles, states
 from tests.render.tools import call, of_model, present, write
 

@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping
 
 import pytest
 
+from lagc.codegen.c.emit import render
+from lagc.codegen.kernel_compiler.linker import tables_of
+from lagc.codegen.loop_segments import KEPT, Segment, segments
+from lagc.codegen.python.emit import render as in_python
 from lagc.compiler import Choice
 from lagc.compiler import program as compiled
 from lagc.host import model_library as library
 from lagc.lowering.program import LEAVES, Program
-from lagc.render.c.render import render
-from lagc.render.kernels.assembly import tables_of
-from lagc.render.numpy.render import render as in_python
-from lagc.render.segments import KEPT, Segment, segments
 
 
 def program(name: str, n: int) -> Program:

@@ -21,11 +21,11 @@ from typing import Any
 import mpmath
 import pytest
 
+from lagc.codegen.c import runtime
+from lagc.codegen.python import functions
+from lagc.codegen.python.functions import ARITHMETIC
+from lagc.codegen.trigonometry import NAMES, turning
 from lagc.lowering.program import Function, Operation, Store
-from lagc.render.c import runtime
-from lagc.render.numpy import functions
-from lagc.render.numpy.functions import ARITHMETIC
-from lagc.render.turning import NAMES, turning
 from tests.render.everywhere import LEVELS, clang, compilers, machines, wide
 from tests.render.tools import STRICT, bits, present
 
@@ -220,7 +220,7 @@ def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) 
     """Values and calls, in functions that stand whole and in parts; the same in C and Python."""
     import ctypes
 
-    from lagc.render.c.functions import function_text
+    from lagc.codegen.c.functions import function_text
 
     f = angles(6, calls)
     f.verify()

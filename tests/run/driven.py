@@ -8,8 +8,8 @@ from functools import cache
 from typing import Any
 
 import lagc
+from lagc.codegen.identifiers import prefix
 from lagc.kernels import METHODS
-from lagc.render.names import prefix
 from lagc.run.backends.c import _Options
 from lagc.run.backends.library import library
 from lagc.run.problem import Options, System

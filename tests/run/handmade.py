@@ -8,8 +8,8 @@ from types import CodeType, ModuleType
 from typing import Any
 
 from lagc.base.records import replace
+from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
-from lagc.render.numpy.render import render
 from lagc.run.problem import FAILED, Options, Trajectory, Vector
 
 

@@ -11,12 +11,12 @@ from tempfile import mkdtemp
 from typing import Any
 
 from lagc import compiler
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.python.emit import render as render_python
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
-from lagc.render.c.render import render as render_c
-from lagc.render.names import prefix
-from lagc.render.numpy.render import render as render_python
 from lagc.run.backends.numpy import NumpyModel
 from lagc.run.begin import consistent_start
 from lagc.run.problem import System

@@ -17,6 +17,7 @@ from scipy.integrate import solve_ivp
 import lagc
 from lagc import compiler
 from lagc.base.records import replace
+from lagc.codegen.c.emit import render as render_c
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
@@ -27,7 +28,6 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
-from lagc.render.c.render import render as render_c
 from lagc.run.backends.compile import compiler as compiler_of_c
 from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, Options, System
 from lagc.symbolic.evaluate import evaluate

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
+from lagc.codegen.c.emit import render
 from lagc.lowering.program import Program
-from lagc.render.c.render import render
 from lagc.run.problem import OK, Options
 from tests.run.linkages import four_bar
 from tests.run.test_generated import PROGRAMS, build

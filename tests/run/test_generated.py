@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 
 import lagc
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.python.emit import render as render_python
 from lagc.lowering.program import Program
-from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render as render_python
 from lagc.run.backends import load
 from lagc.run.backends.compile import compiler
 from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, Options, System

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix
 from lagc.compiler import Choice, Compilation
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
-from lagc.render.c.render import render
-from lagc.render.names import prefix
 from tests.run.linkages import four_bar
 from tests.run.test_generated import PROGRAMS
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix as prefix_of
 from lagc.diagnostics.faults import Refused
-from lagc.render.c.render import render
-from lagc.render.names import prefix as prefix_of
 from lagc.run.begin import consistent_start
 from lagc.run.request import Request
 from lagc.run.simulate import simulate

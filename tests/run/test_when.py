@@ -11,8 +11,8 @@ from numpy.polynomial import Polynomial
 
 import lagc
 from lagc.cli.main import main
+from lagc.codegen.python.emit import render
 from lagc.kernels.language.statuses import INTERRUPTED, OK, TERMINATED
-from lagc.render.numpy.render import render
 from lagc.run.distance import between, spread
 from lagc.run.problem import Options, Trajectory
 from tests.render.tools import STRICT, call

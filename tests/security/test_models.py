@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 from lagc import compiler
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Refused, Source
-from lagc.render.c.render import render as render_c
-from lagc.render.numpy.render import render as render_numpy
 from lagc.run.backends.compile import compiler as c_compiler
 
 ROOT = Path(__file__).parents[2]

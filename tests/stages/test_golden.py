@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 
 from lagc.cli.main import main
+from lagc.codegen.c.emit import render as render_c
+from lagc.codegen.c.functions import function_text
+from lagc.codegen.c.header import places
+from lagc.codegen.locals import local_names
+from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Source
-from lagc.render.c.functions import function_text
-from lagc.render.c.header import places
-from lagc.render.c.render import render as render_c
-from lagc.render.locals import local_names
-from lagc.render.numpy.render import render as render_numpy
 from lagc.syntax.formatter.format import format_source
 from tests.render.tools import MODELS, of_model
 

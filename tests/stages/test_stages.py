@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from lagc.codegen.c.emit import render
 from lagc.diagnostics.faults import Source
 from lagc.lowering.lower_equations import optimize
 from lagc.mechanics.derive import derive
-from lagc.render.c.render import render
 from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax.parse import parse

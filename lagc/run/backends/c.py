@@ -9,9 +9,9 @@ from time import perf_counter
 from typing import Any
 
 from lagc.base.once import once
+from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
+from lagc.codegen.python.support.slices import recorded
 from lagc.kernels import METHODS, MOST_ACTS
-from lagc.render.numpy.support.base import MOST_CORNERS, MOST_EVENTS
-from lagc.render.numpy.support.slices import recorded
 from lagc.run.backends.base import Branch, Compiled, CompiledSystem
 from lagc.run.backends.library import library
 from lagc.run.backends.spans import Spans

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from lagc.render.kernels.assembly import Chosen, chosen
-from lagc.render.kernels.shipped import parts
+from lagc.codegen.kernel_compiler.linker import Chosen, chosen
+from lagc.codegen.kernel_compiler.shipped import parts
 
 NAMES = ("sine_cosine", "sine_cosine_two")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from lagc.codegen.identifiers import Names, prefix
 from lagc.lowering.program import Program
-from lagc.render.names import Names, prefix
 
 # Arrays of any Program, so that a name does not depend on which functions a model happens to have.
 ARRAYS = ("p", "t", "x", "a", "lam", "d", "w", "r", "xdot", "health", "qdot", "M", "G", "gamma", "s", "dq",

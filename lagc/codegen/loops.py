@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from lagc.base.records import dataclass, replace
+from lagc.codegen.loop_segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
+from lagc.codegen.statements import Dialect, lines
 from lagc.lowering.program import Function, Run
-from lagc.render.segments import CARRIED, KEPT, NUMBERS, READ, WRITTEN, Access, Segment, segments
-from lagc.render.statements import Dialect, lines
 
 # name, array, first place, stride; None: a table, all of it
 Running: TypeAlias = tuple[str, str, int, int | None]

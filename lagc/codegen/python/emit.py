@@ -6,15 +6,15 @@ Layout of the module: what it is, names, functions of the model (printed from th
 
 from __future__ import annotations
 
+from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
+from lagc.codegen.identifiers import Names, prefix
+from lagc.codegen.locals import local_names
+from lagc.codegen.python import runtime
+from lagc.codegen.python.functions import ARITHMETIC, CALLS, function_text, sine_cosine
+from lagc.codegen.python.public_functions import verbs
+from lagc.codegen.tables import numbered, python_tables
+from lagc.codegen.trigonometry import turning
 from lagc.lowering.program import Field, Interface, Program
-from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
-from lagc.render.locals import local_names
-from lagc.render.names import Names, prefix
-from lagc.render.numpy import runtime
-from lagc.render.numpy.functions import ARITHMETIC, CALLS, function_text, sine_cosine
-from lagc.render.numpy.verbs import verbs
-from lagc.render.tables import numbered, python_tables
-from lagc.render.turning import turning
 
 _IMPORTS = """\
 from __future__ import annotations

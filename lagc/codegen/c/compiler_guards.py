@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.render.kernels.arithmetic import Arithmetic
+from lagc.codegen.kernel_compiler.real_types import Arithmetic
 
 _REORDERED = """\
 /* Results are those of the operations as they are written, to the bit.  Whoever can do without defines

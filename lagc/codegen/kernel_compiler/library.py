@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from lagc.codegen.kernel_compiler import python
+from lagc.codegen.kernel_compiler.c import CPrinter
+from lagc.codegen.kernel_compiler.linker import SPELLED
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.kernel_compiler.specialization import Statics, Undecided
+from lagc.codegen.kernel_compiler.syntax import Constant, Function, Missing, Module, Outside, Record, read
+from lagc.codegen.kernel_compiler.type_check import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 from lagc.kernels import FILES, METHODS
-from lagc.render.kernels import python
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import SPELLED
-from lagc.render.kernels.c import CPrinter
-from lagc.render.kernels.static import Statics, Undecided
-from lagc.render.kernels.syntax import Constant, Function, Missing, Module, Outside, Record, read
-from lagc.render.kernels.typed import INT, REAL, STATUS, Known, Signature, Type, Types, parsed
 
 Tree = Any  # [switch, Tree, Tree] or what is printed, a dictionary
 
@@ -74,7 +74,7 @@ class Library:
     parts: list[dict[str, Any]] = field(default_factory=list)
 
     def load(self) -> Library:
-        from lagc.render.kernels import interface
+        from lagc.codegen.kernel_compiler import interface
 
         self.sizes = interface.sizes()
         self.tables = interface.tables()

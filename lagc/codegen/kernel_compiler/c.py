@@ -6,12 +6,12 @@ import ast
 import re
 from collections.abc import Mapping, Sequence
 
-from lagc.render.kernels.arithmetic import Arithmetic
-from lagc.render.kernels.layout import block_comment, folded, wrapped
-from lagc.render.kernels.names import snake
-from lagc.render.kernels.places import places
-from lagc.render.kernels.trees import identifier, root
-from lagc.render.kernels.typed import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
+from lagc.codegen.kernel_compiler.declarations import places
+from lagc.codegen.kernel_compiler.layout import block_comment, folded, wrapped
+from lagc.codegen.kernel_compiler.names import snake
+from lagc.codegen.kernel_compiler.real_types import Arithmetic
+from lagc.codegen.kernel_compiler.trees import identifier, root
+from lagc.codegen.kernel_compiler.type_check import MADE, PAIR, REAL, SCALARS, VOID, WHOLE, Type, Types
 
 OR, AND, BITS, EQUAL, COMPARE, SHIFT, SUM, PRODUCT, SIGN, ATOM = range(1, 11)
 _OPERATORS = {

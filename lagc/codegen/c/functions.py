@@ -7,14 +7,14 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
+from lagc.codegen.identifiers import comment
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.loop_segments import in_parts
+from lagc.codegen.loops import Forms, Running, loops
+from lagc.codegen.statements import AND, OR, Dialect, lines
+from lagc.codegen.tables import NONE, Numbers, c_look_up
 from lagc.lowering.loops.loop_rolling import moves_itself
 from lagc.lowering.program import Function, Program, Run, uses
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.loops import Forms, Running, loops
-from lagc.render.names import comment
-from lagc.render.segments import in_parts
-from lagc.render.statements import AND, OR, Dialect, lines
-from lagc.render.tables import NONE, Numbers, c_look_up
 from lagc.symbolic.operators import spelling
 
 CALLS = spelling("c")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.codegen.statuses import texts
 from lagc.lowering.program import Interface, Program, tables
-from lagc.render.statuses import texts
 
 _ALWAYS = '''\
 STATUSES = @STATUSES@

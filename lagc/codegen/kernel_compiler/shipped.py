@@ -11,9 +11,9 @@ import os
 from functools import cache
 from typing import Any
 
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
 from lagc.host import cache as store
 from lagc.host.cache.sources import tool_fingerprint
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
 
 Parts = tuple[dict[str, Any], ...]
 
@@ -49,7 +49,7 @@ def parts(real: Arithmetic = DOUBLE) -> Parts:
 
 
 def printed(real: Arithmetic) -> Parts:
-    from lagc.render.kernels.library import Library
+    from lagc.codegen.kernel_compiler.library import Library
 
     return tuple(Library(real).load().parts)
 

@@ -9,8 +9,8 @@ import os
 from functools import cache
 from typing import Any
 
-from lagc.render.kernels.syntax import Function, folder
-from lagc.render.kernels.typed import Type, parsed
+from lagc.codegen.kernel_compiler.syntax import Function, folder
+from lagc.codegen.kernel_compiler.type_check import Type, parsed
 
 
 def _tree(name: str) -> ast.Module:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from lagc.codegen.identifiers import comment
 from lagc.lowering.program import Interface
-from lagc.render.names import comment
 
 ABI_VERSION = 4
 SPDX = "SPDX-License-Identifier: MIT-0"

@@ -6,8 +6,8 @@ import ast
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from lagc.render.kernels.trees import clone
-from lagc.render.kernels.typed import Type, Types
+from lagc.codegen.kernel_compiler.trees import clone
+from lagc.codegen.kernel_compiler.type_check import Type, Types
 
 # Kernels of which Python's own functions do the whole work, with the same result.
 FASTER = {

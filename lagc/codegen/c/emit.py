@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import re
 
+from lagc.codegen.c import header
+from lagc.codegen.c.compiler_guards import demands
+from lagc.codegen.c.functions import function_text, helpers
+from lagc.codegen.c.public_functions import verbs
+from lagc.codegen.c.runtime import Runtime, sine_cosine
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.locals import local_names
+from lagc.codegen.tables import c_tables, numbered
+from lagc.codegen.trigonometry import turning
 from lagc.lowering.program import Interface, Program
-from lagc.render.c import header
-from lagc.render.c.demands import demands
-from lagc.render.c.functions import function_text, helpers
-from lagc.render.c.runtime import Runtime, sine_cosine
-from lagc.render.c.verbs import verbs
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.locals import local_names
-from lagc.render.names import prefix
-from lagc.render.tables import c_tables, numbered
-from lagc.render.turning import turning
 
 
 def render(program: Program, complete: bool = True, real: Arithmetic = DOUBLE) -> dict[str, str]:

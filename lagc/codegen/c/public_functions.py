@@ -10,10 +10,10 @@ import math
 from collections.abc import Sequence
 
 from lagc.base.records import dataclass
+from lagc.codegen.c.header import members
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.statements import loads
 from lagc.lowering.program import Interface, Program
-from lagc.render.c.header import members
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.statements import loads
 from lagc.symbolic.doubles import double
 
 _POINT = "const lagc_params *p, lagc_real t, const lagc_real *x"

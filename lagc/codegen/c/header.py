@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from lagc.codegen.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
+from lagc.codegen.identifiers import Names, comment, prefix
+from lagc.codegen.kernel_compiler.linker import sizes_of
+from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.lowering.program import Field, Interface
-from lagc.render.heading import ABI_VERSION, LICENCE, SPDX, equation, origin
-from lagc.render.kernels.arithmetic import Arithmetic
-from lagc.render.kernels.assembly import sizes_of
-from lagc.render.names import Names, comment, prefix
 
 
 def banner(interface: Interface, file: str) -> str:

@@ -8,10 +8,10 @@ from fractions import Fraction
 from textwrap import fill
 from typing import Any
 
-from lagc.lowering.program import Program
-from lagc.render.c import header
-from lagc.render.kernels.arithmetic import DOUBLE, Arithmetic
-from lagc.render.kernels.assembly import (
+from lagc.codegen.c import header
+from lagc.codegen.kernel_compiler.c import CPrinter
+from lagc.codegen.kernel_compiler.layout import block_comment
+from lagc.codegen.kernel_compiler.linker import (
     SPELLED,
     Chosen,
     Part,
@@ -21,12 +21,12 @@ from lagc.render.kernels.assembly import (
     switches_of,
     tables_of,
 )
-from lagc.render.kernels.c import CPrinter
-from lagc.render.kernels.layout import block_comment
-from lagc.render.kernels.names import snake
-from lagc.render.kernels.shipped import Parts, parts
-from lagc.render.numpy.support.base import Options
-from lagc.render.statuses import texts
+from lagc.codegen.kernel_compiler.names import snake
+from lagc.codegen.kernel_compiler.real_types import DOUBLE, Arithmetic
+from lagc.codegen.kernel_compiler.shipped import Parts, parts
+from lagc.codegen.python.support.base import Options
+from lagc.codegen.statuses import texts
+from lagc.lowering.program import Program
 
 # Public kernels that every model has; those of a run of lagc's own are the last.
 ROOTS = ("begin", "step", "dense", "advance", "record", "check")

@@ -23,10 +23,10 @@ def code(kinds: tuple[bool, ...]) -> CodeType:
 
 
 def text(switches: dict[str, bool]) -> str:
-    from lagc.render.kernels.assembly import chosen
-    from lagc.render.kernels.shipped import parts
-    from lagc.render.numpy.functions import ARITHMETIC
-    from lagc.render.numpy.runtime import kernels, numbers
+    from lagc.codegen.kernel_compiler.linker import chosen
+    from lagc.codegen.kernel_compiler.shipped import parts
+    from lagc.codegen.python.functions import ARITHMETIC
+    from lagc.codegen.python.runtime import kernels, numbers
 
     # conditions are asked with parameters alone
     use = chosen(parts(), {**switches, "NPREPARED": False, "NSUM": False}, ROOTS)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from lagc.codegen.kernel_compiler.real_types import Arithmetic
 from lagc.lowering.program import Program, tables
-from lagc.render.kernels.arithmetic import Arithmetic
 from lagc.symbolic.table import Table
 
 Numbers = Mapping[Table, int]

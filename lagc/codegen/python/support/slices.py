@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from lagc.codegen.python.support.base import FIRST_LOOK, Options, Trajectory
 from lagc.kernels.language.statuses import INTERRUPTED, INVALID, MAX_STEPS
-from lagc.render.numpy.support.base import FIRST_LOOK, Options, Trajectory
 
 # -- what follows is part of generated modules --
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.render.kernels.shipped import parts
+from lagc.codegen.kernel_compiler.shipped import parts
 
 
 def texts() -> tuple[str, ...]:

@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from lagc.base.records import replace
+from lagc.codegen.identifiers import comment
+from lagc.codegen.kernel_compiler.linker import CONSTANT_SIZES, Chosen
+from lagc.codegen.loops import Forms, Running, loops
+from lagc.codegen.statements import Dialect, lines
+from lagc.codegen.tables import NONE, Numbers, python_look_up
 from lagc.lowering.program import Function, Run
-from lagc.render.kernels.assembly import CONSTANT_SIZES, Chosen
-from lagc.render.loops import Forms, Running, loops
-from lagc.render.names import comment
-from lagc.render.statements import Dialect, lines
-from lagc.render.tables import NONE, Numbers, python_look_up
 from lagc.symbolic.operators import OPERATORS, spelling
 
 CALLS = {**spelling("python"), "sin": "sine_cosine", "cos": "sine_cosine"}

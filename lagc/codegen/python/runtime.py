@@ -7,11 +7,11 @@ from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 from typing import Any
 
+from lagc.codegen.kernel_compiler.linker import Chosen, Part, chosen, codes, sizes_of, switches_of, tables_of
+from lagc.codegen.kernel_compiler.shipped import parts
+from lagc.codegen.python.classes import EQUATIONS, STATES
 from lagc.kernels import METHODS
 from lagc.lowering.program import Interface, Program
-from lagc.render.kernels.assembly import Chosen, Part, chosen, codes, sizes_of, switches_of, tables_of
-from lagc.render.kernels.shipped import parts
-from lagc.render.numpy.states import EQUATIONS, STATES
 
 MARK = "# -- what follows is part of generated modules --\n"
 SUPPORT = ("base.py", "slices.py")  # what runs of lagc use too
