@@ -22,20 +22,20 @@ from lagc.given import Input, Value, condition, parted, quantities, real, reals,
 from lagc.host import model_library as library
 from lagc.host.budgets import of_this_machine, running
 from lagc.loaded import Loaded
-from lagc.run.forecast import check_memory
-from lagc.run.problem import System
-from lagc.run.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
-from lagc.run.solution import Solution
+from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
+from lagc.simulation.solution import Solution
+from lagc.simulation.supervision.forecast import check_memory
+from lagc.simulation.system import System
 
 if TYPE_CHECKING:
     from lagc.artifact import Artifact
     from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
-    from lagc.run.begin import NoStart
-    from lagc.run.solution import Array
-    from lagc.run.start import Start
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
+    from lagc.simulation.initialization.initialize import NoStart
+    from lagc.simulation.initialization.result import Start
+    from lagc.simulation.solution import Array
     from lagc.view.matrices import Matrices
 
 Progress: TypeAlias = Callable[[float], None]
@@ -255,7 +255,7 @@ class CompiledModel(Differentiable):
         progress: Progress | None = None,
     ) -> Run:
         """Simulate to `stop` (s), to the global relative error `accuracy`, or by hand with
-        `method` and tolerances or a fixed `step`; see `lagc.run.request.Request`.
+        `method` and tolerances or a fixed `step`; see `lagc.simulation.request.Request`.
 
         `inputs` and `until` as for `compile`: a number costs nothing, anything else is compiled, unless it
         was for the last run too.  `sensitivity` names parameters, inputs and starts, `start(theta)`, by which
@@ -306,8 +306,8 @@ class CompiledModel(Differentiable):
         parameters = [float(value) for value in parameters]
         if not request.sensitivity:
             return self._moved(request, parameters, progress)
-        from lagc.run.sensitivity import sensitivities
-        from lagc.run.varied import directions
+        from lagc.simulation.sensitivity.directions import directions
+        from lagc.simulation.sensitivity.sensitivity import sensitivities
 
         artifact = self.artifact
         wanted = directions(self.interface, request.sensitivity, artifact.unused, artifact.built_in)
@@ -323,14 +323,14 @@ class CompiledModel(Differentiable):
         request.completed(self.interface.simulate)
         if self.asked_backend != "auto":
             return self._run(self.asked_backend, request, parameters, progress)
-        from lagc.run.backends.compile import CannotCompile
+        from lagc.simulation.backends.compile import CannotCompile
 
         if self.backend == "c":
             try:
                 return self._run("c", request, parameters, progress, "compiled before")
             except CannotCompile as error:
                 return self._run("numpy", request, parameters, progress, str(error))
-        from lagc.run.patience import Patience, TakesLong, compile_time
+        from lagc.simulation.supervision.patience import Patience, TakesLong, compile_time
 
         system = self._loaded.system("numpy").bind(parameters)
         began = perf_counter()
@@ -359,8 +359,8 @@ class CompiledModel(Differentiable):
         start: Start | None = None,
         spent: float = 0.0,
     ) -> Run:
-        from lagc.run.begin import NoStart
-        from lagc.run.simulate import simulate
+        from lagc.simulation.initialization.initialize import NoStart
+        from lagc.simulation.simulate import simulate
 
         system = self._loaded.system(backend).bind(parameters)
         try:
@@ -372,7 +372,7 @@ class CompiledModel(Differentiable):
 
     def _begun(self, system: System, request: Request) -> Start:
         """Where a run begins, in any backend: they agree bitwise."""
-        from lagc.run.begin import NoStart, begin
+        from lagc.simulation.initialization.initialize import NoStart, begin
 
         try:
             return begin(system, request)
@@ -409,7 +409,7 @@ class CompiledModel(Differentiable):
 
     def _placed(self, none: NoStart) -> Refused:
         """With its places in the text."""
-        from lagc.run.blame import placed
+        from lagc.simulation.initialization.source_spans import placed
 
         with self.compilation.lock:
             return placed(self.equations, none)

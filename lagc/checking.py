@@ -109,9 +109,9 @@ def _faults(
 def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> list[Fault]:
     """Warnings: the start cannot be tried because a parameter has no value, or not to its end in the time of
     a stage; an output has no value at the start.  Raises Refused where a run would before its first step."""
-    from lagc.run.blame import placed
-    from lagc.run.request import bound_parameters
-    from lagc.run.trial import NoStart, try_start
+    from lagc.simulation.initialization.dry_run import NoStart, try_start
+    from lagc.simulation.initialization.source_spans import placed
+    from lagc.simulation.request import bound_parameters
 
     program = optimize(equations, work=True)
     interface, left = program.interface, unused(model, program.interface)
@@ -144,7 +144,7 @@ def _unstarted(model: Model, equations: EquationsOfMotion, choice: Choice) -> li
 
 def _unknown(choice: Choice, known: set[str]) -> list[Fault]:
     """Given parameters that nothing has; silent where nothing could be resolved."""
-    from lagc.run.request import unknown
+    from lagc.simulation.request import unknown
 
     names = [name for name in choice.parameters if known and name not in known]
     return [unknown(name, known, "parameter or input", "LAG0601") for name in names]

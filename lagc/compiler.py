@@ -22,7 +22,7 @@ from lagc.host import cache
 from lagc.host.budgets import stage
 from lagc.host.model_library import folder_of
 from lagc.lowering.program import Field
-from lagc.run.request import Given, Quantity
+from lagc.simulation.request import Given, Quantity
 
 if TYPE_CHECKING:
     from types import CodeType
@@ -309,7 +309,7 @@ def _said(given: Source | Points) -> str:
 
 
 def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
-    from lagc.run.backends.numpy import compiled
+    from lagc.simulation.backends.python import compiled
 
     ((name, text),) = sources.items()
     return compiled(text, name)
@@ -318,7 +318,7 @@ def _code(sources: Mapping[str, str]) -> tuple[CodeType, ...]:
 def equations(source: Source, choice: Choice) -> EquationsOfMotion:
     """Those that people look at.  Raises Refused where a given value is none that a run would take."""
     from lagc.lowering.interface import input_field
-    from lagc.run.request import given_values
+    from lagc.simulation.request import given_values
 
     compilation = Compilation(source, choice)
     model, faults = compilation.model, list[Fault]()
@@ -336,7 +336,7 @@ def program(
 
 
 def delivered(compilation: Compilation, differentiate: bool) -> Program:
-    from lagc.run.request import bound_parameters
+    from lagc.simulation.request import bound_parameters
 
     found = optimize(compilation.equations, work=False, differentiate=differentiate)
     interface = found.interface

@@ -13,10 +13,10 @@ from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
     from lagc.lowering.program import Interface
-    from lagc.run.backends.numpy import NumpySystem
-    from lagc.run.derivatives import Array, Point
-    from lagc.run.linearize import Linear
-    from lagc.run.solution import Solution
+    from lagc.simulation.backends.python import NumpySystem
+    from lagc.simulation.linearization.derivatives import Array, Point
+    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.solution import Solution
 
 ACCURACY, COARSELY = 1e-9, 1e-4  # of a motion that is followed to where it is linearised; of one with a note
 MOST_TRIES = 1_000_000  # random postures: more find no more
@@ -69,7 +69,7 @@ class Differentiable:
         """
         import numpy
 
-        from lagc.run.derivatives import Point
+        from lagc.simulation.linearization.derivatives import Point
 
         system = self.differentiated(parameters)
         state = _entries("x", system.start() if x is None else x, system.nx)
@@ -93,9 +93,9 @@ class Differentiable:
 
         import numpy
 
-        from lagc.run.bends import branches, differing, jumps
-        from lagc.run.derivatives import Point
-        from lagc.run.linearize import size_of_states
+        from lagc.simulation.linearization.derivatives import Point
+        from lagc.simulation.linearization.linearize import size_of_states
+        from lagc.simulation.linearization.nonsmooth_points import branches, differing, jumps
 
         system, sizes = point.system, size_of_states(point.system)
         own, others = branches(point, sizes)
@@ -133,7 +133,7 @@ class Differentiable:
         to t or there are no finite derivatives."""
         from lagc.base.records import replace
         from lagc.diagnostics.faults import Fault, Refused
-        from lagc.run.linearize import linearize
+        from lagc.simulation.linearization.linearize import linearize
 
         t = real("t", t)
         if not 0.0 <= t < float("inf"):
@@ -161,8 +161,8 @@ class Differentiable:
         a linear model."""
         from lagc.base.records import replace
         from lagc.host.budgets import stage
-        from lagc.run import equilibria
-        from lagc.run.linearize import linearize
+        from lagc.simulation.linearization import equilibria
+        from lagc.simulation.linearization.linearize import linearize
 
         if tries is not None and not 0 <= index(tries) <= MOST_TRIES:
             raise ValueError(f"`tries` is from 0 to {MOST_TRIES:,}")

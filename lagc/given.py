@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat, TypeAlias
 
 from lagc.base.numerals import number
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.run.request import Quantity, expression, si
+from lagc.simulation.request import Quantity, expression, si
 
 if TYPE_CHECKING:
     from lagc.semantics.context import Points

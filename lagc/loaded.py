@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from lagc.base.once import RLock, once
 from lagc.compiler import Compilation
-from lagc.run.problem import System
+from lagc.simulation.system import System
 
 if TYPE_CHECKING:
-    from lagc.run.backends.numpy import NumpySystem
+    from lagc.simulation.backends.python import NumpySystem
 
 
 class Loaded:
@@ -51,7 +51,7 @@ class Loaded:
             return found
         with self.lock:
             if backend not in self.systems:
-                from lagc.run.backends import load
+                from lagc.simulation.backends import load
 
                 began = perf_counter()
                 artifact = self.artifact if backend == self.first else self.compilation.artifact(backend)
@@ -62,7 +62,7 @@ class Loaded:
     @once
     def differentiated(self) -> NumpySystem:
         """With derivatives, in Python."""
-        from lagc.run.backends.numpy import NumpySystem
+        from lagc.simulation.backends.python import NumpySystem
 
         has = self.compilation.differentiates
         found = (self if has else Loaded(self.compilation.differentiated, "numpy")).system("numpy")
@@ -73,7 +73,7 @@ class Loaded:
         """With `auto`, C where the compiled library is in the cache, else NumPy to begin with."""
         if self.asked != "auto":
             return self.asked
-        from lagc.run.backends.compile import cached_library
+        from lagc.simulation.backends.compile import cached_library
 
         artifact = self.compilation.cached_artifact("c")
         return "c" if artifact is not None and cached_library(artifact.sources) else "numpy"

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from lagc.cli.program import ALONE
-from lagc.run.backends import compile as compile_
+from lagc.simulation.backends import compile as compile_
 
 for each in ALONE:  # before NumPy is loaded
     os.environ.setdefault(each, "1")

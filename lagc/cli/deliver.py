@@ -61,7 +61,7 @@ def _print(found: Run, options: argparse.Namespace) -> None:
 
 
 def _save(found: Run, options: argparse.Namespace) -> bool:
-    from lagc.run.files import CannotSave
+    from lagc.simulation.formats import CannotSave
 
     wanted: str = options.output
     path = kept(wanted, lambda name: found.save(name, units=options.units), (CannotSave, OSError))

@@ -24,8 +24,8 @@ from lagc.cli.spare import spare
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
     from lagc.lowering.program import Interface
-    from lagc.run.linearize import Linear
-    from lagc.run.request import Quantity
+    from lagc.simulation.linearization.linearize import Linear
+    from lagc.simulation.request import Quantity
 
 FORMATS = (".json", ".npz")
 MOST, LARGE = 8, 3  # equilibria that are shown without --verbose; of large models
@@ -91,7 +91,7 @@ def _about(
     if not time:
         return model.linearize(starts=starts)
     from lagc.cli.progress import Bar
-    from lagc.run.forecast import Forecast
+    from lagc.simulation.supervision.forecast import Forecast
 
     with Bar(time, quiet=options.quiet or options.json) as bar:
         progress = Forecast(bar, time) if options.max_time is None else bar

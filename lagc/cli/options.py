@@ -13,7 +13,7 @@ from lagc.cli.exits import Usage
 if TYPE_CHECKING:
     from lagc.compiler import Choice
     from lagc.host.budgets import Limits
-    from lagc.run.request import Quantity
+    from lagc.simulation.request import Quantity
 
 _SPACES = " \t\n\r\f\v"
 
@@ -98,7 +98,7 @@ def add_parameter_option(parser: argparse.ArgumentParser) -> None:
 def choice_of(options: argparse.Namespace) -> Choice:
     """What of the file is meant, by the options of `add_model_options`."""
     from lagc.compiler import Choice
-    from lagc.run.request import expression
+    from lagc.simulation.request import expression
 
     parameters = quantities(options.parameters, "-p")
     inputs = {}
@@ -162,7 +162,7 @@ def _valued(word: str) -> tuple[float, str | None] | None:
 
 def quantities(words: list[str], option: str) -> dict[str, float | Quantity]:
     """`assignments` as quantities."""
-    from lagc.run.request import Quantity
+    from lagc.simulation.request import Quantity
 
     return {name: Quantity(value, unit) for name, (value, unit) in assignments(words, option).items()}
 

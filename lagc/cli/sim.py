@@ -27,8 +27,8 @@ from lagc.cli.spare import spare
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
-    from lagc.run.request import Request
     from lagc.semantics.model import Model
+    from lagc.simulation.request import Request
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -85,10 +85,10 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.progress import Bar
     from lagc.compiler import Compilation
     from lagc.host import model_library as library
-    from lagc.run.backends.compile import CannotCompile
-    from lagc.run.files import targets
-    from lagc.run.forecast import MOST_MEMORY, Forecast, check_memory
-    from lagc.run.request import bound_parameters, bound_starts
+    from lagc.simulation.backends.compile import CannotCompile
+    from lagc.simulation.formats import targets
+    from lagc.simulation.request import bound_parameters, bound_starts
+    from lagc.simulation.supervision.forecast import MOST_MEMORY, Forecast, check_memory
 
     check_files(options)
     request = request_of(options)
@@ -130,7 +130,7 @@ def run(options: argparse.Namespace) -> int:
 def check_files(options: argparse.Namespace) -> None:
     """Before anything is computed for them."""
     if options.output is not None:
-        from lagc.run.files import CannotSave, check_path
+        from lagc.simulation.formats import CannotSave, check_path
 
         try:
             check_path(options.output)
@@ -161,7 +161,7 @@ def check_picture(options: argparse.Namespace) -> None:
 
 def request_of(options: argparse.Namespace) -> Request:
     """What is asked for, less the start values; raises Usage where a word is no number."""
-    from lagc.run.request import Request
+    from lagc.simulation.request import Request
 
     return Request(
         stop=quantity(options.stop, "s", "--stop"),

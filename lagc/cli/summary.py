@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import pi
 
-from lagc.run.solution import Solution
+from lagc.simulation.solution import Solution
 
 MOST = 12  # final values that are shown without --verbose
 MOST_EVENTS = 4  # the same of events

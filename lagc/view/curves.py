@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from lagc.base.records import dataclass, replace
 
 if TYPE_CHECKING:
-    from lagc.run.problem import Trajectory
-    from lagc.run.solution import Solution
+    from lagc.simulation.solution import Solution
+    from lagc.simulation.system import Trajectory
 
 SAMPLES = 20  # states at which outputs are asked what they are made of
 BESIDE = 1e-6  # of the sizes of states: how far from these
@@ -52,7 +52,7 @@ def with_corners(solution: Solution) -> Solution:
 
 
 def scales(solution: Solution) -> Scales:
-    from lagc.run.problem import Trajectory
+    from lagc.simulation.system import Trajectory
 
     if len(solution) < 2:
         return Scales(frozenset(), {}, {})
@@ -70,9 +70,9 @@ def _doubts(solution: Solution) -> dict[str, float]:
 
 def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
     """The states that rounding alone moves."""
-    from lagc.run.distance import sizes
-    from lagc.run.rounding import quick_look
-    from lagc.run.still import still_kinds
+    from lagc.simulation.error_measure import sizes
+    from lagc.simulation.global_error.noise_groups import still_kinds
+    from lagc.simulation.global_error.rounding import quick_look
 
     system, names = solution.system, solution.state_names
     groups = sizes(run, system.interface)
@@ -84,8 +84,8 @@ def _still(solution: Solution, run: Trajectory) -> Iterator[str]:
 
 def _sizes(solution: Solution, run: Trajectory) -> dict[str, float]:
     """What each output would change by if the states did by their sizes, angles by a radian at most."""
-    from lagc.run.distance import sizes
-    from lagc.run.rounding import generic
+    from lagc.simulation.error_measure import sizes
+    from lagc.simulation.global_error.rounding import generic
 
     system, interface = solution.system, solution.system.interface
     way = [0.0] * system.nx

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lagc.base.printable import one_line
 
 if TYPE_CHECKING:
-    from lagc.run.solution import Solution
+    from lagc.simulation.solution import Solution
 
 
 def solution_html(solution: Solution) -> str:

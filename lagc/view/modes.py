@@ -6,13 +6,13 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 from lagc.base.printable import printable
-from lagc.run.linearize import damping, frequency
+from lagc.simulation.linearization.linearize import damping, frequency
 from lagc.view.plot import COLORS, entitle, panels, save, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from lagc.run.linearize import Linear
+    from lagc.simulation.linearization.linearize import Linear
 
 MOST = 12  # modes of a picture
 LEVEL = 6  # names that stand level below an axis

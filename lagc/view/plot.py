@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from lagc.lowering.program import Interface
-    from lagc.run.solution import Solution
+    from lagc.simulation.solution import Solution
 
 COLORS = (
     "#0072b2",

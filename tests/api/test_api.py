@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.run.backends import compile as c_compiler
-from lagc.run.begin import consistent_start
-from lagc.run.files import CannotSave
-from lagc.run.patience import Patience, TakesLong, compile_time
-from lagc.run.problem import System
-from lagc.run.request import Request
-from lagc.run.start import Start
+from lagc.simulation.backends import compile as c_compiler
+from lagc.simulation.formats import CannotSave
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.initialization.result import Start
+from lagc.simulation.request import Request
+from lagc.simulation.supervision.patience import Patience, TakesLong, compile_time
+from lagc.simulation.system import System
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 needs_c = pytest.mark.skipif(c_compiler.compiler() is None, reason="no C compiler")
@@ -247,10 +247,10 @@ def test_both_backends_give_the_same_bits() -> None:
 @needs_c
 def test_auto_begins_in_numpy_and_changes_to_c_where_a_run_is_long(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 600.0)
+    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 600.0)
     short = lagc.load("simple_pendulum").compile(scene="room")
     assert short.simulate(stop=1).system.backend == "numpy"
-    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 0.05)
     long = lagc.load("double_pendulum").compile()
     run = long.simulate(stop=50, rtol=1e-12)
     assert run.status == "ok" and run.system.backend == "c"
@@ -266,9 +266,9 @@ def test_a_run_that_changes_to_c_seeks_its_start_once_and_tells_all_of_its_time(
         sought.append(system)
         return consistent_start(system, *given)
 
-    monkeypatch.setattr("lagc.run.begin.consistent_start", noted)
+    monkeypatch.setattr("lagc.simulation.initialization.initialize.consistent_start", noted)
     monkeypatch.setattr(c_compiler, "cached_library", lambda sources: False)
-    monkeypatch.setattr("lagc.run.patience.compile_time", lambda interface: 0.05)
+    monkeypatch.setattr("lagc.simulation.supervision.patience.compile_time", lambda interface: 0.05)
     run = lagc.load("double_pendulum").compile().simulate(stop=50, rtol=1e-12)
     assert run.system.backend == "c" and [system.backend for system in sought] == ["numpy"]
     assert run.cost.start_s > 0.0 and run.cost.run_s > 0.05 + run.cost.start_s

@@ -1,7 +1,7 @@
 """The first promise: the asked, the estimated and the true global error, and what they cost.
 
 The true error is that of the coordinates and speeds at the times of published values or closed
-forms (tests/references), by the scale of their kind as `lagc.run.accuracy` measures it; it cannot be
+forms (tests/references), by the scale of their kind as `lagc.simulation.global_error.verified_run` measures it; it cannot be
 told below the accuracy of the reference itself.  Runs are made without remembered tolerances.
 """
 
@@ -11,8 +11,8 @@ import os
 import time
 
 from lagc.api import CompiledModel
-from lagc.run.distance import kinds
-from lagc.run.solution import Solution
+from lagc.simulation.error_measure import kinds
+from lagc.simulation.solution import Solution
 from tests.benchmarks.tables import Cell, machine, table
 from tests.physics.references import Reference, Sample, compiled, names, read
 

@@ -35,14 +35,14 @@ import lagc
 from lagc.compiler import Choice, Compilation, derive, optimize, parse, render, resolve
 from lagc import library
 import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.lowering.lower_equations
-import lagc.codegen.python.emit, lagc.run.backends.numpy
+import lagc.codegen.python.emit, lagc.simulation.backends.python
 mark()
 tree = parse(library.read("chain")); mark()
 model = resolve(tree, Choice(parameters={"n": float(n)})); mark()
 equations = derive(model); mark()
 program = optimize(equations, work=True); mark()
 sources = render(program, "numpy"); mark()
-system = lagc.run.backends.load(program.interface, sources, "numpy"); mark()
+system = lagc.simulation.backends.load(program.interface, sources, "numpy"); mark()
 x = system.start()
 xdot, lam = [0.0] * len(x), [0.0]
 status = system.rhs(0.0, x, xdot, lam); mark()

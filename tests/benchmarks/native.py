@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lagc.compiler import Choice, program, render
 from lagc.host import model_library as library
-from lagc.run.backends.compile import FLAGS, compiler
+from lagc.simulation.backends.compile import FLAGS, compiler
 
 DRIVER = r"""
 #define _POSIX_C_SOURCE 199309L

@@ -19,7 +19,7 @@ from typing import Any
 from lagc.codegen.c import runtime
 from lagc.codegen.python import functions
 from lagc.codegen.trigonometry import turning
-from lagc.run.backends.compile import FLAGS, compiler
+from lagc.simulation.backends.compile import FLAGS, compiler
 
 RANGES = (0.7, 3.1, 100.0)
 DRIVER = r"""

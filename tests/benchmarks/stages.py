@@ -137,8 +137,8 @@ class Stages:
         return compiler.optimize(self.made["derive"], work=True)
 
     def start(self) -> Any:
-        from lagc.run.request import bound_parameters
-        from lagc.run.trial import try_start
+        from lagc.simulation.initialization.dry_run import try_start
+        from lagc.simulation.request import bound_parameters
 
         program = self.made["optimize"]
         left = compiler.unused(self.made["resolve"], program.interface)

@@ -18,8 +18,8 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.host import cache
-from lagc.run.backends import library
-from lagc.run.backends.compile import build_library, compiler
+from lagc.simulation.backends import shared_library as library
+from lagc.simulation.backends.compile import build_library, compiler
 from tests.cli.test_cache import DAMAGES
 
 TIMES = int(

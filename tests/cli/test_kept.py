@@ -15,7 +15,7 @@ import pytest
 
 from lagc.api import CompiledModel, Run
 from lagc.cli.main import main
-from lagc.run.backends.compile import compiler
+from lagc.simulation.backends.compile import compiler
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 Capture = pytest.CaptureFixture[str]
@@ -207,7 +207,7 @@ def test_a_full_disk_while_compiling_is_no_wrong_usage(
         def fails(*_: object, number: int = number) -> None:
             raise OSError(number, os.strerror(number))
 
-        monkeypatch.setattr("lagc.run.backends.compile._compile", fails)
+        monkeypatch.setattr("lagc.simulation.backends.compile._compile", fails)
         assert main(words) == code
         assert os.strerror(number) in capsys.readouterr().err
     compiler.cache_clear()

@@ -23,9 +23,9 @@ from lagc.base.numerals import seconds, size
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
 from lagc.host import budgets as limits
-from lagc.run import forecast
-from lagc.run.backends.compile import compiler
-from lagc.run.request import Request
+from lagc.simulation.backends.compile import compiler
+from lagc.simulation.request import Request
+from lagc.simulation.supervision import forecast
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 SPRING = """\
@@ -89,7 +89,7 @@ def test_a_start_that_takes_long_is_no_fault_of_the_model(
     spring: str, given: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A run goes on with it: `check` says that it was not tried to its end, or that the time given is up."""
-    monkeypatch.setattr("lagc.run.begin.consistent_start", endless)
+    monkeypatch.setattr("lagc.simulation.initialization.initialize.consistent_start", endless)
     monkeypatch.setattr(limits, "ALLOWED", 0.5)
     monkeypatch.setattr("lagc.compiler.PER_OPERATION", 0.0)
     before = signal.getsignal(signal.SIGALRM)

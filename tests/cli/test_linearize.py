@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from lagc.cli.main import main
-from lagc.run.backends.compile import compiler
+from lagc.simulation.backends.compile import compiler
 
 Capture = pytest.CaptureFixture[str]
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -41,7 +41,7 @@ OLD = b"what was there\n"
 # In a process that has loaded the program, each command runs in a child, to which the signals are sent.
 DRIVER = """
 import json, os, random, signal, sys, time
-import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.run.simulate
+import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.simulation.simulate
 from lagc.cli.program import program
 seed, kills, commands = json.loads(sys.argv[1])
 chance, ended, lasts = random.Random(seed), [], {}

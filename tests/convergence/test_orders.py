@@ -15,7 +15,7 @@ from mpmath import mpf, workdps
 from lagc.codegen.kernel_compiler.syntax import exact
 from lagc.compiler import render
 from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
-from lagc.run.problem import OK, Options, Vector
+from lagc.simulation.system import OK, Options, Vector
 from tests.interfaces import interface
 from tests.render.tools import of_model
 from tests.run.handmade import integrate, integrator

@@ -20,7 +20,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from lagc.run.backends.compile import compiler
+from lagc.simulation.backends.compile import compiler
 from tests.fuzz import workers
 from tests.fuzz.disturbed import Disturber
 from tests.fuzz.finds import Finds

@@ -18,7 +18,7 @@ pytest.importorskip("resource")
 
 from lagc import compiler
 from lagc.diagnostics.faults import Refused, Source
-from lagc.run.backends import compile as compiled
+from lagc.simulation.backends import compile as compiled
 from tests.fuzz import workers
 from tests.fuzz.__main__ import KINDS, Trials, main
 from tests.fuzz.commands import Said, complaint

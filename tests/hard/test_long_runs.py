@@ -8,7 +8,7 @@ import numpy
 import pytest
 
 import lagc
-from lagc.run.backends.compile import compiler
+from lagc.simulation.backends.compile import compiler
 
 FAST = compiler() is not None
 BACKEND = "c" if FAST else "numpy"

@@ -13,9 +13,9 @@ from scipy.integrate import solve_ivp
 import lagc
 from lagc.api import Run
 from lagc.host.model_library import read as read_model
-from lagc.run.backends.compile import compiler
-from lagc.run.problem import OK, Options
-from lagc.run.verdict import verdict
+from lagc.simulation.backends.compile import compiler
+from lagc.simulation.system import OK, Options
+from lagc.simulation.verdict import verdict
 from tests.physics.references import read
 
 BACKEND = "c" if compiler() is not None else "numpy"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.run import equilibria
-from lagc.run.linearize import Linear
+from lagc.simulation.linearization import equilibria
+from lagc.simulation.linearization.linearize import Linear
 from lagc.view.linear import heading
 
 G = 9.81

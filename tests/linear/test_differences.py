@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lagc.run.linearize import Linear
-from lagc.run.problem import FAILED
+from lagc.simulation.linearization.linearize import Linear
+from lagc.simulation.system import FAILED
 from tests.physics.library import compiled, fullest
 
 STEP = 1e-4

@@ -7,7 +7,7 @@ import random
 import numpy as np
 
 import lagc
-from lagc.run.derivatives import Point
+from lagc.simulation.linearization.derivatives import Point
 
 CLOSE = 1e-10  # relative: eigenvalues of small matrices, of equilibria that Newton's method found
 LINKAGE = """

@@ -267,7 +267,7 @@ def test_the_remedy_for_columns_without_a_unit_is_one_in_the_header(tmp_path: Pa
 
 
 def test_what_a_run_writes_is_a_table_with_its_units(tmp_path: Path) -> None:
-    from lagc.run.files import save
+    from lagc.simulation.formats import save
 
     run = lagc.load("simple_pendulum").compile(backend="numpy").simulate(1.0, points=21)
     save(run, str(tmp_path / "d.csv"), units=True)
@@ -278,7 +278,7 @@ def test_what_a_run_writes_is_a_table_with_its_units(tmp_path: Path) -> None:
 @pytest.mark.parametrize("units", [True, False])
 def test_each_column_that_a_run_writes_is_found(units: bool, tmp_path: Path) -> None:
     """Arrays, rates, rotations and sensitivities too."""
-    from lagc.run.files import save
+    from lagc.simulation.formats import save
 
     model = lagc.loads(
         """model M parameter Stiffness k[2, 1] = {{1}, {2}}; coordinate Length x[2](each start = 0.1);

@@ -18,7 +18,7 @@ from lagc.lowering.kkt.prune import prune
 from lagc.lowering.modes import frozen
 from lagc.lowering.storage import places
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.run.derivatives import Point
+from lagc.simulation.linearization.derivatives import Point
 from lagc.symbolic.graph import Node
 from tests.optimize.exact import DIGITS, along, values
 from tests.physics.library import compiled, fullest

@@ -24,7 +24,7 @@ from lagc.lowering.program import Function
 from lagc.lowering.storage import places
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS
+from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
 from tests.mechanics.numbers import consistent_state, random_state

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.run.backends.compile import compiler
+from lagc.simulation.backends.compile import compiler
 from tests.physics.library import compiled, fullest
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler")

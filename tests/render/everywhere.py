@@ -20,7 +20,7 @@ from pathlib import Path
 
 from lagc.codegen.c.emit import render
 from lagc.lowering.program import Program
-from lagc.run.backends.compile import FLAGS
+from lagc.simulation.backends.compile import FLAGS
 
 MAIN = Path(__file__).with_name("everywhere.c")
 WASI = MAIN.with_name("wasi.mjs")

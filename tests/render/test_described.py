@@ -20,9 +20,9 @@ from lagc.codegen.python.support.base import Options
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
 from lagc.lowering import jacobians as derivatives
-from lagc.run import conditions
-from lagc.run.backends.c import _head_type, _Options, _state_type
 from lagc.semantics import model
+from lagc.simulation.backends.c import _head_type, _Options, _state_type
+from lagc.simulation.initialization import solver as conditions
 from tests.render.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"

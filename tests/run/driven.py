@@ -10,9 +10,9 @@ from typing import Any
 import lagc
 from lagc.codegen.identifiers import prefix
 from lagc.kernels import METHODS
-from lagc.run.backends.c import _Options
-from lagc.run.backends.library import library
-from lagc.run.problem import Options, System
+from lagc.simulation.backends.c import _Options
+from lagc.simulation.backends.shared_library import library
+from lagc.simulation.system import Options, System
 
 _GRAVITY = "  effect gravity\n    Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});\n  end gravity;\n"
 _SCENE = "  scene s uses gravity\n    simulate(stop = 1 [s]);\n  end s;\n"

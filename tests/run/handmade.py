@@ -10,7 +10,7 @@ from typing import Any
 from lagc.base.records import replace
 from lagc.codegen.python.emit import render
 from lagc.lowering.program import Program
-from lagc.run.problem import FAILED, Options, Trajectory, Vector
+from lagc.simulation.system import FAILED, Options, Trajectory, Vector
 
 
 @cache

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import cos, exp, pi, sin, sqrt
 
-from lagc.run.directed import by_turns
-from lagc.run.problem import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
+from lagc.simulation.backends.directed_rounding import by_turns
+from lagc.simulation.system import NOT_FINITE, OK, SINGULAR_MASS, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 from tests.run import systems
 from tests.run.handmade import integrate

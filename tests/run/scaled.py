@@ -12,13 +12,13 @@ import pytest
 from lagc import compiler
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
-from lagc.run.backends.c import CModel
-from lagc.run.backends.numpy import NumpyModel
-from lagc.run.problem import System
 from lagc.semantics.declarations import bodies
 from lagc.semantics.names.values import Array, Scalar, Value
 from lagc.semantics.types.units import Dimension, Unit, unit
 from lagc.semantics.values import evaluate
+from lagc.simulation.backends.c import CModel
+from lagc.simulation.backends.python import NumpyModel
+from lagc.simulation.system import System
 
 Factors = tuple[Fraction, Fraction, Fraction]  # of kg, m, s
 

@@ -17,9 +17,9 @@ from lagc.codegen.python.emit import render as render_python
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
-from lagc.run.backends.numpy import NumpyModel
-from lagc.run.begin import consistent_start
-from lagc.run.problem import System
+from lagc.simulation.backends.python import NumpyModel
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.system import System
 
 FIXED = 4
 

@@ -9,7 +9,7 @@ from math import sqrt
 from typing import Any
 
 from lagc.lowering.program import Interface
-from lagc.run.problem import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
+from lagc.simulation.system import INTERRUPTED, NOT_FINITE, OK, Options, Trajectory, Vector
 from tests.interfaces import field, interface
 
 ORDER = 4  # of the stand-in integrator

@@ -10,11 +10,11 @@ import pytest
 import lagc
 from lagc.api import Run
 from lagc.host.model_library import library_models
-from lagc.run.cause import losing_rank
-from lagc.run.distance import difference, sizes
-from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
-from lagc.run.rest import resting
-from lagc.run.verdict import verdict
+from lagc.simulation.diagnosis.cause import losing_rank
+from lagc.simulation.error_measure import difference, sizes
+from lagc.simulation.global_error.equilibrium_start import resting
+from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options, Trajectory
+from lagc.simulation.verdict import verdict
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 

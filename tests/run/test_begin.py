@@ -11,7 +11,7 @@ import lagc
 from lagc import checking, compiler
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.run.request import Quantity
+from lagc.simulation.request import Quantity
 
 FORM = """model Bead
   parameter Mass m = {m};
@@ -109,7 +109,7 @@ def test_check_tells_what_a_run_refuses(first: int) -> None:
 def test_both_backends_refuse_alike(backend: str) -> None:
     text = FORM.format(m="0", l="1", s="2", x="start = 1", more="")
     if backend == "c":
-        from lagc.run.backends.compile import compiler as found
+        from lagc.simulation.backends.compile import compiler as found
 
         if found() is None:
             pytest.skip("there is no compiler")

@@ -11,8 +11,8 @@ import pytest
 
 import lagc
 from lagc.api import Run
-from lagc.run.accuracy import longest_step, verified_run
-from lagc.run.problem import INTERRUPTED, Options, System, Trajectory, arrived
+from lagc.simulation.global_error.verified_run import longest_step, verified_run
+from lagc.simulation.system import INTERRUPTED, Options, System, Trajectory, arrived
 
 pytestmark = pytest.mark.usefixtures("own_cache")
 

@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import pytest
 
-from lagc.run.conditions import Conditions, Consistency
+from lagc.simulation.initialization.solver import Conditions, Consistency
 from tests.run.started import Twins, program_of
 
 ACCEPTED = 1e-9  # scaled residual at which a start is taken: see `lagc.kernels.language.tolerances`

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.run.backends import compile as compile_
-from lagc.run.backends.compile import CannotCompile, build_library, compiler
+from lagc.simulation.backends import compile as compile_
+from lagc.simulation.backends.compile import CannotCompile, build_library, compiler
 
 LOAD = """
 import ctypes, sys

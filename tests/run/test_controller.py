@@ -14,7 +14,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.run.problem import Options
+from lagc.simulation.system import Options
 from tests.run.driven import InC, InPython
 from tests.run.test_generated import BACKENDS
 

@@ -28,8 +28,8 @@ from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion, Row
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.identities.constraint_manifold import walk
-from lagc.run.backends.compile import compiler as compiler_of_c
-from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, Options, System
+from lagc.simulation.backends.compile import compiler as compiler_of_c
+from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, Options, System
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from tests.hard.test_mechanisms import BENNETT

@@ -8,7 +8,7 @@ import random
 import pytest
 
 import lagc
-from lagc.run.solution import Solution
+from lagc.simulation.solution import Solution
 
 PAIR = """
 model Pair "two rows of one plane, but for a small share; the planes meet in a line along {d}"

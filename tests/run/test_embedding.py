@@ -11,7 +11,7 @@ import pytest
 
 from lagc.codegen.c.emit import render
 from lagc.lowering.program import Program
-from lagc.run.problem import OK, Options
+from lagc.simulation.system import OK, Options
 from tests.run.linkages import four_bar
 from tests.run.test_generated import PROGRAMS, build
 

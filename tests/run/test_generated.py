@@ -17,9 +17,9 @@ import lagc
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_python
 from lagc.lowering.program import Program
-from lagc.run.backends import load
-from lagc.run.backends.compile import compiler
-from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, Options, System
+from lagc.simulation.backends import load
+from lagc.simulation.backends.compile import compiler
+from lagc.simulation.system import INCONSISTENT, NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, Options, System
 from tests.run.generated import body_on_a_pivot, double_pendulum, masses, pendulum
 
 PROGRAMS = {

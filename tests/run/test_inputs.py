@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options
+from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options
 from tests.run.driven import MODELS, consistent, model, stepper, stepper_of
 from tests.run.linkages import four_bar
 from tests.run.test_generated import BACKENDS, build, needs_compiler

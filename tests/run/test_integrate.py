@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from lagc.kernels import METHODS
-from lagc.run.problem import (
+from lagc.simulation.system import (
     INCONSISTENT,
     INTERRUPTED,
     MAX_STEPS,

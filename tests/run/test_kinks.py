@@ -10,8 +10,8 @@ from statistics import median
 import pytest
 
 import lagc
-from lagc.run.distance import difference
-from lagc.run.problem import Trajectory
+from lagc.simulation.error_measure import difference
+from lagc.simulation.system import Trajectory
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 Exact = Callable[[float], tuple[float, float]]  # x and its rate

@@ -10,8 +10,8 @@ from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.initial_equations import condition_slopes
-from lagc.run.backends.numpy import NumpySystem
-from lagc.run.begin import consistent_start
+from lagc.simulation.backends.python import NumpySystem
+from lagc.simulation.initialization.initialize import consistent_start
 
 N = 18
 TEXT = """model Way

@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.run.backends import compile as c_compiler
-from lagc.run.problem import Options
+from lagc.simulation.backends import compile as c_compiler
+from lagc.simulation.system import Options
 from tests.run.test_generated import BACKENDS, PROGRAMS, build
 
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -13,8 +13,8 @@ import pytest
 
 import lagc
 from lagc import compiler
-from lagc.run.conditions import Conditions
-from lagc.run.problem import System
+from lagc.simulation.initialization.solver import Conditions
+from lagc.simulation.system import System
 from tests.render.test_functions import needs_gcc
 
 pytestmark = pytest.mark.usefixtures("own_cache")

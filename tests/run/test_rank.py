@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from lagc.lowering.program import Program
-from lagc.run.problem import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
+from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
 from tests.interfaces import interface
 from tests.run.handmade import module
 from tests.run.linkages import four_bar

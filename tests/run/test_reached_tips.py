@@ -8,7 +8,7 @@ from math import cos, hypot, pi, sin
 
 import pytest
 
-from lagc.run.conditions import Conditions, Consistency
+from lagc.simulation.initialization.solver import Conditions, Consistency
 
 
 def chain(lengths: Sequence[float], relative: bool) -> Conditions:

@@ -10,9 +10,9 @@ import shutil
 import pytest
 
 from lagc.mechanics.analysis.analysis import analyse
-from lagc.run.begin import consistent_start
-from lagc.run.problem import OK
-from lagc.run.start import Start
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.initialization.result import Start
+from lagc.simulation.system import OK
 from tests.run.started import Twins, compilation_of, program_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

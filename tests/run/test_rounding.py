@@ -15,14 +15,14 @@ from mpmath import mpf
 
 import lagc
 from lagc.api import Run
-from lagc.run.accuracy import verified_run
-from lagc.run.counted import Counted
-from lagc.run.directed import apart, control, directed
-from lagc.run.distance import difference, sizes
-from lagc.run.problem import Options, Trajectory, Vector
-from lagc.run.request import Request
-from lagc.run.rounding import close_look, quick_bound, quick_look, rounded_rates
-from lagc.run.simulate import simulate
+from lagc.simulation.backends.directed_rounding import apart, control, directed
+from lagc.simulation.counted import Counted
+from lagc.simulation.error_measure import difference, sizes
+from lagc.simulation.global_error.rounding import close_look, quick_bound, quick_look, rounded_rates
+from lagc.simulation.global_error.verified_run import verified_run
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
+from lagc.simulation.system import Options, Trajectory, Vector
 from tests.run.integrated import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")
@@ -127,9 +127,9 @@ def test_a_thread_that_ends_before_it_begins_is_not_waited_for(
     begins: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As where there is no memory for its first call; one that works for long is waited for."""
-    monkeypatch.setattr("lagc.run.directed.LOOK", 0.01)
+    monkeypatch.setattr("lagc.simulation.backends.directed_rounding.LOOK", 0.01)
     if not begins:
-        monkeypatch.setattr("lagc.run.directed.start_new_thread", lambda *_: 0)
+        monkeypatch.setattr("lagc.simulation.backends.directed_rounding.start_new_thread", lambda *_: 0)
         with pytest.raises(MemoryError):
             apart(lambda: 1)
     assert not begins or apart(lambda: sleep(0.1) or 1) == 1

@@ -11,9 +11,9 @@ import pytest
 
 from lagc.host.model_library import library_models, read
 from lagc.lowering.program import Program
-from lagc.run.backends.compile import compiler
-from lagc.run.begin import consistent_start
-from lagc.run.problem import OK, Options, Trajectory
+from lagc.simulation.backends.compile import compiler
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.system import OK, Options, Trajectory
 from tests.run.scaled import Factors, program, state_factors, system
 
 PLAIN: Factors = (Fraction(1), Fraction(1), Fraction(1))

@@ -22,9 +22,9 @@ from mpmath import mp, mpf
 import lagc
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from lagc.run.sensitivity import _doubts
-from lagc.run.variation import Followed
 from lagc.semantics.types.units import quotient
+from lagc.simulation.sensitivity.sensitivity import _doubts
+from lagc.simulation.sensitivity.variational_equations import Followed
 from tests.run import switched
 
 pytestmark = pytest.mark.usefixtures("own_cache")
@@ -291,8 +291,8 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 def test_who_does_not_ask_loads_nothing() -> None:
     code = ("import sys, lagc; lagc.load('simple_pendulum').compile(backend='numpy').simulate(0.1);"
-            "assert not [m for m in sys.modules if m in ('lagc.run.varied', 'lagc.run.variation', "
-            "'lagc.run.sensitivity', 'lagc.run.startslopes', 'lagc.run.tableau')]")  # fmt: skip
+            "assert not [m for m in sys.modules if m in ('lagc.simulation.sensitivity.directions', 'lagc.simulation.sensitivity.variational_equations', "
+            "'lagc.simulation.sensitivity.sensitivity', 'lagc.simulation.sensitivity.initial_sensitivity', 'lagc.simulation.sensitivity.tableau')]")  # fmt: skip
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
@@ -410,7 +410,7 @@ def test_many_quantities_are_told_in_time_in_proportion(monkeypatch: pytest.Monk
         force f[i] = {{-k*x[i], 0, 0}} at b[i]; end for; end W;"""
     )
     run = model.compile(backend="numpy").simulate(0.5, points=2, method="rk4", step=0.01, sensitivity="k")
-    monkeypatch.setattr("lagc.run.sensitivity.quotient", counted)
+    monkeypatch.setattr("lagc.simulation.sensitivity.sensitivity.quotient", counted)
     final = run.final
     assert len(final) == 4 * n and 0 < asked[0] <= 4 * len(final)
     assert final[f"d(x[{n}])/d(k)"] == pytest.approx(-0.25 * sin(0.5), rel=1e-6)

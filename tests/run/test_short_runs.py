@@ -12,7 +12,7 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 import lagc
-from lagc.run.problem import Options
+from lagc.simulation.system import Options
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 

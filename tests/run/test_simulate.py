@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from lagc.diagnostics.faults import Refused
-from lagc.run.problem import STEP_UNDERFLOW, Options, Trajectory
-from lagc.run.request import Request
-from lagc.run.simulate import simulate
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
+from lagc.simulation.system import STEP_UNDERFLOW, Options, Trajectory
 from tests.run.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
 
 pytestmark = pytest.mark.usefixtures("no_cache")

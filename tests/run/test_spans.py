@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.run.problem import MAX_STEPS, OK, STEP_UNDERFLOW, Options
+from lagc.simulation.system import MAX_STEPS, OK, STEP_UNDERFLOW, Options
 from tests.run.driven import InC, InPython
 
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -9,9 +9,9 @@ import pytest
 from scipy.optimize import minimize
 
 import lagc
-from lagc.run.begin import consistent_start
-from lagc.run.conditions import least_norm
-from lagc.run.problem import Vector
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.initialization.solver import least_norm
+from lagc.simulation.system import Vector
 from tests.run.systems import Oscillator, Pendulum, Spun, norm
 
 

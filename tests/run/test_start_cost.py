@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from lagc.run.begin import consistent_start
-from lagc.run.conditions import Consistency, least_norm
-from lagc.run.consistency import conditions_of
-from lagc.run.problem import INCONSISTENT, NOT_FINITE, OK
+from lagc.simulation.initialization.conflicts import conditions_of
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.initialization.solver import Consistency, least_norm
+from lagc.simulation.system import INCONSISTENT, NOT_FINITE, OK
 from tests.run.started import Twins, program_of, start_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

@@ -7,9 +7,9 @@ import shutil
 
 import pytest
 
-from lagc.run.conditions import Consistency
-from lagc.run.consistency import conditions_of
 from lagc.semantics.types.units import unit
+from lagc.simulation.initialization.conflicts import conditions_of
+from lagc.simulation.initialization.solver import Consistency
 from tests.run.started import Twins, program_of, random_levels, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

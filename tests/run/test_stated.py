@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.run.conditions import Conditions, Consistency
-from lagc.run.problem import INCONSISTENT, OK
+from lagc.simulation.initialization.solver import Conditions, Consistency
+from lagc.simulation.system import INCONSISTENT, OK
 
 Rows = Callable[[Sequence[float]], tuple[list[float], list[list[float]], list[float]]]
 

@@ -14,9 +14,9 @@ import pytest
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix as prefix_of
 from lagc.diagnostics.faults import Refused
-from lagc.run.begin import consistent_start
-from lagc.run.request import Request
-from lagc.run.simulate import simulate
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
 from tests.run.started import program_of, start_of, system_of
 
 WHEEL = """\

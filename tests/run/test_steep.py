@@ -11,8 +11,8 @@ from typing import Any
 import mpmath
 import pytest
 
-from lagc.run.begin import consistent_start
-from lagc.run.problem import OK
+from lagc.simulation.initialization.initialize import consistent_start
+from lagc.simulation.system import OK
 from tests.run.started import Twins, program_of, system_of
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")

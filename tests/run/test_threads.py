@@ -17,9 +17,9 @@ import lagc
 from lagc.compiler import Choice, Compilation, render
 from lagc.host import cache
 from lagc.host.model_library import read
-from lagc.run.backends import compile as c_compiler
-from lagc.run.backends import load
-from lagc.run.problem import Options, System
+from lagc.simulation.backends import compile as c_compiler
+from lagc.simulation.backends import load
+from lagc.simulation.system import Options, System
 from tests.run.linkages import four_bar
 from tests.run.test_generated import BACKENDS, PROGRAMS, build
 

@@ -10,12 +10,12 @@ from random import Random
 import pytest
 
 import lagc
-from lagc.run.balance import balance
-from lagc.run.distance import sizes
-from lagc.run.problem import OK, STEP_UNDERFLOW, Options, Trajectory, Vector
-from lagc.run.request import Request
-from lagc.run.simulate import simulate
-from lagc.run.verdict import UNKNOWN, verdict
+from lagc.simulation.error_measure import sizes
+from lagc.simulation.global_error.energy_balance import balance
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
+from lagc.simulation.system import OK, STEP_UNDERFLOW, Options, Trajectory, Vector
+from lagc.simulation.verdict import UNKNOWN, verdict
 from tests.interfaces import interface
 from tests.run.integrated import DoublePendulum, Integrated, Oscillator
 from tests.run.systems import LINE

@@ -10,11 +10,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc.run.problem import Options, Trajectory
-from lagc.run.request import Request
-from lagc.run.simulate import simulate
-from lagc.run.solution import Solution
-from lagc.run.watch import LONG, hopeless
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
+from lagc.simulation.solution import Solution
+from lagc.simulation.supervision.progress_watch import LONG, hopeless
+from lagc.simulation.system import Options, Trajectory
 from tests.run.integrated import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")

@@ -13,8 +13,8 @@ import lagc
 from lagc.cli.main import main
 from lagc.codegen.python.emit import render
 from lagc.kernels.language.statuses import INTERRUPTED, OK, TERMINATED
-from lagc.run.distance import between, spread
-from lagc.run.problem import Options, Trajectory
+from lagc.simulation.error_measure import between, spread
+from lagc.simulation.system import Options, Trajectory
 from tests.render.tools import STRICT, call
 from tests.run.jumping import STOP, case, motion
 

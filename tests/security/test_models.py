@@ -18,7 +18,7 @@ from lagc import compiler
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Refused, Source
-from lagc.run.backends.compile import compiler as c_compiler
+from lagc.simulation.backends.compile import compiler as c_compiler
 
 ROOT = Path(__file__).parents[2]
 TEMPLATE = """

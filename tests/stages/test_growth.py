@@ -22,9 +22,9 @@ from lagc.compiler import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
 from lagc.lowering.scalar.common_factors import factored, plan
-from lagc.run.trial import try_start
 from lagc.semantics.context import MOST_FAULTS
 from lagc.semantics.instantiate import Builder
+from lagc.simulation.initialization.dry_run import try_start
 from lagc.symbolic.graph import Graph, Node
 from lagc.syntax.formatter.format import format_source
 

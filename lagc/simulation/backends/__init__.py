@@ -1,0 +1,30 @@
+"""Backends: from the generated code of a model to a System."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import CodeType
+
+from lagc.lowering.program import Interface
+from lagc.simulation.system import System
+
+
+def load(
+    interface: Interface, sources: Mapping[str, str], backend: str, code: Sequence[CodeType] = ()
+) -> System:
+    """The system that `sources` (file name -> text, as rendered for `backend`) describe, with the
+    model's own values; `bind` gives it others.
+
+    `code` is the compiled text of the NumPy module, where it is at hand.  Raises CannotCompile
+    (`lagc.simulation.backends.compile`) where the C compiler is missing or fails.
+    """
+    if backend == "c":
+        from lagc.simulation.backends.c import CModel
+
+        library = CModel(interface, sources)
+        library.functions  # noqa: B018  compiled now
+        return library.bind(library.defaults())
+    from lagc.simulation.backends.python import NumpyModel
+
+    module = NumpyModel(interface, sources, code)
+    return module.bind(module.defaults())

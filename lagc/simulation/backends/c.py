@@ -1,0 +1,324 @@
+"""The generated C, compiled to a shared library and called through ctypes, as a System."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Sequence
+from ctypes import c_double, c_int, c_long, c_size_t
+from time import perf_counter
+from typing import Any
+
+from lagc.base.once import once
+from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
+from lagc.codegen.python.support.slices import recorded
+from lagc.kernels import METHODS, MOST_ACTS
+from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
+from lagc.simulation.backends.shared_library import library
+from lagc.simulation.backends.spans import Spans
+from lagc.simulation.system import OK, Options, Trajectory, Vector
+
+
+class _Options(ctypes.Structure):
+    """lagc_options"""
+
+    _fields_ = (
+        ("method", c_int), ("project", c_int), ("max_steps", c_long), ("rtol", c_double),
+        ("atol", c_double), ("step", c_double), ("first_step", c_double), ("max_step", c_double),
+        ("report", c_int), ("halves", c_int),
+    )  # fmt: skip
+
+
+# The functions of the header, where a model has them, and what they return.
+_RESULTS: dict[str, Any] = {
+    **dict.fromkeys(("rhs", "outputs", "assemble", "record"), c_int),
+    **dict.fromkeys(("work_size", "state_size"), c_size_t),
+    **dict.fromkeys(("position", "velocity", "scales", "energies", "start", "displace"), None),
+    **dict.fromkeys(
+        ("solve", "begin", "bind", "hold", "conditions", "some_conditions", "measures", "limits"), None
+    ),
+}
+
+
+class CModel(Compiled):
+    """The library; compiled, where it is not in the cache, when it is first needed."""
+
+    @once
+    def functions(self) -> dict[str, Any]:
+        """By their names in the header, without the prefix.  Raises CannotCompile."""
+        compiled = library(self.sources)
+        (own,) = [name.removesuffix(".c") for name in self.sources if name.endswith(".c")]
+        found = {}
+        for name, result in _RESULTS.items():
+            function = getattr(compiled, f"{own}_{name}", None)
+            if function is not None:
+                function.restype = result
+                found[name] = function
+        return found
+
+    @once
+    def state(self) -> type[Any]:
+        interface = self.interface
+        kinds = max(interface.kinds, default=0) + 1
+        return _state_type(interface.nx, kinds, len(interface.switches), MOST_ACTS * len(interface.whens))
+
+    @once
+    def head(self) -> type[Any]:
+        return _head_type(self.interface.nc)
+
+    @once
+    def spans(self) -> Spans:
+        return Spans(self.interface)
+
+    def bind(self, values: Sequence[float], branch: Branch | None = None) -> CSystem:
+        return CSystem(self, values, branch)
+
+    def work(self) -> Any:
+        """A new workspace."""
+        return ctypes.create_string_buffer(self.functions["work_size"]())
+
+
+class _Desk:
+    """The workspace and arrays of one thread."""
+
+    __slots__ = ("call", "conditions", "head", "lam", "rhs", "work", "x", "xdot")
+
+    def __init__(self, model: CModel):
+        interface = model.interface
+        self.call = model.functions
+        self.rhs = self.call["rhs"]
+        self.work = model.work()
+        self.head = model.head.from_buffer(self.work)
+        self.x = (c_double * interface.nx)()
+        self.xdot = (c_double * interface.nx)()
+        self.lam = (c_double * max(interface.nc, 1))()
+        rows = len(interface.condition_ends) if interface.pieces else 0
+        lengths = (interface.nx, rows, len(interface.condition_columns), rows) if rows else ()
+        self.conditions = [(c_double * length)() for length in lengths]  # x, c, J, sizes
+
+
+class CSystem(CompiledSystem):
+    backend = "c"
+
+    def __init__(self, model: CModel, values: Sequence[float], branch: Branch | None = None):
+        super().__init__(model, values, branch, _Desk)
+        self.model = model
+
+    def _branch(self, t: float, x: Vector) -> Branch:
+        work = self.model.work()
+        self.model.functions["hold"](self._p, c_double(t), (c_double * self.nx)(*x), work)
+        return work.raw
+
+    def _held(self, desk: _Desk, branch: Branch) -> None:
+        desk.work[:] = branch
+
+    @once
+    def _p(self) -> Any:
+        """lagc_params, bound."""
+        return self._bound(0)
+
+    def _bound(self, way: int) -> Any:
+        """The same with arithmetic rounded up or down."""
+        p = (c_double * max(len(self._values) + self.interface.prepared, 1))(*self._values)
+        if self.interface.prepared:
+            bind = self.model.functions["bind"]
+            (_rounded(bind, way) if way else bind)(p)
+        return p
+
+    @property
+    def culprit(self) -> int:
+        return int(self._own.desk.head.culprit)
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        desk = self._own.desk
+        desk.x[:] = x
+        status: int = desk.rhs(self._p, c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
+        xdot[:] = desk.xdot[:]
+        lam[:] = desk.lam[: self.nc]
+        return status
+
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        from lagc.simulation.backends.directed_rounding import control
+
+        if control() is None:
+            return None
+        desk = self._at(x)
+        rhs = _rounded(desk.rhs, way)
+        status: int = rhs(self._bound(way), c_double(t), desk.x, desk.xdot, desk.lam, desk.work)
+        xdot[:] = desk.xdot[:]
+        lam[:] = desk.lam[: self.nc]
+        return status
+
+    def outputs(self, t: float, x: Vector) -> list[float]:
+        n = len(self.interface.outputs)
+        if n == 0:
+            return []
+        y, desk = (c_double * n)(), self._at(x)
+        desk.call["outputs"](self._p, c_double(t), desk.x, y, desk.work)
+        return y[:]
+
+    def start(self) -> list[float]:
+        x = (c_double * self.nx)()
+        self.model.functions["start"](self._p, x)
+        return x[:]
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
+        if "displace" not in self.interface.functions:
+            return list(d)
+        moved, desk = (c_double * self.nq)(), self._at(x)
+        desk.call["displace"](self._p, c_double(t), desk.x, (c_double * self.nv)(*d), moved)
+        return moved[:]
+
+    def assemble(self, t: float, x: Vector) -> int:
+        desk = self._at(x)
+        status: int = desk.call["assemble"](self._p, c_double(t), desk.x, desk.work)
+        return status
+
+    def solve(self, r: Vector) -> list[float]:
+        n, desk = self.nv + self.nc, self._own.desk
+        s = (c_double * n)()
+        desk.call["solve"]((c_double * n)(*r), s, desk.work)
+        return s[:]
+
+    def integrate(
+        self,
+        options: Options,
+        t0: float,
+        x0: Vector,
+        times: Sequence[float],
+        progress: Callable[[float], None] | None = None,
+        way: int = 0,
+    ) -> Trajectory:
+        options.check()
+        nx, n, call = self.nx, len(times), self.model.functions
+        work = self.model.work()
+        room = ctypes.create_string_buffer(call["state_size"]())
+        state = self.model.state.from_buffer(room)
+        call["begin"](ctypes.byref(state), c_double(t0), (c_double * nx)(*x0))
+        asked = _Options(METHODS.index(options.method), options.project, options.max_steps, options.rtol,
+                         options.atol, options.step, options.first_step, options.max_step,
+                         options.report, options.halves)  # fmt: skip
+        events: list[tuple[float, int]] = []
+        jumps: list[float] = []
+        corners: list[tuple[float, list[float], list[float]]] = []
+        switches, whens, noted = len(self.interface.switches), len(self.interface.whens), self.interface.noted
+        grid, states, done = (c_double * n)(*times), (c_double * (n * nx))(), c_size_t(0)
+        head = self.model.head.from_buffer(work)
+        p = self._p
+        if way:
+            from lagc.simulation.backends.directed_rounding import turns
+
+            p, ways = self._bound(way), turns(way)
+
+        def record(steps: int, max_steps: int) -> int:
+            asked.max_steps = max_steps
+            kernel = _rounded(call["record"], next(ways)) if way else call["record"]
+            seen = state.changes if self.interface.switches else 0
+            status: int = kernel(
+                p, ctypes.byref(state), ctypes.byref(asked), grid, c_size_t(n), states,
+                ctypes.byref(done), c_long(steps), work,
+            )  # fmt: skip
+            if self.interface.switches and asked.report and state.changes > seen:
+                events.extend((state.t, k) for k in noted if state.changed[k])
+                if len(corners) < MOST_CORNERS:
+                    x = state.x[:]
+                    jumped = whens and state.jumps > len(jumps)
+                    corners.append((state.t, state.x_left[:] if jumped else x, x))
+                if whens:
+                    events.extend((state.t, switches + k) for k in state.acted[: state.acts])
+                    jumps.extend([state.t] * (state.jumps - len(jumps)))
+                asked.report = len(events) < MOST_EVENTS
+            return status
+
+        def told(status: int) -> Trajectory:
+            flat = states[: done.value * nx]
+            rows = head.redundant if self.nc else ()
+            return Trajectory(
+                times=list(times[: done.value]),
+                states=[flat[k : k + nx] for k in range(0, len(flat), nx)],
+                t=state.t, x=state.x[:], status=status, culprit=-1 if status == OK else state.culprit,
+                steps=state.steps, rejected=state.rejected, rhs=state.rhs,
+                step=state.t - state.t_old, fallbacks=head.fallbacks,
+                redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
+                position_drift=state.position_drift, velocity_drift=state.velocity_drift,
+                sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
+                events=events, jumps=jumps, corners=corners,
+                changes=state.changes if self.interface.switches else 0,
+            )  # fmt: skip
+
+        return recorded(state, options, record, told, progress, None if way else perf_counter)
+
+    def _at(self, x: Vector) -> Any:
+        """The desk of this thread, with x on it."""
+        desk = self._own.desk
+        desk.x[:] = x
+        return desk
+
+    def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
+        if length == 0:
+            return []
+        values, desk = (c_double * length)(), self._at(x)
+        desk.call[name](self._p, c_double(t), desk.x, values)
+        return values[:]
+
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
+        asked, rows, entries = self.model.spans(first, last)
+        desk = self._own.desk
+        x_there, c_there, jacobian_there, sizes_there = room = desk.conditions
+        for k in asked:
+            x_there[k] = x[k]
+        desk.call["some_conditions"](self._p, c_double(t), *room, first, last)
+        for k in rows:
+            c[k], sizes[k] = c_there[k], sizes_there[k]
+        for k in entries:
+            jacobian[k] = jacobian_there[k]
+
+    def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
+        arrays = [(c_double * max(length, 1))() for length in lengths]
+        if name in self.interface.functions:
+            state = (c_double(t), (c_double * self.nx)(*x)) if x else ()
+            self.model.functions[name](self._p, *state, *arrays)
+        return [array[:length] for array, length in zip(arrays, lengths)]
+
+
+def _rounded(function: Callable[..., int], way: int) -> Callable[..., int]:
+    """Compiled code with arithmetic rounded up (1) or down (-1)."""
+    from lagc.simulation.backends.directed_rounding import directed
+
+    def call(*given: Any) -> int:
+        with directed(way):
+            return function(*given)
+
+    return call
+
+
+def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
+    """The first members of lagc_state."""
+
+    class State(ctypes.Structure):
+        _fields_ = (
+            ("t", c_double), ("x", c_double * nx), ("t_old", c_double), ("position_drift", c_double),
+            ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
+            ("culprit", c_int), ("sizes", c_double * kinds),
+            *(
+                (("changes", c_long), ("changed", c_int * switches), ("jolts", c_double * nx))
+                if switches
+                else ()
+            ),
+            *(
+                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long), ("x_left", c_double * nx))
+                if acts
+                else ()
+            ),
+        )  # fmt: skip
+
+    return State
+
+
+def _head_type(nc: int) -> type[Any]:
+    """The first members of lagc_work."""
+
+    class Head(ctypes.Structure):
+        _fields_ = (("culprit", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
+
+    return Head

@@ -1,0 +1,309 @@
+"""The generated Python module as a System.
+
+One state at a time runs on Python floats, which NumPy would slow down; the module uses NumPy for
+many states at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from time import perf_counter
+from types import CodeType
+from typing import Any
+
+from lagc.base.once import once
+from lagc.lowering.program import Interface
+from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
+from lagc.simulation.system import OK, Options, Trajectory, Vector
+
+_PART = 20_000  # characters
+_BETWEEN = "\n\n\n"  # between definitions of a module, and nowhere in them
+
+
+def compiled(text: str, name: str) -> tuple[CodeType, ...]:
+    """The text of a module as code, which comes in parts: to compile them one by one takes half the room of
+    all at once, and three quarters of the time."""
+    parts, flags = [""], annotations.compiler_flag
+    for definition in text.split(_BETWEEN):
+        if len(parts[-1]) > _PART:
+            parts.append("")
+        parts[-1] += definition + _BETWEEN
+    return tuple([compile(part, name, "exec", flags, dont_inherit=True) for part in parts])
+
+
+def executed(code: Sequence[CodeType]) -> dict[str, Any]:
+    """The namespace that a module makes."""
+    space: dict[str, Any] = {"__name__": __name__}
+    for part in code:
+        exec(part, space)
+    return space
+
+
+ROOM = 2**21  # operations that derivatives are made of at once, directions times those of a right-hand side
+
+
+class NumpyModel(Compiled):
+    """The module; `code` is its compiled text, where it is at hand."""
+
+    def __init__(self, interface: Interface, sources: Mapping[str, str], code: Sequence[CodeType] = ()):
+        super().__init__(interface, sources)
+        self.code = code
+
+    @once
+    def module(self) -> dict[str, Any]:
+        """The namespace that the text makes."""
+        ((name, text),) = self.sources.items()
+        return executed(self.code or compiled(text, name))
+
+    @once
+    def rows(self) -> dict[str, range]:
+        """Those of each part of what is differentiated."""
+        return self.interface.stack
+
+    @once
+    def places(self) -> dict[str, Any]:
+        """Rows and columns of the derivatives by each group, as arrays."""
+        import numpy
+
+        found = self.interface.derivatives
+        return {group: numpy.array(places, dtype=int).reshape(-1, 2).T for group, places in found.items()}
+
+    def bind(self, values: Sequence[float], branch: Branch | None = None) -> NumpySystem:
+        return NumpySystem(self, values, branch)
+
+
+class _Desk:
+    """The equations of one thread, and the functions of the Program with what they read."""
+
+    __slots__ = ("equations", "functions", "rhs")
+
+    def __init__(self, model: NumpyModel, values: Sequence[float]):
+        self.equations: Any = model.module["Equations"](values)
+        self.functions: dict[str, tuple[Any, tuple[str, ...]]] = {}
+        self.rhs: Any = self.equations.rhs
+
+
+class NumpySystem(CompiledSystem):
+    backend = "numpy"
+
+    def __init__(self, model: NumpyModel, values: Sequence[float], branch: Branch | None = None):
+        super().__init__(model, values, branch, _Desk, tuple(values))
+        self.model = model
+
+    def _branch(self, t: float, x: Vector) -> Branch:
+        return tuple(self.modes(t, x))
+
+    def _held(self, desk: _Desk, branch: Branch) -> None:
+        work = desk.equations.work
+        work.modes[:], work.held = branch, True
+
+    @once
+    def _p(self) -> list[float]:
+        """The array p, bound."""
+        p: list[float] = self.equations().p
+        return p
+
+    def equations(self) -> Any:
+        """The equations for one trajectory, which remember which rows depended on others."""
+        return self.model.module["Equations"](self._values)
+
+    @property
+    def culprit(self) -> int:
+        found: int = self._own.desk.equations.culprit
+        return found
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        status: int = self._own.desk.rhs(t, x, xdot, lam)
+        return status
+
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        return None
+
+    def assemble(self, t: float, x: Vector) -> int:
+        work = self._own.desk.equations.work
+        work.lost = False
+        status: int = self.model.module["assemble_at"](self._p, t, x, work)
+        return status
+
+    def solve(self, r: Vector) -> list[float]:
+        found = [0.0] * (self.nv + self.nc)
+        self.model.module["solve_at"](r, found, self._own.desk.equations.work)
+        return found
+
+    def factors(self, t: float, x: Vector, modes: Vector | None = None) -> list[float] | None:
+        """Those of [M -G^T; G 0] at a state, of a program with derivatives; None where it has none, or none
+        that can be trusted.  Without `modes` on the branch of the state."""
+        if "solve" not in self.interface.functions:
+            return None
+        work = self._own.desk.equations.work
+        on = () if not self.interface.switches else (self.modes(t, x) if modes is None else modes,)
+        if not self.nc:
+            module = self.model.module
+            module["fn_assemble_on" if on else "fn_assemble"](self._p, t, x, *on, work.entries)
+            module["fn_factor"](work.entries, work.health)
+            return work.entries[:] if work.health[0] >= module["SINGULAR"] else None
+        with self._on(*on):
+            safely = work.fallbacks
+            status = self.assemble(t, x)
+        return work.entries[:] if status == OK and work.fallbacks == safely else None
+
+    def solved(self, factors: Vector, right: Any) -> Any:
+        """The columns s of M s1 - G^T s2 = r1, G s1 = r2 for those of `right`, with one step of refinement
+        where there are constraints."""
+        import numpy
+
+        module, found = self.model.module, [0.0] * len(right)
+        module["fn_solve"](factors, list(right), found)
+        if "refine" in self.interface.functions:
+            module["fn_refine"](factors, list(right), found)
+        elif self.nc:
+            rest, change = [0.0] * len(right), [0.0] * len(right)
+            module["fn_rest"](factors, list(right), found, rest)
+            module["fn_solve"](factors, rest, change)
+            found = [s + d for s, d in zip(found, change)]
+        return numpy.array([numpy.broadcast_to(s, right.shape[1]) for s in found])
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]:
+        if "displace" not in self.interface.functions:
+            return list(d)
+        dq = [0.0] * self.nq
+        self.model.module["fn_displace"](self._p, t, x, d, dq)
+        return dq
+
+    def modes(self, t: float, x: Vector) -> list[float]:
+        """The branch of a state: the mode of each switch."""
+        found = [0.0] * len(self.interface.switches)
+        if found:
+            self.model.module["fn_modes"](self._p, t, x, found)
+        return found
+
+    def holds(self, modes: Vector, t: float, x: Vector) -> list[float]:
+        """Of each clause `when`, 1 where its condition holds on a branch."""
+        found = [0.0] * len(self.interface.whens)
+        if found:
+            self.model.module["fn_holds_on"](self._p, t, x, modes, found)
+        return found
+
+    def rhs_on(self, modes: Vector, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        """`rhs` on a branch."""
+        with self._on(modes):
+            return self.rhs(t, x, xdot, lam)
+
+    @contextmanager
+    def _on(self, modes: Vector = ()) -> Iterator[None]:
+        """What is asked within is asked on this branch, if one is given."""
+        if not modes:
+            yield
+            return
+        work = self._own.desk.equations.work
+        before, held = work.modes[:], work.held
+        work.modes[:], work.held = modes, True
+        yield
+        work.modes[:], work.held = before, held
+
+    def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
+        """What is differentiated (`lagc.lowering.jacobians`), of a program with derivatives; without
+        `modes` on the branch of the state."""
+        found = [0.0] * max([part.stop for part in self.interface.stack.values()])
+        self._differentiated("stack", t, x, a, lam, modes, found)
+        return found
+
+    def derivatives(
+        self, group: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None
+    ) -> Any:
+        """Of the stack by one group, as a matrix."""
+        import numpy
+
+        height, columns = max(rows.stop for rows in self.model.rows.values()), self.interface.groups[group]
+        table = numpy.zeros((height, len(columns)))
+        if "along" in self.interface.functions:
+            together = max(ROOM // max(self.interface.operations, 1), 1)
+            for first in range(0, len(columns), together):
+                directions = range(columns.start, columns.stop)[first : first + together]
+                changes: list[Any] = [0.0] * height
+                self._differentiated("along", t, x, a, lam, modes, self._seeds(directions), changes)
+                for k, change in enumerate(changes):
+                    table[k, first : first + together] = change
+        elif pattern := self.interface.derivatives[group]:
+            found = [0.0] * len(pattern)
+            self._differentiated(f"by_{group}", t, x, a, lam, modes, found)
+            table[tuple(self.model.places[group])] = found
+        return table
+
+    def _seeds(self, directions: range) -> list[Any]:
+        """One after the other: an array an entry of a direction, 0 where all of them have that."""
+        import numpy
+
+        found: list[Any] = [0.0] * max(group.stop for group in self.interface.groups.values())
+        found[directions.start : directions.stop] = list(numpy.eye(len(directions)))
+        return found
+
+    def _differentiated(
+        self, name: str, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None, *last: list[Any]
+    ) -> None:
+        module = self.model.module
+        if not self.interface.switches:
+            module[f"fn_{name}"](self._p, t, x, a, lam, *last)
+        else:
+            on = self.modes(t, x) if modes is None else modes
+            module[f"fn_{name}_on"](self._p, t, x, on, a, lam, *last)
+
+    def start(self) -> list[float]:
+        x = [0.0] * self.nx
+        self.model.module["fn_start"](self._p, x)
+        return x
+
+    def integrate(
+        self,
+        options: Options,
+        t0: float,
+        x0: Vector,
+        times: Sequence[float],
+        progress: Callable[[float], None] | None = None,
+        way: int = 0,
+    ) -> Trajectory:
+        def run(tell: Callable[[float], None] | None, clock: Callable[[], float] | None = None) -> Trajectory:
+            integrate = self.model.module["_integrate"]
+            done: Trajectory = integrate(self.equations(), options, t0, list(x0), list(times), tell, clock)
+            return done
+
+        if way == 0:
+            return run(progress, perf_counter)
+        from lagc.simulation.backends.directed_rounding import by_turns
+
+        return by_turns(run, way, progress)
+
+    def _ask(self, name: str, length: int, t: float, x: Vector) -> list[float]:
+        """The function `name` of the Program, with those of p t x e a lam that it reads."""
+        result = [0.0] * length
+        if length:
+            desk = self._own.desk
+            if name not in desk.functions:
+                found = self.model.module[f"fn_{name}"]
+                desk.functions[name] = found, found.__code__.co_varnames[: found.__code__.co_argcount - 1]
+            function, names = desk.functions[name]
+            given: dict[str, Any] = {"p": self._p, "t": t, "x": x}
+            if "e" in names:
+                given["e"] = self.energies(t, x)
+            if "a" in names or "lam" in names:
+                given["a"], given["lam"] = self.accelerations(t, x)
+            function(*(given[n] for n in names), result)
+        return result
+
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        found = super().conditions(t, x)
+        if self.interface.part_ends:
+            self.model.module["put_together"](found[1])
+        return found
+
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
+        self.model.module["fn_conditions_some"](self._p, t, x, c, jacobian, sizes, first, last)
+
+    def _fill(self, name: str, lengths: tuple[int, ...], t: float = 0.0, x: Vector = ()) -> list[list[float]]:
+        arrays = [[0.0] * length for length in lengths]
+        if name in self.interface.functions:
+            state = (t, x) if x else ()
+            self.model.module[f"fn_{name}"](self._p, *state, *arrays)
+        return arrays

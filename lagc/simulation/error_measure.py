@@ -1,0 +1,117 @@
+"""How far apart motions are, in the sizes of their kinds of states."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite
+from operator import sub
+
+from lagc.lowering.program import Interface
+from lagc.simulation.system import TERMINATED, Trajectory
+
+NEAR_THE_END = 1e-5  # of the time
+
+Sizes = Sequence[tuple[Sequence[int], float]]
+
+
+def sizes(trajectory: Trajectory, interface: Interface) -> list[tuple[list[int], float]]:
+    """The indices of the states of each kind, and the largest magnitude of these: at the recorded times, and
+    at the ends of all steps."""
+    largest = [max(max(column), -min(column)) for column in zip(*trajectory.states)]
+    found = []
+    for group in kinds(interface):
+        seen = [trajectory.sizes[interface.kinds[group[0]]]] if trajectory.sizes else [0.0]
+        found.append((group, max(seen + [largest[i] for i in group] if largest else seen)))
+    return found
+
+
+def moving(groups: Sizes, still: Mapping[int, float]) -> list[tuple[Sequence[int], float]]:
+    """`groups`, with size 0 for the kinds (by place) that are no larger than rounding makes them."""
+    return [(group, 0.0 if size <= still.get(k, 0.0) else size) for k, (group, size) in enumerate(groups)]
+
+
+def kinds(interface: Interface) -> list[list[int]]:
+    """The indices of the coordinates and speeds that share a scale."""
+    groups: dict[int, list[int]] = {}
+    for i, kind in enumerate(interface.kinds):
+        groups.setdefault(kind, []).append(i)
+    return list(groups.values())
+
+
+def between(a: Trajectory, b: Trajectory) -> frozenset[int]:
+    """The places of common times at which one run has come to a jump of the motion that the other comes to a
+    moment later: nothing is compared there."""
+    if not (a.jumps or b.jumps):
+        return frozenset()
+    both, last, found = min(len(a.jumps), len(b.jumps)), min(len(a.times), len(b.times)) - 1, []
+    for k, (t, u) in enumerate(zip(a.times, b.times)):
+        i, j = bisect_right(a.jumps, t), bisect_right(b.jumps, u)
+        if i != j and (max(i, j) <= both or (k == last and _at_the_end(a, b))):
+            found.append(k)
+    return frozenset(found)
+
+
+def _at_the_end(a: Trajectory, b: Trajectory) -> bool:
+    """Whether the jumps that only one of them has are that close to the end."""
+    more, both = (a if len(a.jumps) > len(b.jumps) else b), min(len(a.jumps), len(b.jumps))
+    near = NEAR_THE_END * abs(more.times[-1] - more.times[0])
+    return all(abs(more.times[-1] - t) <= near for t in more.jumps[both:])
+
+
+def difference(
+    a: Trajectory,
+    b: Trajectory,
+    interface: Interface,
+    target: float,
+    still: Mapping[int, float] | None = None,
+) -> tuple[float, float | None]:
+    """The largest scaled difference over the common times, and the last time up to which it stays below
+    `target` by the sizes of the motion until there (None where that is the end): a motion that runs
+    away later makes nothing before it more exact.  `still`: how far rounding may move some kinds (by
+    place), of which less than that tells nothing."""
+    alike = [True] * min(len(a.states), len(b.states))
+    largest, left_out = _apart_in_time(a, b), between(a, b)
+    for place, group in enumerate(kinds(interface)):
+        size = apart = 0.0
+        noise = still.get(place, 0.0) if still else 0.0
+        for k, (x, y) in enumerate(zip(a.states, b.states)):
+            for i in group if k not in left_out else ():
+                size = max(size, abs(x[i]), abs(y[i]))
+                if not abs(x[i] - y[i]) <= apart:
+                    apart = abs(x[i] - y[i])
+            if not (apart <= target * size or size <= noise):
+                alike[k] = False
+        if not (apart <= largest * size or size <= noise):
+            largest = apart / size if apart < inf else inf
+    if not alike or alike[-1]:
+        return largest, None
+    return largest, a.times[max((k for k, same in enumerate(alike) if same), default=0)]
+
+
+def spread(a: Trajectory, b: Trajectory, of_a: Sizes, of_b: Sizes) -> float:
+    """The largest scaled difference of two runs over the same times, from their sizes."""
+    left_out, worst = between(a, b), _apart_in_time(a, b)
+    one, other = a.states, b.states
+    if left_out:
+        one, other = ([x for k, x in enumerate(s) if k not in left_out] for s in (one, other))
+    columns = [*zip(zip(*one), zip(*other))]
+    if not columns:
+        return inf
+    for (group, here), (_, there) in zip(of_a, of_b):
+        size = max(here, there)
+        for i in group if size > 0.0 else ():
+            gaps = [*map(abs, map(sub, *columns[i]))]
+            worst = max(worst, max(gaps) / size if isfinite(sum(gaps)) else inf)
+    return worst
+
+
+def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
+    """How far apart the moments are at which states jump, and at which clauses `when` end the runs, of the
+    whole time."""
+    pairs = [*zip(a.jumps, b.jumps)]
+    if TERMINATED in (a.status, b.status):
+        pairs.append((a.times[-1], b.times[-1]))
+    span = max((abs(run.times[-1] - run.times[0]) for run in (a, b)), default=0.0)
+    far = max((abs(t - u) for t, u in pairs), default=0.0)
+    return far / span if span > 0.0 else 0.0

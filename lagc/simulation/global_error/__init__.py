@@ -1,0 +1,1 @@
+"""The estimate of the global error of a run."""

@@ -1,0 +1,161 @@
+"""Whether the energy of a motion is as exact as the motion is said to be.
+
+States with errors of A times their sizes s_i have an energy wrong by A times the sum of |dE/dx_i| s_i
+at most, to first order.  What is left between the energy gained and the work done must not be far more:
+if it is, the motion is not what the equations say, however well two runs of it agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from lagc.base.records import dataclass
+from lagc.simulation.error_measure import Sizes
+from lagc.simulation.system import System, Trajectory
+
+RECORDED = 48  # states at which the balance is drawn
+FEW = 12  # at first, or more where a run took so many times SELDOM evaluations
+SELDOM = 400
+PROBED = 6  # states at which the sensitivity of the energy is told
+STEP = 1e-6  # of a size, for differences
+MARGIN = 10.0  # on what errors of the states explain
+WORK_MARGIN = 100.0  # on the work, whose integral has no error control of its own
+CELLS = 64  # into which the time between two states is cut, twice
+ROUNDING = 1e3  # rounding of the terms, over that of one evaluation
+
+
+@dataclass(frozen=True, slots=True)
+class Balance:
+    """The largest imbalance, in J, its time, and the most that errors of the accuracy asked explain."""
+
+    imbalance: float
+    t: float
+    explained: float
+
+    @property
+    def holds(self) -> bool:
+        return not self.imbalance > self.explained
+
+
+def balance(system: System, trajectory: Trajectory, groups: Sizes, accuracy: float) -> Balance:
+    """`groups`: the indices of the states of each kind, and their size.
+
+    As much as twice the kinetic energy is the sum over the speeds alone, where nothing depends on time: an
+    imbalance that a tenth of this explains is harmless, and nothing more is asked.
+    """
+    states = trajectory.states
+    if not states:
+        return Balance(0.0, 0.0, 0.0)
+    times, count = trajectory.times, max(FEW, min(RECORDED, trajectory.rhs // SELDOM))
+    drawn = _Drawn(system, times, states, _picked(len(states), count))
+    explained = accuracy * MARGIN * 2.0 * drawn.kinetic()
+    found = drawn.balance(explained)
+    if found.imbalance <= 0.1 * explained:
+        return found
+    drawn = _Drawn(system, times, states, _picked(len(states), RECORDED))
+    explained = accuracy * WORK_MARGIN * drawn.work()
+    found = drawn.balance(explained)
+    if found.holds:  # whatever the states bring: to ask this takes an evaluation for each
+        return found
+    return drawn.balance(explained + _explained(system, times, states, groups, accuracy))
+
+
+class _Drawn:
+    """The balance at the states `picked`."""
+
+    def __init__(
+        self, system: System, times: Sequence[float], states: Sequence[Sequence[float]], picked: list[int]
+    ):
+        self.times = [times[k] for k in picked]
+        self.energies = [system.energies(times[k], states[k]) for k in picked]
+        self.works = [states[k][-1] if system.nz else 0.0 for k in picked]
+
+    def kinetic(self) -> float:
+        """The largest kinetic energy; 0 where a part of it is not a square of the speeds."""
+        whole = all(abs(k + v - e) <= 1e-12 * (abs(k) + abs(v)) for k, v, e in self.energies)
+        return max(k for k, _, _ in self.energies) if whole else 0.0
+
+    def work(self) -> float:
+        """What was done to and fro."""
+        return sum(abs(b - a) for a, b in pairwise(self.works))
+
+    def balance(self, explained: float) -> Balance:
+        e0, w0 = self.energies[0][2], self.works[0]
+        left = [abs(e[2] - e0 - (w - w0)) for e, w in zip(self.energies, self.works)]
+        worst = max(range(len(left)), key=left.__getitem__)
+        return Balance(left[worst], self.times[worst], explained)
+
+
+def leap(system: System, trajectory: Trajectory) -> tuple[float, float] | None:
+    """When, and by how much, the energy of the states between two recorded ones, taken on the straight
+    line, changes at once or all but so; None where it does not.
+
+    What two cells of that line bring, less what those beside them do, shrinks with the square of their
+    length where the energy is smooth.
+    """
+    times, states = trajectory.times, trajectory.states
+    drawn = _Drawn(system, times, states, list(range(len(states))))
+    left = [e[2] - w for e, w in zip(drawn.energies, drawn.works)]
+    if len(left) < 2:
+        return None
+    k = max(range(len(left) - 1), key=lambda i: abs(left[i + 1] - left[i]))
+    change = left[k + 1] - left[k]
+
+    def energy(share: float) -> float:
+        x = [a + share * (b - a) for a, b in zip(states[k], states[k + 1])]
+        return system.energies(times[k] + share * (times[k + 1] - times[k]), x)[2]
+
+    begin, cell, found = 0.0, 1.0 / CELLS, change
+    for _ in range(2):
+        ends = [energy(begin + i * cell) for i in range(-3, CELLS + 4)]
+        steps = [b - a for a, b in zip(ends, ends[2:])]
+        own = [b - 0.5 * (a + c) for a, b, c in zip(steps, steps[2:], steps[4:])]
+        most = max(range(len(own)), key=lambda i: abs(own[i]))
+        if not abs(own[most]) >= 0.5 * abs(found):
+            return None
+        begin, cell, found = begin + (most - 1) * cell, 2.0 * cell / CELLS, own[most]
+    return times[k] + begin * (times[k + 1] - times[k]), found
+
+
+def _explained(
+    system: System,
+    times: Sequence[float],
+    states: Sequence[Sequence[float]],
+    groups: Sizes,
+    accuracy: float,
+) -> float:
+    """What errors of the accuracy in the states, and rounding, bring at most."""
+    from lagc.simulation.backends.directed_rounding import apart
+
+    picked = _picked(len(states), PROBED)
+    slopes = max(_slopes(system, times[k], states[k], groups) for k in picked)
+    noise = apart(lambda: max(_noise(system, times[k], states[k]) for k in picked))
+    return accuracy * MARGIN * slopes + ROUNDING * noise
+
+
+def _picked(n: int, count: int) -> list[int]:
+    return sorted({k * (n - 1) // count for k in range(count + 1)}) if n else []
+
+
+def _slopes(system: System, t: float, x: Sequence[float], groups: Sizes) -> float:
+    """The sum of |dE/dx_i| s_i."""
+    here, total = system.energies(t, x)[2], 0.0
+    for group, size in groups:
+        for i in group:
+            y = list(x)
+            y[i] += STEP * size
+            change = abs(system.energies(t, y)[2] - here) / STEP
+            total += change if change < 1e300 else 0.0
+    return total
+
+
+def _noise(system: System, t: float, x: Sequence[float]) -> float:
+    """How far rounding moves the energy at one state."""
+    from lagc.simulation.backends.directed_rounding import directed
+
+    found = [system.energies(t, x)]
+    for way in (1, -1):
+        with directed(way):
+            found.append(system.bind(system.parameters).energies(t, x))
+    return max(abs(e[2] - found[0][2]) for e in found) + 2.0**-52 * max(abs(a) for a in found[0])

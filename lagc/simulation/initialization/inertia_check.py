@@ -1,0 +1,94 @@
+"""Speeds without kinetic energy, or with a negative one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import sqrt
+from typing import TypeAlias
+
+from lagc.simulation.system import System, row_gradients
+
+Form: TypeAlias = Callable[[Sequence[float]], float]
+
+
+_MOST = 60  # speeds: beyond, no pairs are looked at
+_MOST_ALONE = 1000
+_ROUNDING = 1e-9  # of the energy of a speed by itself
+
+
+def negative_speed(system: System, t: float, x: Sequence[float]) -> int | None:
+    """A speed, by index, that takes part in a motion of negative kinetic energy at (t, x), beside what the
+    frames' own motion brings: by Cholesky's factors of the form on what the constraints allow."""
+    nv = system.nv
+    if nv > _MOST:
+        return None
+    form, rest = _form(system, t, x)
+    units = [_unit(k, nv) for k in range(nv)]
+    own = [abs(form(unit)) for unit in units]
+    sizes = [1.0 / sqrt(a) if a > _ROUNDING * abs(rest) else 1.0 for a in own]
+    basis: list[list[float]] = []
+    rows = [[a * b for a, b in zip(row, sizes)] for row in row_gradients(system, t, x)]
+    for row in rows:
+        _extend(basis, row)
+    bound = len(basis)
+    for unit in units:
+        _extend(basis, unit)
+    ways = [[a * b for a, b in zip(way, sizes)] for way in basis[bound:]]
+    found = _negative(ways, form)
+    return None if found is None else max(range(nv), key=lambda j: abs(basis[bound + found][j]))
+
+
+def weightless_speed(system: System, t: float, x: Sequence[float]) -> int:
+    """The first speed, by index, that has no kinetic energy of its own at (t, x), or -1."""
+    nv = system.nv
+    if nv > _MOST_ALONE:
+        return -1
+    form, rest = _form(system, t, x)
+    return next((k for k in range(nv) if form(_unit(k, nv)) <= _ROUNDING * abs(rest)), -1)
+
+
+def _form(system: System, t: float, x: Sequence[float]) -> tuple[Form, float]:
+    """v^T M v at (t, x), and the energy of the frames' own motion."""
+    nq, nv = system.nq, system.nv
+
+    def energy(v: Sequence[float]) -> float:
+        return system.energies(t, [*x[:nq], *v, *x[nq + nv :]])[0]
+
+    rest = energy([0.0] * nv)
+    return lambda v: energy(v) + energy([-a for a in v]) - 2.0 * rest, rest
+
+
+def _unit(k: int, n: int) -> list[float]:
+    return [float(i == k) for i in range(n)]
+
+
+def _negative(ways: Sequence[Sequence[float]], form: Form) -> int | None:
+    """The first way along which, less what those before share of it, `form` is negative."""
+    n, own = len(ways), [form(way) for way in ways]
+    table = [[0.0] * n for _ in ways]
+    for k in range(n):
+        for i in range(k):
+            both = form([a + b for a, b in zip(ways[k], ways[i])])
+            table[k][i] = table[i][k] = 0.5 * (both - own[k] - own[i])
+        table[k][k] = own[k]
+    for k in range(n):
+        pivot = table[k][k]
+        if pivot < -_ROUNDING * max(abs(own[k]), 1.0):
+            return k
+        for i in range(k + 1, n) if pivot > _ROUNDING * max(abs(own[k]), 1.0) else ():
+            part = table[i][k] / pivot
+            table[i][k + 1 :] = [a - part * b for a, b in zip(table[i][k + 1 :], table[k][k + 1 :])]
+    return None
+
+
+def _extend(basis: list[list[float]], vector: Sequence[float]) -> None:
+    """Add the direction of `vector` that `basis`, orthonormal, does not have, if there is one."""
+    length = sqrt(sum(a * a for a in vector))
+    rest = [a / length for a in vector] if length > 0.0 else []
+    for _ in range(2):
+        for other in basis if rest else ():
+            part = sum(a * b for a, b in zip(rest, other))
+            rest = [a - part * b for a, b in zip(rest, other)]
+    length = sqrt(sum(a * a for a in rest))
+    if length > 1e-6:
+        basis.append([a / length for a in rest])

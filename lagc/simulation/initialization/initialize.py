@@ -1,0 +1,133 @@
+"""What must be there before the first step: a consistent start at which the motion is determined."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite
+from time import perf_counter
+from typing import Any
+
+from lagc.base.records import replace
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.host.budgets import doing
+from lagc.simulation.initialization.result import Anchor, Start, told
+from lagc.simulation.names import more, row_name, speed_name, state_name
+from lagc.simulation.request import Request, keep_limits
+from lagc.simulation.system import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
+
+MOST_NAMED = 12  # conditions of a conflict
+
+
+class NoStart(Refused):
+    """There is no first step.  `anchors` are what of the model it hangs on, `x` is the state; `p` the
+    parameters, then the inputs, by name: `lagc.simulation.initialization.source_spans` finds their places in the text."""
+
+    def __init__(self, fault: Fault, anchors: Sequence[Anchor], x: Sequence[float], system: System):
+        super().__init__([fault])
+        interface = system.interface
+        self.anchors = tuple(anchors)
+        self.x = dict(zip(system.interface.state_names, x))
+        self.p = dict(zip([f.name for f in (*interface.parameters, *interface.inputs)], system.parameters))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Refused, (self.faults,)
+
+
+def begin(system: System, request: Request) -> Start:
+    """The consistent start.  Raises NoStart, naming the conditions that cannot be met (LAG0610), or the start
+    value that is not finite (LAG0611); and as `_energies`."""
+    keep_limits(system)
+    doing("finding the start")
+    began = perf_counter()
+    start = consistent_start(system, 0.0, request.starts)
+    if start.missed:
+        anchors = [*(m.anchor for m in start.missed), *start.anchors]
+        raise NoStart(_conflict(start), anchors, start.x, system)
+    for i, value in enumerate(start.x):
+        if not isfinite(value):
+            fault = Fault("LAG0611", f"the start value of {state_name(system, i)} is not a finite number")
+            anchors = [("start", name) for name in system.interface.state_names[i : i + 1]]
+            raise NoStart(fault, anchors, start.x, system)
+    _energies(system, start.x)
+    return replace(start, seconds=perf_counter() - began)
+
+
+def _energies(system: System, x: Sequence[float]) -> None:
+    """Raises NoStart where an energy has no finite value (LAG0613), or some speeds have a negative kinetic
+    energy (LAG0615)."""
+    for name, value in zip(("kinetic", "potential", "total"), system.energies(0.0, x)):
+        if not isfinite(value):
+            fault = Fault("LAG0613", f"the {name} energy is not a finite number at the start")
+            raise NoStart(fault, (), x, system)
+    if system.interface.doubtful:
+        from lagc.simulation.initialization.inertia_check import negative_speed  # where it is asked
+
+        k = negative_speed(system, 0.0, x)
+        if k is not None:
+            message = f"the kinetic energy of motions along {speed_name(system, k)} is negative at the start"
+            raise NoStart(Fault("LAG0615", message), [("speed", system.interface.v_names[k])], x, system)
+
+
+def strange_outputs(system: System, x: Sequence[float]) -> list[int]:
+    """The outputs, by index, that have no finite value at the start."""
+    return [k for k, value in enumerate(system.outputs(0.0, x)) if not isfinite(value)]
+
+
+def consistent_start(system: System, t: float = 0.0, given: Mapping[str, float] | None = None) -> Start:
+    """The start of `system` at time `t`, with the values of `given` (by name), which count as stated by
+    the run, in place of the model's."""
+    guess, given = list(system.start()), given or {}
+    stated = {i: given[name] for i, name in enumerate(system.interface.state_names) if name in given}
+    for i, value in stated.items():
+        guess[i] = value
+    if not system.interface.needs_consistency:
+        return Start(guess)
+    from lagc.simulation.initialization.conflicts import search  # where there is something to search for
+
+    return search(system, t, guess, stated)
+
+
+def demand(system: System, run: Trajectory) -> None:
+    """Raises NoStart where the motion is not determined at the start of `run`: not even a step was tried."""
+    if run.status in FAILED and run.steps == run.rejected == 0:
+        raise undetermined(system, run.status, run.culprit, run.x)
+
+
+def undetermined(system: System, status: int, k: int, x: Sequence[float]) -> NoStart:
+    """What the status (one of FAILED) of the equations at the start means, k its culprit."""
+    interface = system.interface
+    if status == SINGULAR_MASS:
+        if not 0 <= k < system.nv:
+            from lagc.simulation.initialization.inertia_check import weightless_speed  # where it is asked
+
+            k = weightless_speed(system, 0.0, x)
+        message = (
+            f"the mass matrix is singular at the start: nothing has inertia along {speed_name(system, k)}"
+        )
+        fault, anchors = Fault("LAG0612", message), [("speed", name) for name in interface.v_names[k : k + 1]]
+    elif status == INCONSISTENT:
+        message = f"the constraints contradict each other at the start: {row_name(system, k)}"
+        fault = Fault("LAG0614", message, remedy="let one of them go, or begin in another posture")
+        anchors = [("row", interface.row_labels[k])] if k >= 0 else []
+    else:
+        message = f"the rate of {state_name(system, k)} is not a finite number at the start"
+        fault = Fault("LAG0613", message)
+        anchors = [("state", name) for name in system.interface.state_names[k : k + 1]]
+    return NoStart(fault, anchors, x, system)
+
+
+def _conflict(start: Start) -> Fault:
+    missed, held = told(start.missed), list(start.held)
+    named = f"{'; '.join(missed[:MOST_NAMED])}{more(missed, MOST_NAMED)}"
+    message = f"no start was found that meets all conditions: {named}"
+    if held:
+        verb = "is" if len(held) == 1 else "are"
+        message += f", where {', '.join(held[:MOST_NAMED])}{more(held, MOST_NAMED)} {verb} held fixed"
+    remedy = (
+        "state values nearer to a start, or let one of these conditions go" if len(start.missed) > 1 else None
+    )
+    if any(not abs(one.amount) < inf for one in start.missed):
+        remedy = "state other values: where they are zero `norm` and `sqrt` have no slope, `log` no value"
+    if held:
+        remedy = f"let one of {', '.join(held[:MOST_NAMED])} go" if len(held) > 1 else f"let {held[0]} go"
+    return Fault("LAG0610", message, remedy=remedy)

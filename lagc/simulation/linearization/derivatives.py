@@ -1,0 +1,291 @@
+"""The derivatives of a compiled model at one state, as arrays, and those of the motion: of accelerations and
+multipliers, which the equations give implicitly.
+
+    F(t, q, v, a, lam, p) = (M a - (tau - h + G^T lam); G a - gamma) = 0,      d(a, lam)/dy = -K^-1 dF/dy,
+
+K = dF/d(a, lam) = [M, -G^T; G, 0].
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from lagc.simulation.system import FAILED
+
+if TYPE_CHECKING:
+    from lagc.simulation.backends.python import NumpySystem
+
+Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.float64]]"
+
+ROUNDING = 1e-13  # of its terms: what is rounding, and therefore zero
+LAST = 2.0**-50  # by which last places change
+SHARE = 0.1  # of an entry: a change that makes it rounding
+FEW, ENOUGH = 3, 12  # such changes; rounding of a few last places stays what it is under one in three
+TINY = 1e-60  # beside a state at which a derivative has no value, as that of norm(v) v at rest
+DEPENDENT = 1e-11  # singular values beside the largest: rows that depend on each other
+
+
+class _Shake:
+    """Gives numbers other last places, by chance."""
+
+    def __init__(self, seed: int) -> None:
+        self.chance = random.Random(seed)
+
+    def __call__(self, values: Sequence[float]) -> list[float]:
+        return [value * (1.0 + self.chance.choice((-1, 1)) * LAST) for value in values]
+
+
+class Point:
+    """A compiled model with derivatives at (t, x), x = (q, v), with the accelerations and multipliers of the
+    motion there or those that are given.  `clean`: an entry that changes by as much as it is where all that
+    it is made of changes in its last places is rounding, and 0.  `modes`: of the branch, where it is not that
+    of the state."""
+
+    def __init__(
+        self,
+        system: NumpySystem,
+        t: float,
+        x: Sequence[float],
+        a: Sequence[float] | None = None,
+        lam: Sequence[float] | None = None,
+        clean: bool = False,
+        modes: Sequence[float] | None = None,
+    ):
+        self.system, self.t, self.x, self.modes = system, t, list(x), modes
+        if a is None or lam is None:
+            rates, own = self._rates_at(system, t, x)
+            if rates is None:
+                raise ArithmeticError(f"the motion is not determined at t = {t:g}")
+            if clean:
+                rates, own = (np.where(self._is_rounding(found, k), 0.0, found).tolist()
+                              for k, found in enumerate((rates, own)))  # fmt: skip
+            a, lam = rates[system.nq :] if a is None else a, own if lam is None else lam
+        self.a, self.lam, self.clean = list(a), list(lam), clean
+        self._groups: dict[str, Array] = {}
+        self._motion: dict[str, Array] = {}
+
+    def _rates_at(
+        self, system: NumpySystem, t: float, x: Sequence[float]
+    ) -> tuple[list[float] | None, list[float]]:
+        """xdot, None where the motion is not determined, and the multipliers."""
+        xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+        if self.modes is None:
+            status = system.rhs(t, x, xdot, lam)
+        else:
+            status = system.rhs_on(self.modes, t, x, xdot, lam)
+        return (None if status in FAILED else xdot), lam
+
+    def _is_rounding(self, values: Sequence[float], which: int) -> Array:
+        """Which of the rates (0) or multipliers (1) are rounding: where last places change, they change as
+        much as they are."""
+        here = np.array(values)
+        found = np.zeros(len(here), dtype=bool)
+        for system, t, x in self._shaken[:FEW]:
+            rates, lam = self._rates_at(system, t, x)
+            if rates is not None:
+                there = np.array((rates, lam)[which][: len(here)])
+                found |= np.abs(there - here) > SHARE * np.abs(here)
+        return found
+
+    @cached_property
+    def stack(self) -> Array:
+        """The values of all that is differentiated."""
+        return np.array(self.system.stack(self.t, self.x, self.a, self.lam, self.modes))
+
+    def value(self, part: str) -> Array:
+        rows = self.system.model.rows[part]
+        return self.stack[rows.start : rows.stop]
+
+    def by(self, group: str) -> Array:
+        """All of them by a group as a matrix, where a and lam are held."""
+        if group not in self._groups:
+            entries = self._entries(group)
+            for k, other in enumerate(self.beside if self.clean else ()):
+                if k >= FEW and not _doubtful(entries).any():
+                    break
+                changes = np.abs(other.by(group) - entries)
+                entries = np.where(changes > SHARE * np.abs(entries), 0.0, entries)
+            self._groups[group] = entries
+        return self._groups[group]
+
+    def _entries(self, group: str) -> Array:
+        """The derivatives or, where one has no value, what it is on both sides, if that is the same."""
+
+        def at(side: float) -> Array:
+            x = [value + side for value in self.x]
+            found: Array = self.system.derivatives(group, self.t, x, self.a, self.lam, self.modes)
+            return found
+
+        entries = at(0.0)
+        if not np.isfinite(entries).all():
+            one, two = at(TINY), at(-TINY)
+            size = float(max(np.abs(entries[np.isfinite(entries) & (entries != 0.0)]), default=1.0))
+            alike = np.abs(one - two) <= ROUNDING * (np.abs(one) + size)
+            both = rounded((one + two) / 2.0, size)
+            entries = np.where(np.isfinite(entries) | ~alike, entries, both)
+        return entries
+
+    def rounding_rates(self) -> Array:
+        """Which of the rates of q and v are rounding."""
+        return self._is_rounding([*self.value("qdot"), *self.a], 0)
+
+    @cached_property
+    def _shaken(self) -> list[tuple[NumpySystem, float, list[float]]]:
+        """Parameters, time and state with other last places."""
+        shake, bind, p = _Shake(0), self.system.model.bind, self.system.parameters
+        return [(bind(shake(p)), shake([self.t])[0], shake(self.x)) for _ in range(ENOUGH)]
+
+    @cached_property
+    def beside(self) -> list[Point]:
+        """All with other last places."""
+        shake = _Shake(1)
+        return [Point(s, t, x, shake(self.a), shake(self.lam), modes=self.modes) for s, t, x in self._shaken]
+
+    def partial(self, part: str, group: str) -> Array:
+        """Of one part of the stack, where a and lam are held."""
+        rows = self.system.model.rows[part]
+        return self.by(group)[rows.start : rows.stop]
+
+    def residual(self, group: str) -> Array:
+        """dF/d(group), nv + nc rows."""
+        return np.vstack(
+            [self.partial("inertia", group) - self.partial("force", group), self.partial("row", group)]
+        )
+
+    @cached_property
+    def scales(self) -> tuple[Array, Array]:
+        """What makes K free of units: of speeds, 1/sqrt(M_jj); of rows, one over the length of the gradient
+        in that metric."""
+        nv, k = self.system.nv, self.residual("acceleration")
+        mass = np.abs(np.diagonal(k)[:nv])
+        known = mass[mass > 0.0]
+        mass[mass == 0.0] = known.min() if known.size else 1.0
+        speeds = 1.0 / np.sqrt(mass)
+        lengths = np.sqrt(np.square(k[nv:, :nv] * speeds).sum(axis=1))
+        return speeds, 1.0 / np.where(lengths > 0.0, lengths, 1.0)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """K^-1; where rows depend on each other, that of least multipliers."""
+        return self.solved(np.eye(self.system.nv + self.system.nc))
+
+    def solved(self, right: Array) -> Array:
+        """K^-1 `right`: by the factors of the model itself, which know what it is made of, so that of long
+        chains fewer digits are lost than the condition of K tells."""
+        if self._factors is not None:
+            found: Array = self.system.solved(self._factors, right)
+            return found
+        found = self._dense @ right
+        return found + self._dense @ (right - self.residual("acceleration") @ found)
+
+    @cached_property
+    def _factors(self) -> list[float] | None:
+        return self.system.factors(self.t, self.x, self.modes)
+
+    @cached_property
+    def _dense(self) -> Array:
+        """K^-1 as a matrix has it."""
+        d, k = np.concatenate(self.scales), self.residual("acceleration")
+        scaled = d[:, None] * k * d
+        if not np.isfinite(scaled).all():
+            raise ArithmeticError("the derivatives have no finite value there")
+        found: Array = d[:, None] * _inverse(scaled) * d
+        return found
+
+    def motion(self, group: str) -> Array:
+        """d(a, lam)/d(group) along motions."""
+        if group not in self._motion:
+            self._motion[group] = -self.solved(self.residual(group))
+        return self._motion[group]
+
+    def sizes(self, group: str) -> Array:
+        """What the terms of d(a, lam)/d(group) add up to."""
+        found: Array = np.abs(self.inverse) @ self.parts(group)
+        return found
+
+    def unsure(self, group: str) -> Array:
+        """What rounding of d(a, lam)/d(group) is a share of: of long chains far less than its terms, as what
+        it changes by where last places change tells."""
+        found, terms = np.abs(self.motion(group)), self.sizes(group)
+        changes = np.zeros_like(found)
+        for k, other in enumerate(self.beside):
+            if k >= FEW and not ((SHARE * found > changes) & (found <= ROUNDING * terms)).any():
+                break
+            changes = np.maximum(changes, np.abs(other.motion(group) - self.motion(group)))
+        return np.minimum(terms, found + changes / (SHARE * ROUNDING))
+
+    def parts(self, group: str) -> Array:
+        """What the terms of dF/d(group) add up to."""
+        inertia, force, row = (np.abs(self.partial(part, group)) for part in ("inertia", "force", "row"))
+        return np.vstack([inertia + force, row])
+
+    def reach(self, group: str) -> Array:
+        """What rounding of d(rate)/d(group) is a share of: all its terms, and what they act on but for
+        rounding of the solve, in the metric of the mass matrix."""
+        d = np.concatenate(self.scales)
+        solve = np.abs(self.inverse) / np.outer(d, d)
+        solve = d[:, None] * np.where(solve > 0.0, solve.max(initial=0.0), 0.0) * d
+        return np.vstack([np.abs(self.partial("qdot", group)), (solve @ self.parts(group))[: self.system.nv]])
+
+    def rate_sizes(self, group: str, of_motion: Array | None = None) -> Array:
+        """The same of d(rate)/d(group), where that of d(a, lam)/d(group) is `sizes` or what is given."""
+        of_motion = self.sizes(group) if of_motion is None else of_motion
+        return np.vstack([np.abs(self.partial("qdot", group)), of_motion[: self.system.nv]])
+
+    def by_parameters(self) -> Array:
+        """d(rate)/d(parameter), with 0 for what is rounding of its terms: of a motion that does not depend on
+        a mass."""
+        own = rounded(self.motion("parameter"), self.sizes("parameter"))[: self.system.nv]
+        return np.vstack([self.partial("qdot", "parameter"), own])
+
+    def total(self, part: str, group: str) -> Array:
+        """Of qdot, acceleration, multiplier, rate = (qdot, acceleration) or output, where a and lam follow
+        from the equations."""
+        nv = self.system.nv
+        if part in ("acceleration", "multiplier"):
+            return self.motion(group)[:nv] if part == "acceleration" else self.motion(group)[nv:]
+        if part == "rate":
+            return np.vstack([self.partial("qdot", group), self.motion(group)[:nv]])
+        found = self.partial(part, group)
+        if part == "output":
+            found = found + self.partial("output", "acceleration") @ self.motion(group)
+        return found
+
+
+def _doubtful(entries: Array) -> Any:
+    """Which entries may be rounding, beside the largest of their rows or columns; of one column all."""
+    sizes = np.abs(entries)
+    return (sizes > 0.0) & ((sizes <= ROUNDING * largest_beside(entries)) | (entries.shape[1] == 1))
+
+
+def largest_beside(entries: Array) -> Any:
+    """The size of the largest in the row or the column of each."""
+    sizes = np.abs(entries)
+    return np.maximum(sizes.max(axis=0, initial=0.0), sizes.max(axis=1, initial=0.0, keepdims=True))
+
+
+def _inverse(table: Array) -> Any:
+    """Of least norm where rows depend on each other."""
+    try:
+        found = np.linalg.inv(table)
+        if np.linalg.norm(table) * np.linalg.norm(found) * DEPENDENT < 1.0:  # a bound of the condition
+            return found
+    except np.linalg.LinAlgError:
+        pass
+    left, sizes, right = np.linalg.svd(table)
+    if sizes.size and sizes[-1] > DEPENDENT * sizes[0]:
+        found = np.linalg.inv(table)
+    else:
+        kept = sizes > DEPENDENT * sizes[:1]
+        found = (right[kept].T / sizes[kept]) @ left[:, kept].T
+    return found
+
+
+def rounded(found: Array, terms: Array | float) -> Array:
+    """`found` with 0 for what is rounding of its terms."""
+    return np.where(np.abs(found) <= ROUNDING * terms, 0.0, found)

@@ -1,0 +1,104 @@
+"""Independent coordinates and speeds of a constrained system at one state, and what all others change by.
+
+The constraints leave of a change of the state d(q, v) what
+
+    phi_q dq + phi_u du = 0,      psi_q dq + psi_v dv + psi_u du = 0
+
+allow (quaternions keep their length, too).  Elimination with the pivots chosen tells which entries depend on
+the others: where there is a choice those that change in the motion itself, so that steady motions have
+constant coefficients, and of these the last that were declared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lagc.simulation.linearization.derivatives import Array, Point, rounded
+
+GOOD = 0.3  # of the largest pivot: one that will do
+SHY = 1e-3  # as much smaller a pivot may be, of one that changes
+LEAST = 1e-9  # of a row: less is rounding, and the row follows from others
+
+
+class Independent(NamedTuple):
+    """d(q, v) = motions @ d(x[indices]) + inputs @ du."""
+
+    indices: list[int]  # into x
+    motions: Array  # nx x len(indices), 1 at its own place
+    inputs: Array  # nx x number of inputs
+
+
+def independent(point: Point, changing: Sequence[bool]) -> Independent:
+    """`changing`: which of x change in the motion.  Raises ArithmeticError where an entry is not finite."""
+    interface = point.system.interface
+    nq, nv, nh, nc = interface.nq, interface.nv, interface.nh, interface.nc
+    rows, given = point.partial("condition", "state"), point.partial("condition", "parameter")
+    given = given[:, len(interface.parameters) :]
+    norms = np.zeros((len(interface.quaternions), nq))
+    for k, first in enumerate(interface.quaternions):
+        norms[k, first : first + 4] = point.x[first : first + 4]
+    speeds = point.scales[0]
+    reach = np.abs(point.partial("qdot", "state")[:, nq:]) @ speeds  # of coordinates when speeds change so
+    reach[reach == 0.0] = 1.0
+    of_q = np.vstack([norms, rows[:nh, :nq]])
+    by_q = np.vstack([np.zeros((len(norms), given.shape[1])), given[:nh]])
+    liked = np.where(changing, 1.0, SHY)
+    free_q, dq = _solved(of_q, by_q, reach, liked[:nq], len(of_q))
+    of_v, psi_q = rows[nh : nh + nc, nq:], rows[nh : nh + nc, :nq]
+    right = np.hstack([psi_q @ dq[:, : len(free_q)], psi_q @ dq[:, len(free_q) :] + given[nh : nh + nc]])
+    free_v, dv = _solved(of_v, right, speeds, liked[nq:], nh)
+    n = len(free_q) + len(free_v)
+    motions, inputs = np.zeros((nq + nv, n)), np.zeros((nq + nv, given.shape[1]))
+    motions[:nq, : len(free_q)], inputs[:nq] = dq[:, : len(free_q)], dq[:, len(free_q) :]
+    motions[nq:, len(free_q) :] = dv[:, : len(free_v)]
+    motions[nq:, : len(free_q)] = dv[:, len(free_v) : len(free_v) + len(free_q)]
+    inputs[nq:] = dv[:, len(free_v) + len(free_q) :]
+    return Independent([*free_q, *(nq + j for j in free_v)], motions, inputs)
+
+
+def _solved(table: Array, right: Array, scales: Array, liked: Array, first: int) -> tuple[list[int], Array]:
+    """Which unknowns of `table` x + `right` y = 0 are free, and x as a matrix on these, then y.  The
+    `first` rows choose before the others."""
+    with np.errstate(over="ignore"):
+        scaled = table * scales
+    if not (np.isfinite(scaled).all() and np.isfinite(table).all() and np.isfinite(right).all()):
+        raise ArithmeticError("the derivatives have no finite value there")
+    rows, columns = _pivots(scaled, liked, first)
+    free = [j for j in range(table.shape[1]) if j not in columns]
+    found = np.zeros((table.shape[1], len(free) + right.shape[1]))
+    found[free, range(len(free))] = 1.0
+    if rows:
+        square = table[np.ix_(rows, columns)] * scales[columns]
+        sizes = np.abs(square).max(axis=1)
+        known = np.hstack([table[np.ix_(rows, free)], right[rows]]) / sizes[:, None]
+        inverse = np.linalg.inv(square / sizes[:, None])
+        solution = rounded(inverse @ known, np.abs(inverse) @ np.abs(known))
+        found[columns] = -scales[columns, None] * solution
+    return free, found
+
+
+def _pivots(table: Array, liked: Array, first: int) -> tuple[list[int], list[int]]:
+    """Rows and columns of a square part of full rank."""
+    left = table.copy()
+    lengths = np.abs(left).max(axis=1, initial=0.0)
+    left[lengths > 0.0] /= lengths[lengths > 0.0, None]
+    rows: list[int] = []
+    columns: list[int] = []
+    for group in (range(first), range(first, len(left))):
+        waiting = list(group)
+        while waiting:
+            sizes = np.abs(left[waiting])
+            sizes[:, columns] = 0.0
+            if sizes.max(initial=0.0) <= LEAST:
+                break
+            weights = sizes.max(axis=0) * liked
+            column = int(np.flatnonzero(weights >= GOOD * weights.max())[-1])
+            row = waiting.pop(int(sizes[:, column].argmax()))
+            rows.append(row)
+            columns.append(column)
+            for other in (*waiting, *range(max(group.stop, first), len(left))):
+                left[other] -= left[other, column] / left[row, column] * left[row]
+    return rows, columns

@@ -1,0 +1,92 @@
+"""A state at which conditions change: the branches that meet there, and whether forces jump or bend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from lagc.simulation.linearization.derivatives import Array, Point
+from lagc.simulation.system import FAILED
+
+AT = 16.0  # times what last places change a side by: it is at its change
+BESIDE = 1e-6  # of the sizes of states: on which side they are
+JUMP = 1e-9  # of the terms of rates: less is none
+ALIKE = 1e-12  # of entries: less is rounding
+
+
+class Branch(NamedTuple):
+    """Beyond one switch."""
+
+    words: str
+    modes: list[float]
+
+
+def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branch]]:
+    """The modes where all sides that change at the state are beyond their change, and the branch on the other
+    side of each; None where nothing changes there.  `sizes` of states.  Switches that time changes are none:
+    it goes on."""
+    system = point.system
+    at = _changing(point)
+    if not at:
+        return None, []
+    ways = {}
+    for k in at:
+        slope = point.partial("side", "state")[k] * sizes
+        if slope.any():
+            ways[k] = sizes * slope / np.abs(slope).max()
+    if not ways:
+        return None, []
+    own = system.modes(point.t, point.x)
+
+    def beyond(signs: dict[int, float]) -> list[float]:
+        place = point.x + BESIDE * sum(signs[k] * way for k, way in ways.items())
+        there = system.modes(point.t, place.tolist())
+        return [there[k] if k in at else mode for k, mode in enumerate(own)]
+
+    everywhere = dict.fromkeys(ways, 1.0)
+    others = [Branch(system.interface.switches[k], beyond({**everywhere, k: -1.0})) for k in ways]
+    return beyond(everywhere), others
+
+
+def _changing(point: Point) -> list[int]:
+    """The switches that are at their change, but for last places."""
+    system, interface = point.system, point.system.interface
+    if not interface.switches:
+        return []
+    sides, modes = point.value("side"), system.modes(point.t, point.x)
+    rows, n = interface.stack["side"], len(interface.switches)
+    doubt = np.zeros(n)
+    for other in point.beside:
+        there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]
+        doubt = np.maximum(doubt, np.abs(np.array(there) - sides))
+    edges = [0.0] * (2 * n)
+    if any(interface.counted_switches):
+        system.model.module["fn_edges_on"](modes, edges)
+    found = []
+    for k in range(interface.timed_switches, n):
+        places = edges[2 * k : 2 * k + 2] if interface.counted_switches[k] else [0.0]
+        if k in interface.noted and min(abs(sides[k] - place) for place in places) <= AT * doubt[k]:
+            found.append(k)
+    return found
+
+
+def jumps(point: Point, one: Sequence[float], two: Sequence[float], far: Array) -> bool:
+    """Whether rates are others on both branches; `far` are sizes of states."""
+    found = []
+    for modes in (one, two):
+        rates, lam = [0.0] * point.system.nx, [0.0] * point.system.nc
+        if point.system.rhs_on(modes, point.t, point.x, rates, lam) in FAILED:
+            return True
+        found.append(np.array(rates[: len(point.x)]))
+    terms = point.rate_sizes("state") @ far + np.abs(found[0]) + np.abs(found[1])
+    return bool((np.abs(found[0] - found[1]) > JUMP * terms).any())
+
+
+def differing(one: Array, two: Array) -> list[tuple[int, ...]]:
+    """The places of entries that are others, that by the largest share first."""
+    sizes = np.abs(one) + np.abs(two)
+    share = np.divide(np.abs(one - two), sizes, out=np.zeros_like(sizes), where=sizes > 0.0)
+    places = [tuple(map(int, place)) for place in np.argwhere(share > ALIKE)]
+    return sorted(places, key=lambda place: -share[place])

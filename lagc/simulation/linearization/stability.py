@@ -1,0 +1,70 @@
+"""Whether potential energy has a strict minimum at an equilibrium.
+
+Of the independent entries y_q = X dq, y_v = X dv of the state, dy_q' = T dy_v, power is left where
+
+    C = X_v^T K X_q T,      K = d(M a - tau + h - G^T lam)/dq,
+
+is positive definite: the second derivatives of energy along motions.  Decided with C brought to 1 on its
+diagonal, so that stiff springs say nothing of soft ones.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+import numpy as np
+
+from lagc.simulation.linearization.derivatives import ROUNDING, Array, Point
+from lagc.simulation.linearization.independent_states import Independent
+from lagc.simulation.system import FAILED
+
+BEYOND = 4.0  # Newton steps: the equilibrium is within as many, up to a root of that order
+TRIALS = 3
+
+
+def is_least(point: Point, chosen: Independent, a: Array) -> bool:
+    """Whether C is positive definite beyond doubt: whatever rounding changes, and wherever about the state
+    the equilibrium is, as at the flat place of q^3."""
+    nq, nv = point.system.nq, point.system.nv
+    speeds = np.array(chosen.indices) >= nq
+    back, there = chosen.motions[nq:, speeds].T, chosen.motions[:nq, ~speeds]
+    rates = a[np.ix_(~speeds, speeds)]
+
+    def second(stiffness: Array) -> Array:
+        found: Array = back @ stiffness[:nv, :nq] @ (there @ rates)
+        return found
+
+    try:
+        steps = BEYOND * np.abs(np.linalg.inv(a[np.ix_(speeds, ~speeds)])) @ _left(point, chosen.indices)
+    except np.linalg.LinAlgError:
+        return False
+    whole = second(point.residual("state"))
+    diagonal = np.diagonal(whole)
+    if not (diagonal > 0.0).all():
+        return False
+    terms = np.abs(back) @ point.parts("state")[:nv, :nq] @ (np.abs(there) @ np.abs(rates))
+    doubt = ROUNDING * terms + np.abs(whole - whole.T)
+    chance = random.Random(0)
+    for _ in range(TRIALS):
+        move = there @ (steps * [chance.choice((-1.0, 1.0)) for _ in steps])
+        for x in (point.x[:nq] + move, point.x[:nq] - move):
+            other = Point(point.system, point.t, [*x.tolist(), *point.x[nq:]], point.a, point.lam)
+            doubt = np.maximum(doubt, np.abs(second(other.residual("state")) - whole))
+    unit = 1.0 / np.sqrt(np.outer(diagonal, diagonal))
+    lowest = float(np.linalg.eigvalsh(unit * (whole + whole.T) / 2.0)[0])
+    return lowest > float(np.linalg.norm(unit * doubt))
+
+
+def _left(point: Point, indices: Sequence[int]) -> Array:
+    """Accelerations of the independent speeds, which are 0 but for rounding, and what last places change
+    them by."""
+    nq, nc = point.system.nq, point.system.nc
+    here = np.array(point.a)
+    found = np.abs(here)
+    for other in point.beside:
+        rates = [0.0] * point.system.nx
+        if other.system.rhs(other.t, other.x, rates, [0.0] * nc) not in FAILED:
+            found = np.maximum(found, np.abs(rates[nq : nq + len(here)] - here))
+    own: Array = found[[k - nq for k in indices if k >= nq]]
+    return own

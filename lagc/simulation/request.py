@@ -1,0 +1,301 @@
+"""Request: what a run is asked for, and the parameters it is asked for with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import isfinite
+from operator import index
+from typing import Any, SupportsFloat
+
+from lagc.base.numerals import FINEST, MOST_POINTS
+from lagc.base.records import dataclass, field
+from lagc.diagnostics.faults import Fault, Refused, Source
+from lagc.diagnostics.suggest import did_you_mean
+from lagc.kernels import METHODS
+from lagc.lowering.program import Field, Interface
+from lagc.simulation.system import System
+
+ACCURACY = 1e-6  # global relative error where nothing is said
+STOP = 10.0  # s
+_NUMBERS = ("stop", "accuracy", "rtol", "atol", "step", "max_step", "every", "points")
+POINTS = 501  # recorded where no grid is asked for
+
+
+@dataclass(frozen=True)
+class Request:
+    """How long, how accurately and on which grid.  Times in s; None: the scene's value, else a default.
+
+    `accuracy` is the global relative error; with `method`, `rtol`, `atol` or `step` the run is
+    steered by hand instead.  `every` or `points` give the recorded grid, never the step.  No step is
+    longer than `max_step`; those of an `accuracy` are the shorter the finer the tolerance.
+    `starts` replaces start values of coordinates and speeds, by name, in SI.  `sensitivity` names the
+    parameters and starts by which the motion is differentiated.
+    """
+
+    stop: float | None = None
+    accuracy: float | None = None
+    method: str | None = None
+    rtol: float | None = None
+    atol: float | None = None
+    step: float | None = None
+    every: float | None = None
+    points: int | None = None
+    max_step: float | None = None
+    starts: Mapping[str, float] = field(default_factory=dict)
+    sensitivity: tuple[str, ...] = ()
+
+    @property
+    def by_hand(self) -> bool:
+        return any(x is not None for x in (self.method, self.rtol, self.atol, self.step))
+
+    def completed(self, scene: Mapping[str, float]) -> Request:
+        """With the scene's `simulate(...)` values, then the defaults, where nothing was asked.
+
+        Raises Refused (LAG0604) where a number makes no sense.
+        """
+        values: dict[str, Any] = dict(self.__dict__)
+        for name in _NUMBERS:
+            values[name] = _plain(name, values[name])
+        skipped = {"every", "points"} if self.every is not None or self.points is not None else set()
+        if self.by_hand:
+            skipped |= {"accuracy"}
+        if self.accuracy is not None or self.step is not None:
+            skipped |= {"rtol", "atol"}
+        if self.step is not None:
+            skipped |= {"max_step"}
+        if any(x is not None for x in (self.accuracy, self.rtol, self.atol, self.max_step)):
+            skipped |= {"step"}
+        for name in _NUMBERS:
+            said = name.replace("_", "")
+            if values[name] is None and said in scene and name not in skipped:
+                values[name] = int(scene[said]) if name == "points" else scene[said]
+        if values["stop"] is None:
+            values["stop"] = STOP
+        done = Request(**values)
+        if done.accuracy is None and not done.by_hand:
+            done = Request(**{**values, "accuracy": ACCURACY})
+        done.check()
+        return done
+
+    def check(self) -> None:
+        """Raises Refused, with all that is wrong."""
+        faults = []
+        for name in _NUMBERS:
+            value = getattr(self, name)
+            may_be_zero = name in ("stop", "rtol", "atol")
+            if value is None or name == "points":
+                continue
+            if not isfinite(value) or value < 0.0 or (value == 0.0 and not may_be_zero):
+                kind = "not negative" if may_be_zero else "positive"
+                faults.append(_request(f"`{name}` must be {kind} and finite, not {value:g}"))
+        if self.points is not None and self.points < 2:
+            faults.append(_request(f"`points` must be 2 or more, not {self.points}"))
+        if self.accuracy is not None and self.by_hand:
+            faults.append(_request("`accuracy` chooses method and tolerance: leave it out or leave out "
+                                   "`method`, `rtol`, `atol` and `step`"))  # fmt: skip
+        if self.accuracy is not None and self.accuracy >= 1.0:
+            faults.append(_request(f"`accuracy` is a relative error, below 1, not {self.accuracy:g}"))
+        if self.rtol is not None and isfinite(self.rtol) and self.rtol >= 1.0:
+            faults.append(_request(f"`rtol` is a relative tolerance, below 1, not {self.rtol:g}"))
+        if self.rtol is not None and 0.0 < self.rtol < FINEST:
+            faults.append(_request(f"`rtol` is below {FINEST:g}, where rounding is all that is left"))
+        if self.rtol == 0.0 and not self.atol:
+            faults.append(_request("one of `rtol` and `atol` must be positive"))
+        if self.method is not None and self.method not in METHODS:
+            faults.append(_request(f"`method` is one of {', '.join(METHODS)}, not {self.method!r}"))
+        elif self.method is not None and self.step is None and not _adapts(self.method):
+            faults.append(_request(f"`{self.method}` has no estimate of its errors: give it a fixed `step`"))
+        if self.step is not None and (self.rtol is not None or self.atol is not None):
+            faults.append(_request("a fixed `step` has no tolerance: leave out `rtol` and `atol`"))
+        if self.step is not None and self.max_step is not None:
+            faults.append(_request("a fixed `step` is as long as it is: leave out `max_step`"))
+        if self.every is not None and self.points is not None:
+            faults.append(_request("`every` and `points` both give the grid: leave one out"))
+        if self.every and self.stop and not faults and self.stop / self.every > MOST_POINTS:
+            faults.append(_request(f"a point every {self.every:g} s makes more than {MOST_POINTS:,} points"))
+        if self.points is not None and self.points > MOST_POINTS:
+            faults.append(_request(f"`points` is more than {MOST_POINTS:,}"))
+        if faults:
+            raise Refused(faults)
+
+    def size(self) -> int:
+        """How many times are recorded."""
+        stop = self.stop or 0.0
+        if stop == 0.0:
+            return 1
+        if self.every is not None:
+            return int(stop / self.every * (1.0 - 1e-12)) + 2
+        return self.points or POINTS
+
+    def grid(self) -> list[float]:
+        """The recorded times, from 0 to `stop` (both included)."""
+        stop, n = self.stop or 0.0, self.size() - 1
+        if self.every is not None:
+            return [*(k * self.every for k in range(n)), stop]
+        if not isfinite(stop * n):
+            return [*(k * (stop / n) for k in range(n)), stop]
+        return [*(stop * k / n for k in range(n)), stop]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with the unit it was written with; None: SI, or a number."""
+
+    value: float
+    unit: str | None = None
+
+
+Given = Mapping[str, float | Quantity]
+
+
+_COLUMN = r"""(?i)([^"]+\.csv)(?::([^"]+))?"""
+
+
+def expression(text: str) -> Source:
+    """What an input is given by: an expression of the language, or `drive.csv:u`, the column u over time."""
+    import re
+
+    column = re.fullmatch(_COLUMN, text.strip())
+    if column is not None:
+        named = [word.replace("\\", "\\\\") for word in column.groups() if word is not None]
+        words = ", ".join(f'"{word}"' for word in named)
+        text = f"table(time, {words})"
+    return Source("<input>", text, asked=True)
+
+
+def bound_parameters(
+    interface: Interface, given: Given, unused: Sequence[Field] = (), demanding: bool = True
+) -> list[float]:
+    """The array p: the model's values with the `given` ones in their place, in SI; NaN for those
+    without a value where that is allowed (`demanding` False).
+
+    Raises Refused: LAG0601 unknown name, LAG0602 outside its bounds or not a number, LAG0603 no
+    value, LAG0605 wrong unit, LAG0617 a value of the model outside bounds.
+    """
+    fields = [*interface.parameters, *interface.inputs]
+    faults: list[Fault] = []
+    values = given_values(given, (*fields, *unused), faults)
+    result: list[float] = []
+    for f in fields:
+        found = values.get(f.name, f.value)
+        if found is not None and f.name not in given:
+            faults += _bounds(f, found, "LAG0617")
+        if found is None:
+            if demanding and f.name not in given:
+                unit = f" [{f.unit}]" if f.unit else ""
+                faults.append(Fault("LAG0603", f"parameter `{f.name}`{unit} ({f.place}) has no value",
+                                    remedy=f"give it one: -p {f.name}=..."))  # fmt: skip
+            found = float("nan")
+        result.append(found)
+    if faults:
+        raise Refused(faults)
+    return result
+
+
+def given_values(given: Given, fields: Iterable[Field], faults: list[Fault]) -> dict[str, float]:
+    """Those that are right, in SI; what is wrong with the others goes to `faults`."""
+    known = {f.name: f for f in fields}
+    values: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in known:
+            faults.append(unknown(name, known, "parameter or input", "LAG0601"))
+            continue
+        value = si(name, number, known[name].unit, faults)
+        if value is not None:
+            faults += _bounds(known[name], value)
+            values[name] = value
+    return values
+
+
+def keep_limits(system: System) -> None:
+    """Raises Refused, LAG0617, where a value made of parameters is out of its bounds."""
+    limits = system.interface.limits
+    if limits and not any(p != p for p in system.parameters):
+        faults = [
+            fault for f, value in zip(limits, system.limits()) for fault in _bounds(f, value, "LAG0617")
+        ]
+        if faults:
+            raise Refused(faults)
+
+
+def bound_starts(interface: Interface, given: Given) -> dict[str, float]:
+    """Start values by name in SI.  Raises Refused: LAG0606 unknown name, LAG0602, LAG0605."""
+    units = dict(zip(interface.state_names, interface.state_units))
+    faults: list[Fault] = []
+    found: dict[str, float] = {}
+    for name, number in given.items():
+        if name not in units:
+            faults.append(unknown(name, units, "coordinate or speed", "LAG0606"))
+            continue
+        value = si(name, number, units[name], faults)
+        if value is not None:
+            found[name] = value
+    if faults:
+        raise Refused(faults)
+    return found
+
+
+def si(name: str, number: float | Quantity, unit: str, faults: list[Fault]) -> float | None:
+    """`number` in SI, where `unit` is the SI unit of `name`; None after adding a fault."""
+    if not isinstance(number, Quantity):
+        value = float(number)
+    elif number.unit is None:
+        value = number.value
+    else:
+        from lagc.semantics.types.units import UnknownUnit, to_si
+
+        try:
+            value = to_si(number.value, number.unit, unit)
+        except UnknownUnit as error:
+            faults.append(Fault("LAG0605", f"`{name}`: {error.reason}", remedy=error.remedy))
+            return None
+    if not isfinite(value):
+        faults.append(Fault("LAG0602", f"`{name}` must be a finite number, not {value:g}"))
+        return None
+    return value
+
+
+def unknown(name: str, known: Iterable[str], what: str, code: str) -> Fault:
+    names = list(known)
+    parts = [n for n in names if n.startswith((f"{name}[", f"{name}."))]
+    remedy = did_you_mean(name, names)
+    if parts:
+        remedy = f"`{name}` has parts: give " + ", ".join(f"`{n}`" for n in parts[:4])
+    if remedy is None and 0 < len(names) <= 12:
+        remedy = "there are " + ", ".join(f"`{n}`" for n in names)
+    return Fault(code, f"there is no {what} `{name}`", remedy=remedy)
+
+
+def _bounds(field: Field, value: float, code: str = "LAG0602") -> list[Fault]:
+    if field.minimum <= value <= field.maximum:
+        return []
+    unit = f" {field.unit}" if field.unit else ""
+    if value != value:
+        return [Fault(code, f"`{field.name}` is no number for these parameters ({field.place})")]
+    low = value < field.minimum
+    bound = f"below its minimum, {field.minimum:g}" if low else f"above its maximum, {field.maximum:g}"
+    return [Fault(code, f"`{field.name}` = {value:g}{unit} is {bound}{unit} ({field.place})")]
+
+
+def _adapts(method: str) -> bool:
+    from lagc.kernels.integrators.tableaus import adapts
+
+    return adapts(method)
+
+
+def _plain(name: str, value: Any) -> float | int | None:
+    """Python's own number, whatever kind a caller has: what is computed and kept of it is of that kind.
+    Raises Refused where it is none."""
+    try:
+        if value is None or name == "points":
+            return None if value is None else index(value)
+        if isinstance(value, SupportsFloat):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        pass
+    kind = "whole number" if name == "points" else "number"
+    raise Refused([_request(f"`{name}` must be a {kind}, not {value!r}")])
+
+
+def _request(message: str) -> Fault:
+    return Fault("LAG0604", message)

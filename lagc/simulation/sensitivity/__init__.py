@@ -1,0 +1,1 @@
+"""Derivatives of a run by parameters and initial conditions."""

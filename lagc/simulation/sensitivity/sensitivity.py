@@ -1,0 +1,287 @@
+"""Sensitivities of a run: what its quantities change by with parameters and starts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cached_property
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.base.numerals import FINEST
+from lagc.base.records import dataclass, field, replace
+from lagc.semantics.types.units import UnknownUnit, quotient
+from lagc.simulation.global_error.truncation import SAFETY, is_tied
+from lagc.simulation.global_error.verified_run import longest_step
+from lagc.simulation.linearization.derivatives import Array, Point
+from lagc.simulation.request import Request
+from lagc.simulation.sensitivity.directions import Direction
+from lagc.simulation.sensitivity.initial_sensitivity import start_slopes
+from lagc.simulation.sensitivity.variational_equations import FAINT, Followed, Variation
+from lagc.simulation.simulate import by_hand
+from lagc.simulation.system import Options
+from lagc.symbolic.leaves import derived
+
+if TYPE_CHECKING:
+    from lagc.simulation.backends.python import NumpySystem
+    from lagc.simulation.solution import Solution
+
+TOLERANCE = 1e-7  # of a run at rest, which has none
+ATTEMPTS = 4
+MORE, MOST = 100, 10_000  # steps that an integration takes, of those of the motion, and besides
+CLEAR = 10.0  # times what rounding may be: a sensitivity that counts
+
+Progress = Callable[[float], None]
+
+
+@dataclass
+class Sensitivities:
+    """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
+    none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
+    of states to the same theta; None where it is not known.  `doubts`, (nq + nv, directions): what `values`
+    may be off by, as is estimated or by rounding.  `message` says why they end early, or are not as good as
+    asked; the cost is that of all integrations."""
+
+    system: NumpySystem
+    directions: tuple[Direction, ...]
+    times: list[float]
+    states: list[list[float]]
+    values: Array
+    doubts: Array
+    estimated: float | None
+    message: str
+    interrupted: bool
+    steps: int
+    rejected: int
+    evaluations: int
+    integrations: int
+    run_s: float
+    _columns: dict[str, Array] = field(default_factory=dict, repr=False)
+    _doubts: dict[str, Array] = field(default_factory=dict, repr=False)
+
+    def __str__(self) -> str:
+        by = ", ".join([d.name for d in self.directions])
+        known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
+        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.evaluations} "
+                f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+
+    def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
+        """The columns of these quantities, and what they are of: `d(theta)/d(l)`."""
+        return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
+
+    def units(self, units: Mapping[str, str]) -> dict[str, str]:
+        """Of the columns of quantities with these units."""
+        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
+
+    def __contains__(self, column: str) -> bool:
+        return column in self._names
+
+    def column(self, column: str) -> list[float]:
+        """Of a state, the rate of a coordinate or an output, over the recorded times."""
+        name, direction = self._names[column]
+        self._fill()
+        found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
+        return found
+
+    def doubt(self, column: str) -> float:
+        """What a column may be off by: nothing within it tells of the motion."""
+        name, direction = self._names[column]
+        self._fill()
+        return float(self._doubts[name][self.directions.index(direction)])
+
+    @cached_property
+    def _names(self) -> dict[str, tuple[str, Direction]]:
+        interface = self.system.interface
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        return self.named([*interface.state_names, *rates, *outputs])
+
+    def last(self) -> Sensitivities:
+        """At the last recorded time alone."""
+        end = slice(-1, None)
+        return replace(
+            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={},
+            _doubts={},
+        )  # fmt: skip
+
+    def told(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "of": [d.name for d in self.directions],
+            "estimated": self.estimated,
+            "message": self.message,
+            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.evaluations,
+                     "run_s": self.run_s},
+        }  # fmt: skip
+
+    def _fill(self) -> None:
+        """The columns of rates and outputs follow from those of the states, and so do their doubts."""
+        if self._columns:
+            return
+        interface = self.system.interface
+        states = interface.state_names
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
+        places = [d.parameter for d in self.directions if d.parameter is not None]
+        more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
+        off, n = np.zeros(more.shape[1:]), len(states)
+        for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
+            if np.isnan(own).all():
+                continue
+            with np.errstate(all="ignore"):
+                try:
+                    point = Point(self.system, t, x[:n])
+                except ArithmeticError:
+                    continue
+                for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):
+                    by_state = point.total(part, "state")
+                    more[k, rows] = by_state @ own
+                    terms = np.abs(by_state) @ np.abs(own)
+                    if places:
+                        by_parameter = point.total(part, "parameter")[:, places]
+                        more[k, rows, columns] += by_parameter.T
+                        terms[:, columns] += np.abs(by_parameter)
+                    here = np.abs(by_state) @ self.doubts + CLEAR * FAINT * terms
+                    off[rows] = np.fmax(off[rows], here)
+        self._doubts = dict(zip((*rates, *outputs), off)) | dict(zip(states, self.doubts))
+        found = {name: self.values[:, k] for k, name in enumerate(states)}
+        found.update({name: more[:, k] for k, name in enumerate((*rates, *outputs)) if name not in found})
+        self._columns = found
+
+
+def _quotient(above: str, below: str) -> str:
+    try:
+        return quotient(above, below)
+    except UnknownUnit:  # a root has none that could be read
+        return f"({above or '1'})/({below})"
+
+
+def sensitivities(
+    system: NumpySystem,
+    run: Solution,
+    request: Request,
+    directions: tuple[Direction, ...],
+    progress: Progress | None = None,
+) -> None:
+    """Gives `run`, which `request` (complete) asked for, its sensitivities, by the system with derivatives.
+    Where they are not as asked it has failed, and says why."""
+    began = perf_counter()
+    shape = (len(run.times), system.nq + system.nv, len(directions))
+    values, doubts = np.full(shape, np.nan), np.zeros(shape[1:])
+    found = Sensitivities(
+        system, directions, run.times, run.states, values, doubts, None, "", False, 0, 0, 0, 0, 0.0
+    )
+    with np.errstate(all="ignore"):  # what is not finite is found
+        try:
+            if run.interrupted or not run.times:
+                raise ArithmeticError("the motion was interrupted")
+            start, doubts, reasons = start_slopes(system, run.states[0], request.starts, directions)
+            kept = [k for k in range(len(directions)) if k not in reasons]
+            while kept:
+                lost = _verified(found, run, request, kept, (start[:, kept], doubts[:, kept]), progress)
+                if not lost:
+                    break
+                names = ", ".join([f"`{directions[k].name}`" for k in lost])
+                reasons[lost[0]], found.message, found.estimated = f"{names}: {found.message}", "", None
+                kept = [k for k in kept if k not in lost]
+            found.message = "; ".join(filter(None, [found.message, *reasons.values()]))
+        except ArithmeticError as error:
+            found.message = str(error)
+    found.run_s = perf_counter() - began
+    run.sensitivities = found
+    if found.message:
+        run.message += f"; sensitivities: {found.message}"
+        run.status = "failed" if run.status == "ok" else run.status
+        run.interrupted = run.interrupted or found.interrupted
+
+
+def _verified(
+    found: Sensitivities,
+    run: Solution,
+    request: Request,
+    kept: list[int],
+    start: tuple[Array, Array],
+    progress: Progress | None,
+) -> list[int]:
+    """Fills `found` by the directions `kept`: by hand one integration, else those that tell the error; every
+    second one begins as far from the start slopes as these may be off.  Which of them end before others
+    do."""
+    n, directions = len(start[0]), [found.directions[k] for k in kept]
+    rests = len(run.times) > 1 and all(x[:n] == run.states[0][:n] for x in run.states)
+
+    def follow(options: Options) -> Followed:
+        begun = start[0] + (found.integrations % 2) * start[1]
+        along = Variation(found.system, directions, begun, options, rests, MORE * run.cost.steps + MOST)
+        done = along.along(run.states[0][:n], run.times, progress)
+        found.steps, found.rejected = found.steps + done.steps, found.rejected + done.rejected
+        found.evaluations, found.integrations = found.evaluations + done.evaluations, found.integrations + 1
+        found.interrupted = found.interrupted or done.interrupted
+        return done
+
+    def at(tol: float, halves: bool) -> Followed:
+        longest = longest_step(found.system, run.method, tol, run.times[-1], request.max_step)
+        return follow(Options(method=run.method, rtol=tol, max_step=longest, halves=halves))
+
+    if request.by_hand:
+        done = follow(by_hand(request))
+        found.values[:, :, kept], found.message = done.values, done.message
+        found.doubts[:, kept] = _doubts(done, 0.0, found.system.interface.kinds)
+        return [kept[k] for k in done.lost]
+    assert request.accuracy is not None
+    tol = TOLERANCE if rests else max(run.rtol, 10.0 * FINEST)
+    done = at(tol, False)
+    for _ in range(ATTEMPTS):
+        if done.message or tol <= FINEST:
+            break
+        if found.estimated is not None and is_tied(done.steps, done.passed[-1]):
+            again = at(tol, False)  # most steps are those of a finer one
+            if again.message:
+                break
+            done = again
+        before, tol = done, max(0.1 * tol, FINEST)
+        finer = at(tol, True)
+        if finer.message and done.reached >= finer.reached:
+            done.message = finer.message if finer.interrupted else f"at a finer tolerance, {finer.message}"
+            done.lost = finer.lost
+            break
+        done = finer
+        apart = found.estimated
+        found.estimated = SAFETY * _apart(before, done, found.system.interface.kinds)
+        if found.estimated <= request.accuracy or (apart is not None and found.estimated > 0.5 * apart):
+            break
+    found.values[:, :, kept], found.message = done.values, done.message
+    found.doubts[:, kept] = _doubts(done, found.estimated or 0.0, found.system.interface.kinds)
+    if not found.message and (found.estimated is None or not found.estimated <= request.accuracy):
+        known = "is not known" if found.estimated is None else f"seems to be {found.estimated:.1g}"
+        found.message = f"their accuracy {known}, {request.accuracy:.1g} was asked for"
+    return [kept[k] for k in done.lost]
+
+
+def _apart(one: Followed, two: Followed, kinds: Sequence[int]) -> float:
+    """The largest difference, relative to the largest of its kind and direction, or of the terms that cancel
+    in it at a change, where that is no rounding.  Times behind a change in one alone do not count."""
+    end = min(one.reached, two.reached)
+    alike = np.flatnonzero(one.passed[:end] == two.passed[:end])
+    far, sizes = np.abs(one.values[alike] - two.values[alike]), np.abs(two.values[:end])
+    worst = 0.0
+    for k, kind in enumerate(sorted(set(kinds))):
+        mask = np.array(kinds) == kind
+        apart, size = (values[:, mask].max(axis=(0, 1), initial=0.0) for values in (far, sizes))
+        size = np.maximum(size, two.terms[k])
+        known = size > CLEAR * (one.rounding[k] + two.rounding[k])
+        relative = np.divide(apart, size, out=np.zeros_like(apart), where=known)
+        worst = max(worst, float(relative.max(initial=0.0)))
+    return worst
+
+
+def _doubts(done: Followed, estimated: float, kinds: Sequence[int]) -> Array:
+    """Of each state, by directions: the error that is estimated of its kind, or what rounding may be."""
+    place = np.searchsorted(sorted(set(kinds)), kinds)
+    sizes = np.array(  # nothing where no value is known
+        [np.fmax.reduce(np.abs(done.values[:, place == k]), axis=(0, 1), initial=0.0)
+         for k in range(len(done.terms))]
+    )  # fmt: skip
+    found: Array = np.maximum(CLEAR * done.rounding, estimated * np.maximum(sizes, done.terms))
+    return found[place]

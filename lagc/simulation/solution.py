@@ -1,0 +1,285 @@
+"""Solution: a motion that was computed, and what it took."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+from lagc.base.records import dataclass, field, replace
+from lagc.simulation.request import unknown
+from lagc.simulation.system import System
+from lagc.symbolic.leaves import derived
+from lagc.version import __version__
+
+if TYPE_CHECKING:
+    from numpy import float64
+    from numpy.typing import NDArray
+
+    from lagc.simulation.sensitivity.sensitivity import Sensitivities
+
+    Array: TypeAlias = NDArray[float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """The balance over the run, in J: `imbalance` = end - start - work of the non-conservative actions."""
+
+    start: float
+    end: float
+    work: float
+
+    @property
+    def imbalance(self) -> float:
+        return self.end - self.start - self.work
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Of all integrations of the run together: the ones that verify the accuracy are a part of it.
+
+    `operations` of one right-hand side; `compile_s`, `run_s` and, as a part of it, `start_s`, the
+    search for a start, in s of wall time; `run_s` of all backends that it was tried in.
+    """
+
+    steps: int = 0
+    rejected: int = 0
+    rhs: int = 0
+    operations: int = 0
+    compile_s: float = 0.0
+    run_s: float = 0.0
+    start_s: float = 0.0
+    integrations: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    t: float
+    name: str
+
+
+@dataclass
+class Solution:
+    """States at the recorded times, and everything that can be computed from them.
+
+    `run["theta"]` is an array over `run.t`: a coordinate, a speed, the rate `der(theta)` of a
+    coordinate, an output, or a sensitivity `d(theta)/d(l)`.  All in SI.  `status` is "ok", "terminated" or
+    "failed"; what was computed before a failure is kept.  `system` holds the parameters of the run; nothing
+    that is done with the model since changes what is computed from it.  `accuracy` is the global relative
+    asked (None: by hand) and estimated (None: not verified); see `lagc.simulation.global_error.verified_run` for its norm.
+    `corners`: times of events, with the states before and behind, which need not be recorded.
+    """
+
+    system: System
+    times: list[float]
+    states: list[list[float]]
+    status: str
+    message: str
+    method: str
+    rtol: float
+    atol: float
+    step: float
+    asked: float | None
+    estimated: float | None
+    position_drift: float
+    velocity_drift: float
+    energy: Energy
+    cost: Cost
+    end: float  # the last time that was asked for
+    notes: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()
+    corners: tuple[tuple[float, list[float], list[float]], ...] = ()
+    interrupted: bool = False
+    backend_reason: str = ""  # why `auto` took this backend
+    sensitivities: Sensitivities | None = None  # where they were asked for
+    _columns: dict[str, list[float]] = field(default_factory=dict, repr=False)
+
+    def __repr__(self) -> str:
+        interface, t = self.system.interface, self.times[-1] if self.times else 0.0
+        found = "" if self.estimated is None else f", estimated error {self.estimated:.1g}"
+        return (f"<{type(self).__name__} of {interface.model}, scene {interface.scene}: {self.status}, "
+                f"{len(self.times)} points to t = {t:g} s{found}>")  # fmt: skip
+
+    @property
+    def parameters(self) -> list[float]:
+        """The array p of the run: parameters, then inputs."""
+        return list(self.system.parameters)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The recorded states: coordinates, then speeds."""
+        return self.system.interface.state_names
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The SI unit of every name, "" for numbers."""
+        interface = self.system.interface
+        found = dict(zip(self.state_names, interface.state_units))
+        for name, unit in zip(interface.q_names, interface.q_units):
+            found.setdefault(derived(name), f"{unit}/s" if unit else "1/s")
+        found.update({o.name: o.unit for o in interface.outputs})
+        if self.sensitivities is not None:
+            found.update(self.sensitivities.units(found))
+        return found
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every name that `run[...]` takes: states, rates, outputs, sensitivities."""
+        return tuple(self.units)
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names that are saved and shown: states, rates of coordinates, outputs, sensitivities, without
+        the rates of quaternions (the body rates are there)."""
+        interface = self.system.interface
+        parts = {derived(interface.q_names[k + i]) for k in interface.quaternions for i in range(4)}
+        if self.sensitivities is not None:
+            parts.update(self.sensitivities.named(parts))
+        return tuple([n for n in self.units if n not in parts])
+
+    @property
+    def t(self) -> Array:
+        """The recorded times, s."""
+        import numpy
+
+        return numpy.array(self.times)
+
+    @property
+    def x(self) -> Array:
+        """The recorded states (len(t), nx): coordinates, speeds, work."""
+        import numpy
+
+        return numpy.array(self.states).reshape(len(self.times), self.system.nx)
+
+    def __getitem__(self, name: str) -> Array:
+        import numpy
+
+        return numpy.array(self.column(name))
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.units
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def column(self, name: str) -> list[float]:
+        """The values of `name` over the recorded times.  Raises KeyError with the near names."""
+        if not isinstance(name, str):
+            raise TypeError(f"a column has a name, a text, not {name!r}")
+        found = self._columns.get(name)
+        if found is not None:
+            return found
+        states = self.state_names
+        if name in states:
+            i = states.index(name)
+            return self._columns.setdefault(name, [x[i] for x in self.states])
+        if self.sensitivities is not None and name in self.sensitivities:
+            return self._columns.setdefault(name, self.sensitivities.column(name))
+        if name not in self.units:
+            fault = unknown(name, self.units, "quantity", "LAG0601")
+            raise KeyError(fault.message + (f"; {fault.remedy}" if fault.remedy else ""))
+        if name in {o.name for o in self.system.interface.outputs}:
+            self._fill_outputs()
+        else:
+            self._fill_rates()
+        return self._columns[name]
+
+    def sensitivity(self, name: str, by: str) -> Array:
+        """d(name)/d(by) over the recorded times, by a parameter or a start that the run was asked for."""
+        return self[f"d({name})/d({by})"]
+
+    @property
+    def final(self) -> dict[str, float]:
+        """Every column at the last recorded time."""
+        last = replace(self, times=self.times[-1:], states=self.states[-1:], _columns={})
+        if self.sensitivities is not None:
+            last.sensitivities = self.sensitivities.last()
+        return {name: last.column(name)[0] for name in self.columns} if self.times else {}
+
+    @property
+    def accuracy(self) -> dict[str, float | None]:
+        return {"asked": self.asked, "estimated": self.estimated}
+
+    @property
+    def drift(self) -> dict[str, float]:
+        """The largest scaled residuals of the constraints over the accepted steps."""
+        return {"position": self.position_drift, "velocity": self.velocity_drift}
+
+    def metadata(self) -> dict[str, object]:
+        """What goes with the numbers into a file: plain data."""
+        interface = self.system.interface
+        fields = (*interface.parameters, *interface.inputs)
+        return {
+            "tool": f"lagc {__version__}", "model": interface.model, "scene": interface.scene,
+            "effects": list(interface.effects), "source": interface.source_name,
+            "model_hash": interface.model_hash, "backend": self.system.backend,
+            "method": self.method, "rtol": self.rtol, "atol": self.atol, "step": self.step,
+            "parameters": {f.name: v for f, v in zip(fields, self.parameters)},
+            "units": {"time": "s", **self.units},
+            "accuracy": self.accuracy, "drift": self.drift,
+            "status": self.status, "message": self.message,
+            "events": [{"t": e.t, "name": e.name} for e in self.events],
+            **self._varied(),
+        }  # fmt: skip
+
+    def _varied(self) -> dict[str, object]:
+        return {} if self.sensitivities is None else {"sensitivity": self.sensitivities.told()}
+
+    def to_dict(self) -> dict[str, object]:
+        """What `lagc sim --json` prints."""
+        interface = self.system.interface
+        cost, energy = self.cost, self.energy
+        return {
+            "status": self.status, "message": self.message, "model": interface.model,
+            "scene": interface.scene, "effects": list(interface.effects), "backend": self.system.backend,
+            "method": self.method, "t": self.times[-1] if self.times else 0.0, "final": self.final,
+            "events": [{"t": e.t, "name": e.name} for e in self.events],
+            "accuracy": self.accuracy, **self._varied(), "drift": self.drift,
+            "energy": {"of": interface.balance, "start": energy.start, "end": energy.end, "work": energy.work,
+                       "imbalance": energy.imbalance},
+            "cost": {"steps": cost.steps, "rejected": cost.rejected, "rhs": cost.rhs,
+                     "operations": cost.operations, "compile_s": cost.compile_s, "run_s": cost.run_s,
+                     "start_s": cost.start_s},
+            "warnings": list(interface.warnings), "dropped": list(interface.dropped),
+            "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_pandas(self) -> object:
+        """A pandas DataFrame, a column a quantity, indexed by time; metadata in `attrs`.
+        Raises ImportError where pandas is not installed."""
+        import importlib
+
+        try:
+            pandas = importlib.import_module("pandas")
+        except ImportError:
+            raise ImportError("a table needs pandas: pip install pandas") from None
+        frame = pandas.DataFrame({n: self[n] for n in self.columns}, index=pandas.Index(self.t, name="time"))
+        frame.attrs.update(self.metadata())
+        return frame
+
+    def save(self, path: str, units: bool = False) -> None:
+        """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
+
+        `units` writes them into the header of a CSV file, `theta [rad]`; the other formats, and the
+        file `PATH.json` beside a CSV file, carry them in any case, with what else is known of the run.
+        Raises `lagc.simulation.formats.CannotSave` where the ending is none of these, a package is missing
+        or the file cannot be written.
+        """
+        from lagc.simulation.formats import save
+
+        save(self, path, units)
+
+    def _fill_rates(self) -> None:
+        system = self.system
+        nq = system.nq
+        rows: list[list[float]] = []
+        for t, x in zip(self.times, self.states):
+            xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+            system.rhs(t, x, xdot, lam)
+            rows.append(xdot[:nq])
+        for i, name in enumerate(system.interface.q_names):
+            self._columns.setdefault(derived(name), [row[i] for row in rows])
+
+    def _fill_outputs(self) -> None:
+        system = self.system
+        rows = [system.outputs(t, x) for t, x in zip(self.times, self.states)]
+        for i, output in enumerate(system.interface.outputs):
+            self._columns.setdefault(output.name, [row[i] for row in rows])

@@ -1,0 +1,177 @@
+"""System: all that runs know of a mechanical system.
+
+A compiled model is one implementation (NumPy module or C library), a hand-written class in a
+test another.  States are plain lists of floats, x = (q, v, z); see `architecture` in the docs
+for the equation and its names.  Statuses, options and trajectories are those of generated modules.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from lagc.codegen.python.support.base import FAILED, FIRST_LOOK, Options, Trajectory
+from lagc.kernels.language.statuses import (
+    CHATTERING,
+    INCONSISTENT,
+    INTERRUPTED,
+    INVALID,
+    MAX_STEPS,
+    MISPLACED,
+    NOT_FINITE,
+    OK,
+    REDUNDANT,
+    SINGULAR_MASS,
+    STEP_UNDERFLOW,
+    TERMINATED,
+)
+from lagc.lowering.program import Interface
+
+__all__ = [
+    "CHATTERING",
+    "FAILED",
+    "FIRST_LOOK",
+    "INCONSISTENT",
+    "INTERRUPTED",
+    "INVALID",
+    "MAX_STEPS",
+    "MISPLACED",
+    "NOT_FINITE",
+    "OK",
+    "REDUNDANT",
+    "SINGULAR_MASS",
+    "STEP_UNDERFLOW",
+    "TERMINATED",
+    "Options",
+    "System",
+    "Trajectory",
+    "Vector",
+    "arrived",
+    "rates_at",
+    "row_gradients",
+]  # fmt: skip
+
+Vector = Sequence[float]
+
+
+class System(Protocol):
+    """A compiled model with its parameters bound: functions, names, energies, outputs.
+
+    Backends (`lagc.simulation.backends`): NumPy module, C library.  Nothing of it changes: its functions
+    depend on their arguments alone, any number of threads may call them, and it pickles.  Of `assemble`
+    then `solve`, and of `culprit`, each thread sees its own.
+    """
+
+    interface: Interface
+    backend: str
+    nq: int
+    nv: int
+    nz: int
+    nc: int
+    nh: int
+    nx: int
+    quaternions: tuple[int, ...]
+
+    @property
+    def culprit(self) -> int: ...
+
+    @property
+    def parameters(self) -> Sequence[float]:
+        """The array p: parameters, then inputs."""
+        ...
+
+    def bind(self, values: Sequence[float]) -> System:
+        """The same model with other values of p."""
+        ...
+
+    def on(self, t: float, x: Vector) -> System:
+        """The same on the branch of (t, x), whatever the state that is asked: no condition of the equations
+        changes.  What it integrates is as usual."""
+        ...
+
+    def integrate(
+        self,
+        options: Options,
+        t0: float,
+        x0: Vector,
+        times: Sequence[float],
+        progress: Callable[[float], None] | None = None,
+        way: int = 0,
+    ) -> Trajectory:
+        """From (t0, x0), consistent, to times[-1] exactly; states at `times` by dense output.  With a `way`,
+        1 or -1, arithmetic is rounded up in some slices of 16 steps and down in the others, or the opposite.
+
+        KeyboardInterrupt raised in `progress` ends it with what was computed (status INTERRUPTED).
+        """
+        ...
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int: ...
+
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        """`rhs` with arithmetic rounded up (1) or down (-1), where that is one call of compiled code."""
+        ...
+
+    def position(self, t: float, x: Vector) -> list[float]: ...
+
+    def velocity(self, t: float, x: Vector) -> list[float]: ...
+
+    def scales(self, t: float, x: Vector) -> list[float]: ...
+
+    def assemble(self, t: float, x: Vector) -> int: ...
+
+    def solve(self, r: Vector) -> list[float]: ...
+
+    def displace(self, t: float, x: Vector, d: Vector) -> list[float]: ...
+
+    def accelerations(self, t: float, x: Vector) -> tuple[list[float], list[float]]:
+        """(a[nv], lam[nc])."""
+        ...
+
+    def energies(self, t: float, x: Vector) -> list[float]: ...
+
+    def outputs(self, t: float, x: Vector) -> list[float]: ...
+
+    def start(self) -> list[float]: ...
+
+    def conditions(self, t: float, x: Vector) -> tuple[list[float], list[float], list[float]]:
+        """c, J and sizes of a consistent start (see `Program`)."""
+        ...
+
+    def some_conditions(self, t: float, x: Vector, c: list[float], jacobian: list[float], sizes: list[float],
+                        first: int, last: int) -> None:  # fmt: skip
+        """Fills in what belongs to the pieces first..last-1 of the conditions (`interface.pieces`), and what
+        belongs to none.  The lists may be longer than need be."""
+        ...
+
+    def limits(self) -> list[float]:
+        """Values made of parameters that have bounds (`interface.limits`)."""
+        ...
+
+    def measures(self) -> tuple[list[float], list[float]]:
+        """s and largest (see `Program`)."""
+        ...
+
+
+def arrived(run: Trajectory) -> bool:
+    """Whether it came to its end, which a clause `when` may have set."""
+    return run.status in (OK, TERMINATED)
+
+
+def rates_at(system: System, t: float, x: Sequence[float]) -> list[float] | None:
+    """dx/dt at (t, x); None where it cannot be told."""
+    xdot, lam = [0.0] * system.nx, [0.0] * system.nc
+    return None if system.rhs(t, x, xdot, lam) in FAILED else xdot
+
+
+def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[float]]:
+    """The gradients of all rows in the speeds, nc x nv."""
+    interface, slopes = system.interface, system.conditions(t, x)[1]
+    found = []
+    for k in range(system.nh, system.nh + system.nc):
+        row = [0.0] * system.nv
+        for place in interface.condition_entries(k):
+            j = interface.condition_columns[place] - system.nq
+            if 0 <= j < system.nv:
+                row[j] = slopes[place]
+        found.append(row)
+    return found
