@@ -31,12 +31,12 @@ if TYPE_CHECKING:
     from lagc.artifact import Artifact
     from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
+    from lagc.reports.equations.matrices import Matrices
     from lagc.semantics.model import Model
     from lagc.semantics.scenes.choice import Inputs
     from lagc.simulation.initialization.initialize import NoStart
     from lagc.simulation.initialization.result import Start
     from lagc.simulation.solution import Array
-    from lagc.view.matrices import Matrices
 
 Progress: TypeAlias = Callable[[float], None]
 
@@ -109,12 +109,12 @@ class Run(Solution):
     def plot(self, *names: str, path: str | None = None) -> object:
         """Draw the named columns over time (the coordinates without a name), into the file `path`
         where one is given.  Raises ImportError where matplotlib is not installed."""
-        from lagc.view.plot import plot
+        from lagc.reports.plots.plot import plot
 
         return plot(self, names=names, path=path)
 
     def _repr_html_(self) -> str:
-        from lagc.view.html import solution_html
+        from lagc.reports.plots.html import solution_html
 
         return solution_html(self)
 
@@ -416,7 +416,7 @@ class CompiledModel(Differentiable):
 
     def matrices(self) -> Matrices:
         """M, h, tau, G, gamma and qdot as SymPy matrices.  Raises ImportError where SymPy is missing."""
-        from lagc.view.matrices import matrices
+        from lagc.reports.equations.matrices import matrices
 
         with self.compilation.lock:
             return matrices(self.equations)
@@ -441,7 +441,7 @@ class CompiledModel(Differentiable):
         return {**self._given, **more}
 
     def _repr_latex_(self) -> str:
-        from lagc.view.latex import equations_latex
+        from lagc.reports.equations.latex import equations_latex
 
         with self.compilation.lock:
             return equations_latex(self.equations)

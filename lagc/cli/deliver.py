@@ -33,7 +33,7 @@ def deliver(found: Run, options: argparse.Namespace) -> int:
     with beside(options.output):
         _print(found, options)
     if options.plot == "" and begun and not picture:
-        from lagc.view.plot import show as show_picture
+        from lagc.reports.plots.plot import show as show_picture
 
         show_picture(found)
     if found.interrupted:
@@ -74,13 +74,13 @@ def picture_of(interface: Interface, named: str | None) -> str:
     """The file that is drawn into: the one named or, where there is no screen, one beside; else none."""
     if named != "":
         return named or ""
-    from lagc.view.plot import has_display, path_beside
+    from lagc.reports.plots.plot import has_display, path_beside
 
     return "" if has_display() else path_beside(interface)
 
 
 def _draw(found: Run, wanted: str, options: argparse.Namespace) -> bool:
-    from lagc.view.plot import plot
+    from lagc.reports.plots.plot import plot
 
     path = kept(wanted, lambda name: plot(found, path=name), (OSError, ValueError, ArithmeticError))
     if path is not None:

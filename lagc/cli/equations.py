@@ -30,7 +30,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc import compiler
     from lagc.host import model_library as library
     from lagc.host.budgets import stage
-    from lagc.view.equations import write
+    from lagc.reports.equations.equations import write
 
     equations = compiler.equations(library.read(options.file), choice_of(options))
     with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):

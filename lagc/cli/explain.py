@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc import compiler
     from lagc.host import model_library as library
     from lagc.host.budgets import stage
-    from lagc.view.explain import explanation, text
+    from lagc.reports.explain import explanation, text
 
     equations = compiler.equations(library.read(options.file), choice_of(options))
     program = compiler.optimize(equations, work=False)

@@ -106,7 +106,7 @@ def _none(message: str, options: argparse.Namespace) -> int:
 
 
 def _text(found: list[Linear], options: argparse.Namespace) -> str:
-    from lagc.view.linear import heading, large, text
+    from lagc.reports.linear import heading, large, text
 
     interface = found[0].system.interface
     effects = f" with {', '.join(interface.effects)}" if interface.effects else ""
@@ -158,8 +158,8 @@ def _deliver(found: list[Linear], facts: dict[str, Any], options: argparse.Names
         if path is not None:
             say(f"written to {path}", options.quiet or options.json)
     if options.plot is not None:
-        from lagc.view.linear import heading
-        from lagc.view.modes import plot_modes
+        from lagc.reports.linear import heading
+        from lagc.reports.plots.mode_shapes import plot_modes
 
         interface = found[0].system.interface
         wanted = _picture(interface, options.plot)

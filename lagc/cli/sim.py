@@ -148,7 +148,7 @@ def check_picture(options: argparse.Namespace) -> None:
             raise Usage("a picture needs matplotlib: pip install matplotlib")
     if options.plot:
         from lagc.host.atomic_write import obstacle
-        from lagc.view.plot import check_ending
+        from lagc.reports.plots.plot import check_ending
 
         try:
             check_ending(options.plot)

@@ -149,12 +149,12 @@ class Stages:
         return compiler.render(self.made["optimize"], "c")
 
     def equations(self) -> Any:
-        from lagc.view.equations import write
+        from lagc.reports.equations.equations import write
 
         return write(self.made["derive"], full=False)
 
     def explain(self) -> Any:
-        from lagc.view.explain import explanation
+        from lagc.reports.explain import explanation
 
         return explanation(self.made["derive"], self.made["optimize"])
 

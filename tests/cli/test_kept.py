@@ -161,7 +161,7 @@ def test_files_that_are_named_after_a_model_have_a_name_however_long_that_is(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     pytest.importorskip("matplotlib")
-    monkeypatch.setattr("lagc.view.plot.has_display", lambda: False)
+    monkeypatch.setattr("lagc.reports.plots.plot.has_display", lambda: False)
     before: set[Path] = set()
     for length in (59, 61, 120, 121, 254, 1000):
         for last in "ab":  # models that differ in the end only

@@ -42,8 +42,8 @@ STAGES = [  # where it is done, by which command, what it is called
     ("lagc.semantics.resolve.resolve", "check", "finding what its names mean"),
     ("lagc.mechanics.derive.derive", "equations", "deriving the equations"),
     ("lagc.lowering.lower_equations.optimize", "check", "simplifying the equations"),
-    ("lagc.view.equations.write", "equations", "writing the equations"),
-    ("lagc.view.explain.explanation", "explain", "examining the equations"),
+    ("lagc.reports.equations.equations.write", "equations", "writing the equations"),
+    ("lagc.reports.explain.explanation", "explain", "examining the equations"),
     ("lagc.codegen.c.emit.render", "build", "writing the code"),
     ("lagc.codegen.python.emit.render", "sim", "writing the code"),
 ]

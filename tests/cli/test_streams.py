@@ -51,7 +51,7 @@ STREAMS = {
 # A process that has loaded everything runs each command in a child of its own.
 DRIVER = """
 import json, os, sys
-import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.simulation.simulate, lagc.view.explain
+import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.simulation.simulate, lagc.reports.explain
 from lagc.cli.program import program
 (streams, commands), codes = json.loads(sys.argv[1]), []
 for number, words in enumerate(commands):

@@ -11,10 +11,10 @@ import pytest
 from lagc import compiler
 from lagc.compiler import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
+from lagc.reports.explain import explanation
 from lagc.semantics.scenes.variants import Variant, variants
 from lagc.syntax import tree
 from lagc.syntax.parse import parse
-from lagc.view.explain import explanation
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 

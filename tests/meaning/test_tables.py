@@ -14,12 +14,12 @@ from scipy.interpolate import CubicSpline, PPoly
 
 import lagc
 from lagc.diagnostics.faults import Refused
+from lagc.reports.equations.equations import write
 from lagc.semantics.names.data_files import columns
 from lagc.symbolic.derivative import tangent
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph
 from lagc.symbolic.interpolants import interpolant
-from lagc.view.equations import write
 from tests.render.tools import bits
 
 KINDS = ("held", "linear", "cubic")

@@ -19,7 +19,7 @@ from lagc import compiler
 from lagc.api import CompiledModel
 from lagc.codegen.identifiers import Names, is_reserved, prefix
 from lagc.diagnostics.faults import Refused, Source
-from lagc.view.equations import write as equations_as
+from lagc.reports.equations.equations import write as equations_as
 from tests.render.tools import COMPILERS, call, present, write
 
 _C99 = """

@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.names import names
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.view.names import names
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "sqrt",

@@ -11,11 +11,11 @@ from random import Random
 import pytest
 
 import lagc
-from lagc.view import formulas
-from lagc.view.equations import write
-from lagc.view.latex import equations_latex, letter
-from lagc.view.polynomials import fraction
-from lagc.view.trigonometry import ShortAlgebra
+from lagc.reports.algebra.polynomials import fraction
+from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.equations import formulas
+from lagc.reports.equations.equations import write
+from lagc.reports.equations.latex import equations_latex, letter
 from tests.view.models import EVERYTHING, LONG, derived, equations_of, rows
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.equations.equations import write
 from lagc.symbolic.evaluate import evaluate
-from lagc.view.equations import write
 from tests.view.models import MODELS, derived, equations_of
 from tests.view.scripts import states_of
 

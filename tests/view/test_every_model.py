@@ -11,9 +11,9 @@ import pytest
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.numeric.samples import Chance, samples
+from lagc.reports.equations.equations import write
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
-from lagc.view.equations import write
 from tests.mechanics.random_systems import model, random_system
 from tests.view.models import EVERYTHING, LONG, MODELS, derived, equations_of
 from tests.view.scripts import script_residuals, values_at

@@ -12,7 +12,7 @@ import pytest
 
 from lagc.cli.main import main
 from lagc.lowering.lower_equations import optimize
-from lagc.view.explain import Facts, explanation, text
+from lagc.reports.explain import Facts, explanation, text
 from tests.view.models import MODELS, derived, equations_of
 
 

@@ -10,12 +10,12 @@ import pytest
 
 import lagc
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.equations.equations import write
+from lagc.reports.equations.latex import LatexWriter, alike
+from lagc.reports.equations.page import page
+from lagc.reports.names import Name, names
+from lagc.reports.patterns.formula_trees import Symbol, indices
 from lagc.symbolic.graph import Node
-from lagc.view.equations import write
-from lagc.view.forms import Symbol, indices
-from lagc.view.latex import LatexWriter, alike
-from lagc.view.names import Name, names
-from lagc.view.page import page
 from tests.view.models import MODELS, derived, equations_of, rows
 
 MODEL = """model Names

@@ -11,10 +11,10 @@ import pytest
 
 import lagc
 from lagc.api import Run
-from lagc.view.curves import is_constant
-from lagc.view.html import solution_html, table
-from lagc.view.modes import plot_modes
-from lagc.view.plot import by_unit, plot, show
+from lagc.reports.plots.curves import is_constant
+from lagc.reports.plots.html import solution_html, table
+from lagc.reports.plots.mode_shapes import plot_modes
+from lagc.reports.plots.plot import by_unit, plot, show
 from tests.view.models import MODELS
 
 pytest.importorskip("matplotlib")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import lagc
-from lagc.view.explain import explanation
-from lagc.view.ranges import ranged
+from lagc.reports.explain import explanation
+from lagc.reports.ranges import ranged
 
 
 @pytest.mark.parametrize(

@@ -11,13 +11,13 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.equations.equations import write
+from lagc.reports.equations.page import page
+from lagc.reports.equations.text import TextWriter
+from lagc.reports.patterns.formula_trees import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
+from lagc.reports.patterns.index_rules import FEW, _key, _same, rule, summed
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Graph, Node
-from lagc.view.equations import write
-from lagc.view.forms import Linear, Series, Symbol, Term, Total, all_of, terms_of, value
-from lagc.view.page import page
-from lagc.view.rules import FEW, _key, _same, rule, summed
-from lagc.view.text import TextWriter
 from tests.view.models import rows
 from tests.view.scripts import ruled_residuals, values_at
 

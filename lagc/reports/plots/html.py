@@ -22,7 +22,7 @@ def solution_html(solution: Solution) -> str:
 def picture(solution: Solution) -> str:
     import io
 
-    from lagc.view.plot import plot, styled
+    from lagc.reports.plots.plot import plot, styled
 
     figure = plot(solution)
     text = io.StringIO()

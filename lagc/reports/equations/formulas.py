@@ -12,14 +12,20 @@ from functools import cached_property
 
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.algebra.collect import Collector, Sum, positive_first
+from lagc.reports.algebra.expansion import LONG, Algebra, TooLarge
+from lagc.reports.algebra.polynomials import Polynomial, scaled
+from lagc.reports.algebra.trigonometry import (
+    ShortAlgebra,
+    TurningAlgebra,
+    shorten,
+    unit_quaternion,
+    without_noise,
+)
+from lagc.reports.equations.naming import NamingAlgebra
+from lagc.reports.names import pi_of
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
-from lagc.view.algebra import LONG, Algebra, TooLarge
-from lagc.view.collect import Collector, Sum, positive_first
-from lagc.view.names import pi_of
-from lagc.view.naming import NamingAlgebra
-from lagc.view.polynomials import Polynomial, scaled
-from lagc.view.trigonometry import ShortAlgebra, TurningAlgebra, shorten, unit_quaternion, without_noise
 
 
 @dataclass(frozen=True, slots=True)

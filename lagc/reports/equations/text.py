@@ -8,12 +8,24 @@ from contextlib import suppress
 from decimal import Context
 from fractions import Fraction
 
+from lagc.reports.algebra.expansion import HALF, TABLE
+from lagc.reports.algebra.polynomials import Exponent, number_content
+from lagc.reports.names import Name, Names
+from lagc.reports.patterns.formula_trees import (
+    Call,
+    Counters,
+    Form,
+    Line,
+    Linear,
+    Number,
+    Part,
+    Symbol,
+    Term,
+    Total,
+    filled,
+)
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import INFIX
-from lagc.view.algebra import HALF, TABLE
-from lagc.view.forms import Call, Counters, Form, Line, Linear, Number, Part, Symbol, Term, Total, filled
-from lagc.view.names import Name, Names
-from lagc.view.polynomials import Exponent, number_content
 
 TERMS = 30  # of a sum that is cut
 

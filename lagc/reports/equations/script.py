@@ -10,14 +10,24 @@ from typing import TypeAlias
 
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.algebra.expansion import TABLE
+from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.equations.page import Page
+from lagc.reports.equations.text import TextWriter
+from lagc.reports.names import Name, Names, pi_of
+from lagc.reports.patterns.formula_trees import (
+    INDEX,
+    Counters,
+    Line,
+    Linear,
+    Symbol,
+    Total,
+    all_of,
+    filled,
+    indices,
+)
+from lagc.reports.patterns.index_rules import ruled
 from lagc.symbolic.operators import TRUTHS, spelling
-from lagc.view.algebra import TABLE
-from lagc.view.forms import INDEX, Counters, Line, Linear, Symbol, Total, all_of, filled, indices
-from lagc.view.names import Name, Names, pi_of
-from lagc.view.page import Page
-from lagc.view.polynomials import Exponent
-from lagc.view.rules import ruled
-from lagc.view.text import TextWriter
 
 RULED = {"sum", "range", "parts"}  # what scripts of rules use besides
 WORDS = spelling("sympy")

@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.view.algebra import Algebra
-from lagc.view.polynomials import Exponent, Monomial, Polynomial, divided, scaled
+from lagc.reports.algebra.expansion import Algebra
+from lagc.reports.algebra.polynomials import Exponent, Monomial, Polynomial, divided, scaled
 
 Factors: TypeAlias = "tuple[tuple[int | Sum, Exponent], ...]"
 

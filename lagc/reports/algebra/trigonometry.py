@@ -10,11 +10,19 @@ from __future__ import annotations
 
 from fractions import Fraction
 
+from lagc.reports.algebra.expansion import Algebra
+from lagc.reports.algebra.polynomials import (
+    READABLE,
+    Exponent,
+    Monomial,
+    Polynomial,
+    accumulate,
+    frozen,
+    scaled,
+)
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import TWINS
 from lagc.symbolic.squares import exchanged
-from lagc.view.algebra import Algebra
-from lagc.view.polynomials import READABLE, Exponent, Monomial, Polynomial, accumulate, frozen, scaled
 
 NOISE = Fraction(1, 2**50)
 Powers = dict[int, Exponent]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf
 
+from lagc.reports.algebra.expansion import HIGHEST, LONG, Parts
+from lagc.reports.algebra.polynomials import Frozen, Polynomial, frozen
+from lagc.reports.algebra.trigonometry import ShortAlgebra
 from lagc.symbolic.graph import Graph, Node
-from lagc.view.algebra import HIGHEST, LONG, Parts
-from lagc.view.polynomials import Frozen, Polynomial, frozen
-from lagc.view.trigonometry import ShortAlgebra
 
 
 class NamingAlgebra(ShortAlgebra):

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass, replace
-from lagc.view.forms import (
+from lagc.reports.patterns.formula_trees import (
     INDEX,
     Call,
     Form,

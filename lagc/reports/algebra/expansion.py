@@ -16,11 +16,7 @@ from math import comb, factorial, inf, isqrt
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.symbolic.graph import Node
-from lagc.symbolic.operators import OPERATORS
-from lagc.symbolic.walk import missing, within
-from lagc.symbolic.zero_test.finite_field import turns_of
-from lagc.view.polynomials import (
+from lagc.reports.algebra.polynomials import (
     Exponent,
     Frozen,
     Monomial,
@@ -34,6 +30,10 @@ from lagc.view.polynomials import (
     scaled,
     settled,
 )  # fmt: skip
+from lagc.symbolic.graph import Node
+from lagc.symbolic.operators import OPERATORS
+from lagc.symbolic.walk import missing, within
+from lagc.symbolic.zero_test.finite_field import turns_of
 
 Parts: TypeAlias = list[tuple[Node, Polynomial]]  # of a sum, each with its factor
 

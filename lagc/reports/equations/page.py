@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.symbolic.graph import Node
-from lagc.view.algebra import TooLarge
-from lagc.view.forms import Former, Line, indices
-from lagc.view.formulas import (
+from lagc.reports.algebra.expansion import TooLarge
+from lagc.reports.algebra.polynomials import NotFinite, Polynomial
+from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.equations.formulas import (
     ZERO,
     Formula,
     Formulas,
@@ -28,12 +28,12 @@ from lagc.view.formulas import (
     tidy,
     with_long_sums,
 )
-from lagc.view.names import Name, Names, names, taken
-from lagc.view.naming import SharedAlgebra
-from lagc.view.polynomials import NotFinite, Polynomial
-from lagc.view.recursion import arrays, residuals
-from lagc.view.rules import ruled, summed
-from lagc.view.trigonometry import ShortAlgebra
+from lagc.reports.equations.naming import SharedAlgebra
+from lagc.reports.names import Name, Names, names, taken
+from lagc.reports.patterns.formula_trees import Former, Line, indices
+from lagc.reports.patterns.index_rules import ruled, summed
+from lagc.reports.patterns.recursion import arrays, residuals
+from lagc.symbolic.graph import Node
 
 MOST = 12  # equations of a kind that are all written
 TERMS = 60_000  # of all equations, where they are written as sums that are long

@@ -13,10 +13,10 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from lagc.base.records import dataclass, replace
+from lagc.reports.algebra.collect import Collector, Product, Sum
+from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.names import Names
 from lagc.symbolic.graph import Node
-from lagc.view.collect import Collector, Product, Sum
-from lagc.view.names import Names
-from lagc.view.polynomials import Exponent
 
 INDEX = re.compile(r"(?<=[\[,])\d+(?=[,\]])")
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import re
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.algebra.expansion import TABLE
+from lagc.reports.algebra.polynomials import Exponent
+from lagc.reports.equations.page import Page, page
+from lagc.reports.equations.text import TextWriter
+from lagc.reports.names import Names, where
+from lagc.reports.patterns.formula_trees import INDEX, Counters, Line, Symbol, filled
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import Symbol as Leaf
 from lagc.symbolic.operators import INFIX, spelling
-from lagc.view.algebra import TABLE
-from lagc.view.forms import INDEX, Counters, Line, Symbol, filled
-from lagc.view.names import Names, where
-from lagc.view.page import Page, page
-from lagc.view.polynomials import Exponent
-from lagc.view.text import TextWriter
 
 _GREEK = """
     alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon

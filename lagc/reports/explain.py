@@ -10,14 +10,14 @@ from lagc.diagnostics.report import as_json
 from lagc.lowering.program import Interface, Program
 from lagc.mechanics.analysis.analysis import RowKind, analyse
 from lagc.mechanics.formulation.equations import EquationsOfMotion, StartValue, WhenEquations
+from lagc.reports.equations.expression import Expressions
+from lagc.reports.names import where
+from lagc.reports.ranges import ranged
 from lagc.semantics.model import UNSTATED, Lagrangian
 from lagc.symbolic.evaluate import evaluate
 from lagc.symbolic.graph import Node
 from lagc.symbolic.leaves import derived
 from lagc.symbolic.walk import symbols
-from lagc.view.expression import Expressions
-from lagc.view.names import where
-from lagc.view.ranges import ranged
 
 Facts = dict[str, Any]  # what JSON can hold
 MOST = 20  # lines of a section, without --verbose

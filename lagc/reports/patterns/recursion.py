@@ -14,11 +14,22 @@ from fractions import Fraction
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 from lagc.mechanics.formulation.mass_matrix import triples
+from lagc.reports.names import Name, Names
+from lagc.reports.patterns.formula_trees import (
+    Call,
+    Form,
+    Line,
+    Numbers,
+    Part,
+    Series,
+    Symbol,
+    Term,
+    Total,
+    pattern,
+)
+from lagc.reports.patterns.index_rules import LEAST
 from lagc.symbolic.derivative import gradient, seeds, tangent
 from lagc.symbolic.graph import Node
-from lagc.view.forms import Call, Form, Line, Numbers, Part, Series, Symbol, Term, Total, pattern
-from lagc.view.names import Name, Names
-from lagc.view.rules import LEAST
 
 _ROUNDS = 2  # parts of parts that are told apart
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.algebra.expansion import TooLarge
+from lagc.reports.algebra.polynomials import NotFinite
+from lagc.reports.algebra.trigonometry import ShortAlgebra
+from lagc.reports.equations.formulas import collector_of, nonnegative, tidy
+from lagc.reports.equations.page import in_parts
+from lagc.reports.equations.text import TextWriter
+from lagc.reports.names import Name, names, taken
+from lagc.reports.patterns.formula_trees import Former
+from lagc.reports.patterns.index_rules import summed
 from lagc.symbolic.graph import Node
 from lagc.symbolic.walk import reachable
-from lagc.view.algebra import TooLarge
-from lagc.view.forms import Former
-from lagc.view.formulas import collector_of, nonnegative, tidy
-from lagc.view.names import Name, names, taken
-from lagc.view.page import in_parts
-from lagc.view.polynomials import NotFinite
-from lagc.view.rules import summed
-from lagc.view.text import TextWriter
-from lagc.view.trigonometry import ShortAlgebra
 
 LIMIT, WHOLE = 20_000, 800_000  # products: of one expression; of wholes, each half of what is left
 LONGEST = 600  # characters

@@ -8,9 +8,9 @@ each up to a factor that is a number or a product of parameters.
 from __future__ import annotations
 
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.view.names import where
-from lagc.view.page import Page, page
-from lagc.view.text import TextWriter
+from lagc.reports.equations.page import Page, page
+from lagc.reports.equations.text import TextWriter
+from lagc.reports.names import where
 
 TITLES = {
     "shared": "shared parts",
@@ -26,11 +26,11 @@ def write(equations: EquationsOfMotion, format: str = "text", full: bool = True)
     """The equations in `format`: text, latex or sympy.  Not in `full`, many are written by their rules."""
     found = page(equations, full)
     if format == "latex":
-        from lagc.view.latex import write_latex
+        from lagc.reports.equations.latex import write_latex
 
         return write_latex(found)
     if format == "sympy":
-        from lagc.view.script import write_script
+        from lagc.reports.equations.script import write_script
 
         return write_script(equations, found)
     return write_text(found)

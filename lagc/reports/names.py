@@ -10,9 +10,9 @@ from typing import TypeAlias
 from lagc.base.printable import one_line
 from lagc.base.records import dataclass
 from lagc.mechanics.formulation.equations import EquationsOfMotion
+from lagc.reports.algebra.expansion import TABLE
 from lagc.symbolic.graph import Node
 from lagc.symbolic.operators import OPERATORS
-from lagc.view.algebra import TABLE
 
 
 @dataclass(frozen=True, slots=True)

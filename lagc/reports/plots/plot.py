@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from lagc.base.once import RLock
 from lagc.base.printable import printable
 from lagc.host.atomic_write import Files, fitting
-from lagc.view.curves import Scales, scales, with_corners
+from lagc.reports.plots.curves import Scales, scales, with_corners
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,0 +1,1 @@
+"""Algebra for readable equations: expansion, collection, trigonometric identities."""

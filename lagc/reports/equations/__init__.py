@@ -1,0 +1,1 @@
+"""The equations of motion as text, LaTeX, a page or a script."""

@@ -1,0 +1,1 @@
+"""Patterns in formulas: index rules and recursion."""
