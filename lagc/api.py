@@ -15,20 +15,20 @@ from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
 from lagc.base.records import dataclass, names, replace
-from lagc.compiler import Choice, Compilation
+from lagc.compiler.loaded import Loaded
+from lagc.compiler.pipeline import Choice, Compilation
 from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.given import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.host import model_library as library
 from lagc.host.budgets import of_this_machine, running
-from lagc.loaded import Loaded
 from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.simulation.solution import Solution
 from lagc.simulation.supervision.forecast import check_memory
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:
-    from lagc.artifact import Artifact
+    from lagc.compiler.artifact import Artifact
     from lagc.lowering.program import Interface, Program
     from lagc.mechanics.formulation.equations import EquationsOfMotion
     from lagc.reports.equations.matrices import Matrices
@@ -95,7 +95,7 @@ class ModelFile:
     def check(self) -> list[Fault]:
         """The faults of the text, in all its scenes: of its syntax or, without such, of its names and
         dimensions; without these of its equations, then of its starts."""
-        from lagc.checking import check
+        from lagc.compiler.checking import check
 
         return check(self.source, Choice())
 

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import index
 from typing import TYPE_CHECKING, Any
 
-from lagc.compiler import PER_OPERATION
+from lagc.compiler.loaded import Loaded
+from lagc.compiler.pipeline import PER_OPERATION
 from lagc.given import real, reals
 from lagc.host.budgets import Exhausted, reached
-from lagc.loaded import Loaded
 
 if TYPE_CHECKING:
     from lagc.lowering.program import Interface

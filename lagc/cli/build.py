@@ -33,7 +33,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import compiler
+    from lagc.compiler import pipeline as compiler
     from lagc.host import model_library as library
 
     if options.real != "double" and options.target != "c":

@@ -11,7 +11,7 @@ from lagc.cli.output import print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
 if TYPE_CHECKING:
-    from lagc.checking import Checked
+    from lagc.compiler.checking import Checked
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("which file? `lagc check FILE...`")
     if options.files.count("-") > 1:
         raise Usage("standard input, `-`, is read once")
-    from lagc.checking import STAGES
+    from lagc.compiler.checking import STAGES
 
     faults: list[Fault] = []
     left: set[str] = set()
@@ -60,7 +60,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
-    from lagc import checking, compiler
+    from lagc.compiler import checking
+    from lagc.compiler import pipeline as compiler
     from lagc.host import model_library as library
 
     try:

@@ -20,7 +20,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc import compiler
+    from lagc.compiler import pipeline as compiler
     from lagc.host import model_library as library
     from lagc.host.budgets import stage
     from lagc.reports.explain import explanation, text

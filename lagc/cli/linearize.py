@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
     from lagc.cli.deliver import beside
     from lagc.cli.sim import check_picture
-    from lagc.compiler import Compilation
+    from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library as library
 
     _check_output(options.output)

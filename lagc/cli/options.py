@@ -11,7 +11,7 @@ from lagc.base.numerals import number, seconds, size
 from lagc.cli.exits import Usage
 
 if TYPE_CHECKING:
-    from lagc.compiler import Choice
+    from lagc.compiler.pipeline import Choice
     from lagc.host.budgets import Limits
     from lagc.simulation.request import Quantity
 
@@ -97,7 +97,7 @@ def add_parameter_option(parser: argparse.ArgumentParser) -> None:
 
 def choice_of(options: argparse.Namespace) -> Choice:
     """What of the file is meant, by the options of `add_model_options`."""
-    from lagc.compiler import Choice
+    from lagc.compiler.pipeline import Choice
     from lagc.simulation.request import expression
 
     parameters = quantities(options.parameters, "-p")

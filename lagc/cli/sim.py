@@ -83,7 +83,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
     from lagc.cli.progress import Bar
-    from lagc.compiler import Compilation
+    from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library as library
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lagc.cli.exits import Usage
 
 if TYPE_CHECKING:
-    from lagc.compiler import Compilation
+    from lagc.compiler.pipeline import Compilation
 
 
 def spare(compilation: Compilation, *paths: str | None) -> None:

@@ -32,7 +32,7 @@ marks, began = [clock()], wall()
 n = int(sys.argv[1])
 def mark(): marks.append(clock())
 import lagc
-from lagc.compiler import Choice, Compilation, derive, optimize, parse, render, resolve
+from lagc.compiler.pipeline import Choice, Compilation, derive, optimize, parse, render, resolve
 from lagc import library
 import lagc.semantics.resolve, lagc.syntax.parse, lagc.mechanics.derive, lagc.lowering.lower_equations
 import lagc.codegen.python.emit, lagc.simulation.backends.python

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from lagc.compiler import Choice, program, render
+from lagc.compiler.pipeline import Choice, program, render
 from lagc.host import model_library as library
 from lagc.simulation.backends.compile import FLAGS, compiler
 

@@ -13,8 +13,9 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from lagc import checking, compiler
-from lagc.compiler import Choice
+from lagc.compiler import checking
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library as library
 from lagc.host.budgets import Limits

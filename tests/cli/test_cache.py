@@ -17,7 +17,7 @@ import pytest
 from lagc import load
 from lagc.base import records
 from lagc.cli.main import main
-from lagc.compiler import Choice, Compilation
+from lagc.compiler.pipeline import Choice, Compilation
 from lagc.host import cache
 from lagc.host import model_library as library
 from lagc.host.cache import folders, upkeep

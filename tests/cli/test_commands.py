@@ -139,7 +139,7 @@ def test_a_built_module_needs_no_lagc(pendulum: str, tmp_path: Path, capsys: Cap
 def test_build_into_a_file_is_wrong_usage_before_anything_is_compiled(
     where: str, pendulum: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    from lagc import compiler
+    from lagc.compiler import pipeline as compiler
 
     monkeypatch.setattr(compiler, "Compilation", None)
     monkeypatch.chdir(tmp_path)

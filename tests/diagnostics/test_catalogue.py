@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.catalogue import Entry, entries
 from lagc.diagnostics.faults import Source
 

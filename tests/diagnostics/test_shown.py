@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Fault, Source, Span
 from lagc.diagnostics.report import as_json, report
 from lagc.diagnostics.suggest import closest, did_you_mean, foreign

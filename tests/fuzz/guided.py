@@ -12,7 +12,7 @@ from types import FrameType
 from typing import Any
 
 import lagc
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.diagnostics.report import as_json, report
 from lagc.syntax.formatter.format import format_source

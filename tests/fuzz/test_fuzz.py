@@ -16,7 +16,7 @@ import pytest
 
 pytest.importorskip("resource")
 
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.simulation.backends import compile as compiled
 from tests.fuzz import workers

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc import compiler
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.reports.explain import explanation
 from lagc.semantics.scenes.variants import Variant, variants

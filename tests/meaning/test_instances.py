@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Refused, Source
 from lagc.semantics.resolve import resolve
 from lagc.semantics.scenes.variants import Variant, variants

@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.checking import check
 from lagc.cli.main import main
-from lagc.compiler import Choice, parse, resolve
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import model_library as library
 from lagc.semantics.names.namespace import TOGETHER

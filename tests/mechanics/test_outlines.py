@@ -7,7 +7,7 @@ import pstats
 
 import pytest
 
-from lagc.compiler import Choice, parse, resolve
+from lagc.compiler.pipeline import Choice, parse, resolve
 from lagc.diagnostics.faults import Refused, Source
 from lagc.host import model_library as library
 from lagc.mechanics.derive import derive

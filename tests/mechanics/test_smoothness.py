@@ -9,8 +9,8 @@ from random import Random
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 
 SMOOTH, KINK, JUMP = "smooth", "kink", "jump"

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from lagc import compiler
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.formulation.equations import EquationsOfMotion
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from lagc.compiler import Choice, Compilation
+from lagc.compiler.pipeline import Choice, Compilation
 from lagc.diagnostics.faults import Source
 from lagc.lowering.kkt.form_choice import solvers
 from lagc.mechanics.formulation.equations import EquationsOfMotion

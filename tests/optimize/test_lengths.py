@@ -10,8 +10,8 @@ from functools import cache
 import mpmath as mp
 import pytest
 
-from lagc import compiler
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering import functions
 from lagc.lowering.magnitudes import gradient_bounds, gradient_magnitudes

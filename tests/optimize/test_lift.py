@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import lifted

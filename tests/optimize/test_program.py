@@ -10,8 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from lagc import compiler
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.host import model_library as library
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Program

@@ -6,8 +6,8 @@ import importlib
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 
 HEAD = "model M parameter Mass m = 1; coordinate Length x; body b = Particle(mass = m, at = {x, 0, 0});\n"

@@ -15,9 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from lagc import compiler
 from lagc.api import CompiledModel
 from lagc.codegen.identifiers import Names, is_reserved, prefix
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.reports.equations.equations import write as equations_as
 from tests.render.tools import COMPILERS, call, present, write

@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
-from lagc import compiler
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.python.emit import render as render_python
 from lagc.codegen.statuses import texts
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses

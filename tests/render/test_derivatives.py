@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from lagc import compiler
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_numpy
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.lowering import jacobians as derivatives
 from lagc.lowering.lower_equations import optimize

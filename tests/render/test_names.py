@@ -20,7 +20,7 @@ from lagc.codegen.identifiers import (
     prefix,
 )
 from lagc.codegen.locals import local_names
-from lagc.compiler import Choice, program, render
+from lagc.compiler.pipeline import Choice, program, render
 from lagc.diagnostics.faults import Source
 from tests.interfaces import field
 from tests.render.programs import pendulum

@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
-from lagc import compiler
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 from tests.render.programs import Builder, pendulum, program

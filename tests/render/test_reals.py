@@ -11,11 +11,11 @@ import mpmath
 import pytest
 
 import lagc
-from lagc import compiler
 from lagc.cli.main import main
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.lowering.program import Program
 from tests.render.tools import MODELS, call, of_model, write

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 

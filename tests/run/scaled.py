@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 from lagc.semantics.declarations import bodies

@@ -10,10 +10,10 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
 
-from lagc import compiler
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.python.emit import render as render_python
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read
 from lagc.lowering.program import Program

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import pytest
 
 import lagc
-from lagc import checking, compiler
 from lagc.cli.main import main
+from lagc.compiler import checking
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.simulation.request import Quantity
 

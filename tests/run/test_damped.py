@@ -15,10 +15,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lagc
-from lagc import compiler
 from lagc.base.records import replace
 from lagc.codegen.c.emit import render as render_c
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
 from lagc.lowering.kkt import form_choice as forms

@@ -92,7 +92,7 @@ end M;"""
 
 def test_what_has_none_pays_nothing() -> None:
     """A chain of exponential springs shows all that it is at the ends of its steps."""
-    from lagc.compiler import Choice, program
+    from lagc.compiler.pipeline import Choice, program
     from lagc.host.model_library import read
 
     assert program(read("toda_lattice"), Choice()).interface.features == 6

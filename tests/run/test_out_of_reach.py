@@ -8,8 +8,8 @@ import re
 
 import pytest
 
-from lagc.checking import check
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 
 

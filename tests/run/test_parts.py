@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc import compiler
-from lagc.compiler import Choice
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.initial_equations import condition_slopes
 from lagc.simulation.backends.python import NumpySystem

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc import compiler
+from lagc.compiler import pipeline as compiler
 from lagc.simulation.initialization.solver import Conditions
 from lagc.simulation.system import System
 from tests.render.test_functions import needs_gcc

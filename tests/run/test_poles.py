@@ -180,7 +180,7 @@ def counted(module: dict[str, Any], ending: str) -> list[str]:
 
 
 def test_what_has_none_pays_nothing() -> None:
-    from lagc.compiler import Choice, program
+    from lagc.compiler.pipeline import Choice, program
     from lagc.host.model_library import read
 
     assert program(read("kepler"), Choice()).interface.poles == 1

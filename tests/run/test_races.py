@@ -12,7 +12,7 @@ import pytest
 
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
-from lagc.compiler import Choice, Compilation
+from lagc.compiler.pipeline import Choice, Compilation
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
 from tests.run.linkages import four_bar

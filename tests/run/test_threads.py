@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.compiler import Choice, Compilation, render
+from lagc.compiler.pipeline import Choice, Compilation, render
 from lagc.host import cache
 from lagc.host.model_library import read
 from lagc.simulation.backends import compile as c_compiler

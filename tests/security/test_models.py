@@ -14,9 +14,9 @@ from typing import Any
 
 import pytest
 
-from lagc import compiler
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_numpy
+from lagc.compiler import pipeline as compiler
 from lagc.diagnostics.faults import Refused, Source
 from lagc.simulation.backends.compile import compiler as c_compiler
 

@@ -17,8 +17,9 @@ from typing import Any
 
 import pytest
 
-from lagc import checking, compiler
-from lagc.compiler import Choice
+from lagc.compiler import checking
+from lagc.compiler import pipeline as compiler
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
 from lagc.lowering.scalar.common_factors import factored, plan

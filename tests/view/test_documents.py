@@ -14,9 +14,9 @@ from pathlib import Path
 import pytest
 
 import lagc
-from lagc.checking import check
 from lagc.cli.main import main
-from lagc.compiler import Choice
+from lagc.compiler.checking import check
+from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 
 pytestmark = pytest.mark.usefixtures("own_cache")

@@ -14,9 +14,17 @@ from contextlib import ContextDecorator
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from lagc.artifact import Artifact, Head, load_artifact, load_head, store_artifact, store_head, version_key
 from lagc.base.once import RLock, once
 from lagc.base.records import dataclass, field, replace
+from lagc.compiler.artifact import (
+    Artifact,
+    Head,
+    load_artifact,
+    load_head,
+    store_artifact,
+    store_head,
+    version_key,
+)
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host import cache
 from lagc.host.budgets import stage

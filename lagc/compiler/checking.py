@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lagc.base.records import dataclass, replace
-from lagc.compiler import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
+from lagc.compiler.pipeline import PER_OPERATION, Choice, derive, optimize, parse, resolve, unused
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.host.budgets import Exhausted, go_on, stage
 

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from lagc.base.once import RLock, once
-from lagc.compiler import Compilation
+from lagc.compiler.pipeline import Compilation
 from lagc.simulation.system import System
 
 if TYPE_CHECKING:

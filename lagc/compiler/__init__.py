@@ -1,0 +1,1 @@
+"""The pipeline of stages, from a model file to a compiled artifact."""
