@@ -14,12 +14,12 @@ from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
+from lagc.api_derivatives import Differentiable
+from lagc.api_values import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.base.records import dataclass, names, replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Choice, Compilation
-from lagc.derived import Differentiable
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.given import Input, Value, condition, parted, quantities, real, reals, seconds, word, words
 from lagc.host import model_library as library
 from lagc.host.budgets import of_this_machine, running
 from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits

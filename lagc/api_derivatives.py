@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from operator import index
 from typing import TYPE_CHECKING, Any
 
+from lagc.api_values import real, reals
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import PER_OPERATION
-from lagc.given import real, reals
 from lagc.host.budgets import Exhausted, reached
 
 if TYPE_CHECKING:
