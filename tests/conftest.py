@@ -39,7 +39,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 def pytest_configure() -> None:
     """What a shell made the tests ignore, a program that they start would ignore too.  Libraries that tests
-    load themselves are not optimized, which takes a quarter of the time and changes no bit, as `tests/render`
+    load themselves are not optimized, which takes a quarter of the time and changes no bit, as `tests/codegen`
     tests."""
     compile_.FLAGS = tuple(flag for flag in compile_.FLAGS if flag != "-O2")
     for each in {"SIGINT", "SIGHUP"} & set(dir(signal)):

@@ -16,10 +16,10 @@ from lagc.codegen.kernel_compiler.syntax import exact
 from lagc.compiler.pipeline import render
 from lagc.kernels.integrators.tableaus import bs32, dop853, dopri5, rk4
 from lagc.simulation.system import OK, Options, Vector
+from tests.codegen.tools import of_model
 from tests.interfaces import interface
-from tests.render.tools import of_model
-from tests.run.handmade import integrate, integrator
-from tests.run.systems import LINE, Handmade, Oscillator, Rod
+from tests.simulation.handmade import integrate, integrator
+from tests.simulation.systems import LINE, Handmade, Oscillator, Rod
 
 Row = dict[int, float]  # stage -> coefficient; stages count from 1, zeros are left out
 

@@ -11,7 +11,7 @@ import lagc
 from lagc.mechanics.analysis.analysis import analyse
 from lagc.mechanics.numeric.cancellation import magnitudes
 from lagc.symbolic.graph import Graph, Node
-from tests.view.models import equations_of
+from tests.reports.models import equations_of
 
 CHAIN = """
 model Chain

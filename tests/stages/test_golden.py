@@ -18,7 +18,7 @@ from lagc.codegen.locals import local_names
 from lagc.codegen.python.emit import render as render_numpy
 from lagc.diagnostics.faults import Source
 from lagc.syntax.formatter.format import format_source
-from tests.render.tools import MODELS, of_model
+from tests.codegen.tools import MODELS, of_model
 
 FOLDER = Path(__file__).parent / "golden"
 NAMES = (

@@ -19,13 +19,13 @@ import tempfile
 from pathlib import Path
 
 from lagc.host import model_library as library
-from tests.render.everywhere import LEVELS, compilers, prepare, printed, tools
-from tests.render.tools import STRICT, of_model
+from tests.codegen.everywhere import LEVELS, compilers, prepare, printed, tools
+from tests.codegen.tools import STRICT, of_model
 from tests.supply.bounds import ROOT, lowest
 
 TOUCHING = [
-    *("tests/frontend/test_grammar.py", "tests/expr/test_sympy.py", "tests/view", "tests/api"),
-    *("tests/cli/test_sim.py", "tests/render/test_numpy.py", "tests/supply", "tests/test_wheel.py"),
+    *("tests/syntax/test_grammar.py", "tests/symbolic/test_sympy.py", "tests/reports", "tests/api"),
+    *("tests/cli/test_sim.py", "tests/codegen/test_numpy.py", "tests/supply", "tests/test_wheel.py"),
 ]
 
 

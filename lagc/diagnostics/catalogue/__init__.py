@@ -11,7 +11,7 @@ import importlib
 
 from lagc.base.records import dataclass
 
-ROOMS = ("syntax", "meaning", "mechanics", "optimize", "run", "files", "limits")
+ROOMS = ("syntax", "semantics", "mechanics", "lowering", "simulation", "files", "limits")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,104 @@
+"""What is written by hand beside the description of the interface, in `lagc/kernels`, agrees with it."""
+
+from __future__ import annotations
+
+import re
+from ctypes import Array, Structure, c_double, c_int, c_long
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from lagc.codegen.c.emit import render
+from lagc.codegen.identifiers import prefix
+from lagc.codegen.kernel_compiler.linker import codes, members
+from lagc.codegen.kernel_compiler.shipped import parts
+from lagc.codegen.python.classes import STATES
+from lagc.codegen.python.support import slices
+from lagc.codegen.python.support.base import Options
+from lagc.kernels import METHODS
+from lagc.kernels.language import statuses
+from lagc.lowering import jacobians as derivatives
+from lagc.semantics import model
+from lagc.simulation.backends.c import _head_type, _Options, _state_type
+from lagc.simulation.initialization import solver as conditions
+from tests.codegen.tools import of_model
+
+DOCS = Path(__file__).parents[2] / "docs"
+TYPES: dict[str, Any] = {"int": c_int, "bool": c_int, "Count": c_long, "Real": c_double}
+
+
+def described(name: str, rows: bool = True, modes: bool = True, whens: bool = True) -> list[tuple[str, Any]]:
+    """Names and types of the members of a record; of an array that of its entries."""
+    (record,) = [part for part in parts() if part["kind"] == "record" and part["name"] == name]
+    switches = {switch for *_, when, _, _ in record["members"] for switch, _ in when}
+    left_out = {"NC": not rows, "NMODE": not modes, "NWHEN": not whens}
+    found = members(record, {switch: not left_out.get(switch, False) for switch in switches})
+    kinds = {**TYPES, "Vec": c_double, "IVec": c_int}
+    return [(member, kinds.get(kind[0])) for member, kind, *_ in found]
+
+
+def mirrored(structure: type[Structure]) -> list[tuple[str, Any]]:
+    fields: list[Any] = list(structure._fields_)
+    return [(name, kind._type_ if issubclass(kind, Array) else kind) for name, kind in fields]
+
+
+def test_what_is_read_of_structs_is_where_they_have_it() -> None:
+    assert mirrored(_Options) == described("Options")
+    for rows, n, (modes, whens) in product((False, True), (1, 5), ((0, 0), (2, 0), (2, 3))):
+        state = mirrored(_state_type(n, 3, modes, whens))
+        assert state == described("State", rows, modes > 0, whens > 0)[: len(state)]
+    head = mirrored(_head_type(3))
+    assert head == described("Work")[: len(head)]
+    assert head[:2] == described("Work", rows=False)[:2]  # without rows the third has no room
+
+
+def test_options_are_those_of_the_kernels() -> None:
+    names = [name for name, _ in described("Options")]
+    assert sorted(names) == sorted(vars(Options()).keys() - {"watch"})
+    slots = re.search(r"__slots__ = \((.*?)\)", STATES, re.S)
+    assert slots is not None and re.findall(r'"(\w+)"', slots[1]) == sorted(names)
+    bad = [part["name"] for part in codes(parts(), "language/records")]
+    assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
+
+
+@pytest.mark.parametrize("levels", [model, conditions])
+def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
+    for part in codes(parts(), "initialization/workspace"):
+        assert getattr(levels, part["name"]) == int(part["value"])
+
+
+def test_the_header_numbers_statuses_and_methods() -> None:
+    program = of_model("course/string_pendulum")
+    header = next(text for name, text in render(program).items() if name.endswith(".h"))
+    own = prefix(program.interface.model).upper()
+    numbers = {name: int(k) for name, k in re.findall(rf"^    {own}_(\w+) = (\d+),? /\*", header, re.M)}
+    expected = {name: value for name, value in vars(statuses).items() if name.isupper()}
+    expected.update({name.upper(): k for k, name in enumerate(METHODS)})
+    assert {name: numbers[name] for name in expected} == expected
+
+
+def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (DOCS / "interface.md").read_text(encoding="utf-8")
+    assert f"--method {'|'.join(METHODS)}`" in text
+    generated = text[text.index("## Generated C") :]
+    program = of_model("course/string_pendulum", derivatives=True)
+    header = next(text for name, text in render(program).items() if name.endswith(".h"))
+    own = prefix(program.interface.model)
+    names = set(re.findall(r"`(?:NAME)?_([a-z]\w*)", generated))
+    assert len(names) > 10
+    for name in names - {"by_time", "along"}:  # nothing in this one depends on time
+        assert re.search(rf"\b{own}_{name}\b", header), name
+    monkeypatch.setattr(derivatives, "MOST", 0)
+    large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))
+    assert any(f" {own}_along(" in text for name, text in large.items() if name.endswith(".h"))
+    for name in re.findall(r"`NAME_([A-Z]\w*)", generated):
+        assert re.search(rf"\b{own.upper()}_{name}\b", header), name
+    words = set(re.findall(r"`(?!NAME_)([A-Z]{2}[A-Z_]*)`", generated)) - {
+        "NULL",
+        "BOUNDS",
+        "STACK",
+        "PATTERNS",
+    }
+    assert len(words) > 4 and words <= {name for name in vars(statuses) if name.isupper()}

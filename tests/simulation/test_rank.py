@@ -1,0 +1,144 @@
+"""Linear equations of any rank, and motions through postures where constraints lose rank."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import pytest
+
+from lagc.lowering.program import Program
+from lagc.simulation.system import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS, Options
+from tests.interfaces import interface
+from tests.simulation.handmade import module
+from tests.simulation.linkages import four_bar
+from tests.simulation.test_generated import BACKENDS, build
+
+numpy = pytest.importorskip("numpy")
+
+
+def packed(m: Any) -> Any:
+    return [float(m[i, j]) for i in range(len(m)) for j in range(i + 1)]
+
+
+class Fallback:
+    """The kernels that factor and solve, with M, G and the sizes of gamma as they are given."""
+
+    def __init__(self, n: int, m: int) -> None:
+        self.kernels = module(Program(interface(nq=n, nv=n, nc=m, nh=m, solve="dense"), {}))
+        self.kernels.fn_gamma_sizes = lambda p, t, x, s: None
+        self.work = self.kernels.Work()
+        self.work.slight = [1.0] * m
+
+    def factor(self, mass: list[float], g: list[float]) -> int:
+        self.work.M, self.work.G = mass, g
+        status: int = self.kernels.factor_fallback([], 0.0, [], 1e-5, self.work)
+        return status
+
+    def solve(self, force: list[float], right: list[float]) -> tuple[int, list[float], list[float]]:
+        z, lam = force[:], [0.0] * len(right)
+        return self.kernels.solve_fallback(self.work, right, z, lam), z, lam
+
+
+SIZES = [(5, 2, 2), (6, 4, 2), (6, 5, 3), (3, 3, 3), (4, 6, 3), (7, 3, 3)]
+
+
+@pytest.mark.parametrize(("n", "m", "rank"), SIZES)
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
+def test_it_is_the_least_squares_solution(n: int, m: Any, rank: int, scale: float) -> None:
+    """Against the pseudo-inverse: the accelerations, and the shortest multipliers."""
+    random = numpy.random.default_rng(n + 10 * m)
+    root = random.normal(size=(n, n))
+    mass = root @ root.T + numpy.eye(n)
+    g = scale * random.normal(size=(m, rank)) @ random.normal(size=(rank, n))
+    force, right = random.normal(size=n), g @ random.normal(size=n)
+    fallback = Fallback(n, m)
+    status = fallback.factor(packed(mass), g.ravel().tolist())
+    assert status == (OK if rank == m else REDUNDANT) and fallback.work.rank == rank
+    status, a, lam = fallback.solve(force.tolist(), right.tolist())
+    assert status == (OK if rank == m else REDUNDANT)
+    null = numpy.linalg.svd(g)[2][rank:].T
+    particular = numpy.linalg.pinv(g, rcond=1e-10) @ right
+    free = numpy.linalg.solve(null.T @ mass @ null, null.T @ (force - mass @ particular)) if rank < n else []
+    expected = particular + null @ free
+    assert a == pytest.approx(expected.tolist(), rel=1e-9, abs=1e-10)
+    shortest = numpy.linalg.pinv(g.T, rcond=1e-10) @ (mass @ expected - force)
+    assert lam == pytest.approx(shortest.tolist(), rel=1e-8, abs=1e-9 * max(abs(shortest)))
+
+
+def test_a_massless_coordinate_that_a_constraint_holds() -> None:
+    fallback = Fallback(3, 1)
+    mass = numpy.diag([1.0, 0.0, 2.0])
+    assert fallback.factor(packed(mass), [1.0, -1.0, 0.0]) == OK
+    status, a, lam = fallback.solve([1.0, 0.0, 3.0], [0.5])
+    assert status == OK and a == pytest.approx([1.0, 0.5, 1.5]) and lam == pytest.approx([0.0], abs=1e-15)
+
+
+def test_a_massless_coordinate_that_nothing_holds() -> None:
+    fallback = Fallback(3, 1)
+    assert fallback.factor(packed(numpy.diag([1.0, 0.0, 2.0])), [1.0, 0.0, 1.0]) == SINGULAR_MASS
+    assert fallback.work.culprit == 1
+
+
+def test_very_uneven_masses_are_not_taken_for_dependent_rows() -> None:
+    """A mass of 1e-12 between two of 1: both rods in line hold it, and each other's rows by 1e-6."""
+    fallback = Fallback(3, 2)
+    mass, g = numpy.diag([1.0, 1e-12, 1.0]), [-1.0, 1.0, 0.0, 0.0, -1.0, 1.0]
+    assert fallback.factor(packed(mass), g) == OK
+    status, a, _ = fallback.solve([1.0, 0.0, 0.0], [0.0, 0.0])
+    assert status == OK and a == pytest.approx([0.5, 0.5, 0.5], rel=1e-11)
+
+
+def test_rows_without_entries() -> None:
+    """A row that vanishes asks nothing, or the impossible."""
+    fallback = Fallback(2, 1)
+    assert fallback.factor([1.0, 0.0, 1.0], [0.0, 0.0]) == REDUNDANT
+    status, a, lam = fallback.solve([1.0, 2.0], [0.0])
+    assert (status, a, lam) == (REDUNDANT, [1.0, 2.0], [0.0])
+    assert fallback.solve([1.0, 2.0], [1.0])[0] == INCONSISTENT and fallback.work.culprit == 0
+
+
+@BACKENDS
+@pytest.mark.parametrize("angle", [pi / 2, 1e-2, 1e-4, 1e-8, 0.0])
+@pytest.mark.parametrize("count", [1, 3])
+def test_parallelograms_go_through_the_flat_posture(backend: str, count: int, angle: float) -> None:
+    """10 s with several turns: the cranks stay parallel, the energy is kept."""
+    if backend == "numpy" and (count, angle) not in ((1, 1e-2), (1, 0.0)):
+        pytest.skip("the same bits as the C library")
+    system = build(four_bar(count, angle, -4.0), backend)
+    x = system.start()
+    run = system.integrate(Options(rtol=1e-9, atol=1e-9), 0.0, x, [10.0])
+    assert run.status == OK and run.position_drift <= 1e-14
+    for i in range(count):
+        assert run.x[2 * i + 2] - run.x[2 * i] == pytest.approx(1.0, abs=1e-9)
+        assert run.x[2 * i + 3] == pytest.approx(run.x[2 * i + 1], abs=1e-9)
+    assert system.energies(0.0, run.x)[2] == pytest.approx(system.energies(0.0, x)[2], abs=5e-6)
+    if angle == 0.0:
+        assert len(run.redundant_rows) >= count
+
+
+@BACKENDS
+def test_dependent_rows_are_free_again_after_the_posture(backend: str) -> None:
+    system = build(four_bar(1, 0.0, -4.0), backend)
+    x = system.start()
+    assert system.rhs(0.0, x, [0.0] * 8, [0.0] * 3) == REDUNDANT
+    later = system.integrate(Options(), 0.0, x, [0.2])
+    assert system.rhs(0.2, later.x, [0.0] * 8, [0.0] * 3) == OK
+
+
+@BACKENDS
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-4])
+def test_an_overconstrained_linkage_moves(backend: str, tolerance: float) -> None:
+    """Two parallelograms with one rod too many, which is dependent on the constraints only: the
+    stages of a step leave them."""
+    fair, over = (build(four_bar(2, 1.0, -4.0, spare), backend) for spare in (False, True))
+    x = fair.start()
+    options = Options(rtol=tolerance, atol=tolerance)
+    one, other = (s.integrate(options, 0.0, x, [0.2]) for s in (fair, over))
+    assert other.status == OK and other.redundant_rows == (5,)
+    assert other.x == pytest.approx(one.x, abs=30.0 * tolerance)
+    long = over.integrate(options, 0.0, x, [10.0])
+    assert long.status == OK and long.position_drift <= 1e-14 and long.velocity_drift <= 1e-14
+    energy = over.energies(0.0, long.x)[2] - over.energies(0.0, x)[2]
+    assert abs(energy) < 1e3 * tolerance
+    assert long.x[2] - long.x[0] == pytest.approx(1.0, abs=1e-9)

@@ -1,0 +1,257 @@
+"""simulate: the accuracy asked is had and told, failures are named, what was computed is kept."""
+
+from __future__ import annotations
+
+from math import cos, pi
+from typing import Any
+
+import pytest
+
+from lagc.diagnostics.faults import Refused
+from lagc.simulation.request import Request
+from lagc.simulation.simulate import simulate
+from lagc.simulation.system import STEP_UNDERFLOW, Options, Trajectory
+from tests.simulation.integrated import DoublePendulum, Kepler, Massless, Oscillator, Pendulum, Runaway
+
+pytestmark = pytest.mark.usefixtures("no_cache")
+
+
+@pytest.mark.parametrize(("stop", "most"), [(10.0, 10.0), (300.0, 4.0)])
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-5, 1e-6, 1e-8, 1e-10, 1e-12])
+def test_the_estimate_is_not_less_than_the_true_error_nor_much_more(
+    accuracy: float, stop: float, most: float
+) -> None:
+    """Errors go with the tolerance here.  Of a thousand steps the estimate is twice the true error, and half
+    as much again for what is not believed of that; of few steps little is, and it is that of a run at ten
+    times the tolerance."""
+    run = simulate(Oscillator(), Request(stop=stop, accuracy=accuracy))
+    true = max(abs(x - cos(t)) for t, x in zip(run.times, run.column("x")))
+    assert run.status == "ok" and run.estimated is not None
+    assert true <= run.estimated <= accuracy
+    if run.cost.integrations > 2:  # two tell of the coarser one
+        assert run.estimated <= most * true
+
+
+@pytest.mark.parametrize("e, accuracy", [(0.6, 1e-6), (0.9, 1e-6), (0.9, 1e-9)])
+def test_ten_revolutions_of_a_comet(e: float, accuracy: float) -> None:
+    kepler = Kepler(e)
+    run = simulate(kepler, Request(stop=20.0 * pi, accuracy=accuracy, points=997))
+    exact = [kepler.exact(t) for t in run.times]
+    x, y = run.column("x"), run.column("y")
+    size = max(abs(a) for p in exact for a in p)
+    true = max(max(abs(a - p[0]), abs(b - p[1])) for a, b, p in zip(x, y, exact)) / size
+    assert run.status == "ok" and run.estimated is not None
+    assert true <= run.estimated <= accuracy
+
+
+def test_dopri5_serves_coarse_and_dop853_fine_accuracies() -> None:
+    assert simulate(Oscillator(), Request(stop=1.0, accuracy=1e-5)).method == "dopri5"
+    assert simulate(Oscillator(), Request(stop=1.0, accuracy=9e-6)).method == "dop853"
+
+
+def test_an_accuracy_beyond_double_precision_is_said_to_be() -> None:
+    run = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-15))
+    assert run.status == "failed" and "1e-15" in run.message and "double precision" in run.message
+    assert len(run.times) == 501 and run.times[-1] == 10.0  # kept
+    assert run.estimated is not None and 1e-15 < run.estimated < 1e-12
+
+
+def test_a_chaotic_motion_ends_at_its_horizon() -> None:
+    run = simulate(DoublePendulum(), Request(stop=60.0, accuracy=1e-6))
+    assert run.status == "failed" and "until t =" in run.message
+    assert 5.0 < run.times[-1] < 50.0
+    # what is given agrees with a run of an unrelated tolerance
+    other = simulate(DoublePendulum(), Request(stop=60.0, rtol=3e-14))
+    for x, y in zip(run.states, other.states):
+        assert all(abs(a - b) < 1e-4 for a, b in zip(x, y))
+
+
+def test_the_same_question_is_answered_from_memory_with_the_same_numbers(
+    tmp_path: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
+    first = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-8))
+    second = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-8))
+    assert first.states == second.states and first.estimated == second.estimated
+    assert second.cost.integrations == 1 < first.cost.integrations
+    third = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-9))
+    assert third.cost.integrations > 1
+
+
+def test_a_motion_that_runs_away_fails_at_its_time_and_keeps_what_was_computed() -> None:
+    run = simulate(Runaway(), Request(stop=10.0, accuracy=1e-6))
+    assert run.status == "failed" and run.times
+    # x'^2 / 2 = exp(x) - 1/2, from x = 0: the time of the end is the integral of 1/x'
+    assert 1.0 < run.times[-1] < 2.0
+    assert "t = 1." in run.message
+    assert all(a == a for a in run.column("x"))
+
+
+def test_a_vanishing_mass_is_named() -> None:
+    run = simulate(Massless(), Request(stop=10.0, accuracy=1e-6))
+    assert run.status == "failed"
+    assert "mass matrix is singular" in run.message and "`der(x)`" in run.message
+    assert run.times[-1] <= 1.0
+
+
+def test_the_start_is_made_consistent_and_what_changed_is_told() -> None:
+    run = simulate(Pendulum(), Request(stop=2.0))
+    assert any(note.startswith("found for the start: `x` = ") for note in run.notes)
+    assert abs(run.states[0][0] ** 2 + run.states[0][1] ** 2 - 1.0) < 1e-13
+    assert run.position_drift < 1e-14 and run.velocity_drift < 1e-13
+
+
+def test_a_start_that_is_held_against_the_constraints_is_refused() -> None:
+    with pytest.raises(Refused) as refused:
+        simulate(Pendulum(start_levels=(4,) * 4), Request(stop=1.0))
+    (fault,) = refused.value.faults
+    assert fault.code == "LAG0610" and "`string`" in fault.message
+    assert fault.remedy is not None and "`x`" in fault.remedy
+
+
+def test_energy_is_balanced() -> None:
+    run = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-10))
+    assert run.energy.start == 0.5 and abs(run.energy.imbalance) < 1e-10
+
+
+def test_a_fixed_step_is_taken_as_asked() -> None:
+    system = Oscillator()
+    run = simulate(system, Request(stop=1.0, method="dopri5", step=0.125))
+    assert run.cost.steps == 8 and run.asked is None and run.estimated is None and run.step == 0.125
+
+
+def test_interruption_keeps_what_was_computed() -> None:
+    seen: list[float] = []
+
+    def progress(t: float) -> None:
+        seen.append(t)
+        if t > 3.0:
+            raise KeyboardInterrupt
+
+    run = simulate(Oscillator(), Request(stop=10.0, rtol=1e-6), progress=progress)
+    assert run.interrupted and run.status == "failed"
+    assert 1.0 < run.times[-1] <= seen[-1] and len(run.times) == len(run.states)
+
+
+def test_interrupted_verification_returns_the_run_that_is_complete() -> None:
+    calls = {"starts": 0, "last": 0.0}
+
+    def progress(t: float) -> None:
+        calls["starts"] += t < calls["last"]
+        calls["last"] = t
+        if calls["starts"] == 2:
+            raise KeyboardInterrupt
+
+    run = simulate(Oscillator(), Request(stop=10.0, accuracy=1e-9), progress=progress)
+    assert run.interrupted and run.times[-1] == 10.0
+    assert run.estimated is not None and run.estimated < 1e-4
+
+
+@pytest.mark.parametrize(
+    "request_, word",
+    [
+        (Request(stop=-1.0), "stop"),
+        (Request(stop=float("nan")), "stop"),
+        (Request(stop=float("inf")), "stop"),
+        (Request(accuracy=0.0), "accuracy"),
+        (Request(accuracy=2.0), "accuracy"),
+        (Request(accuracy=1e-6, rtol=1e-6), "accuracy"),
+        (Request(step=0.1, rtol=1e-6), "step"),
+        (Request(step=0.0), "step"),
+        (Request(max_step=0.0), "max_step"),
+        (Request(step=0.1, max_step=0.1), "max_step"),
+        (Request(points=1), "points"),
+        (Request(points=10, every=0.1), "every"),
+        (Request(every=1e-30), "points"),
+        (Request(points=10**20), "points"),
+    ],
+)
+def test_requests_without_sense_are_refused(request_: Request, word: str) -> None:
+    with pytest.raises(Refused) as refused:
+        simulate(Oscillator(), request_)
+    assert all(f.code == "LAG0604" for f in refused.value.faults)
+    assert word in refused.value.faults[0].message
+
+
+def test_a_scene_gives_what_was_not_asked() -> None:
+    scene = {"stop": 3.0, "accuracy": 1e-4, "every": 0.5}
+    done = Request().completed(scene)
+    assert (done.stop, done.accuracy, done.every) == (3.0, 1e-4, 0.5)
+    by_hand = Request(rtol=1e-5, points=7).completed(scene)
+    assert (by_hand.accuracy, by_hand.every, by_hand.points) == (None, None, 7)
+    assert Request().completed({"maxstep": 0.25}).max_step == 0.25
+    assert Request(step=0.5).completed({"maxstep": 0.25}).max_step is None
+    assert Request(max_step=0.5).completed({"step": 0.25}).step is None
+
+
+@pytest.mark.parametrize("asked", [{"rtol": 1e-3}, {"accuracy": 1e-3}, {"accuracy": 1e-7}])
+def test_no_step_is_longer_than_the_longest(asked: dict[str, float]) -> None:
+    class Widest(Oscillator):
+        def integrate(self, options, t0, x0, times, progress=None, way=0):  # type: ignore[no-untyped-def]
+            found = super().integrate(options, t0, x0, times, progress, way)
+            assert found.steps >= 4.0 / 0.05 / 1.01  # a step may be 1 % longer to end the run
+            return found
+
+    free = simulate(Oscillator(), Request(stop=4.0, **asked))
+    bound = simulate(Widest(), Request(stop=4.0, max_step=0.05, **asked))
+    assert free.cost.steps / free.cost.integrations < 4.0 / 0.05
+    assert bound.status == "ok" and bound.states[-1][0] == pytest.approx(cos(4.0), abs=1e-3)
+    if bound.estimated is not None:
+        error = max(abs(x[0] - cos(t)) for t, x in zip(bound.times, bound.states))
+        assert error <= bound.estimated
+
+
+def test_the_recorded_grid() -> None:
+    assert Request(stop=1.0, every=0.3).grid() == [0.0, 0.3, 0.6, 3 * 0.3, 1.0]
+    assert Request(stop=0.3, every=0.1).grid() == [0.0, 0.1, 0.2, 0.3]
+    assert Request(stop=1.0, points=3).grid() == [0.0, 0.5, 1.0]
+    assert Request(stop=0.0).grid() == [0.0]
+
+
+def test_a_run_of_no_duration_is_its_start() -> None:
+    run = simulate(Oscillator(), Request(stop=0.0))
+    assert run.status == "ok" and run.states == [[1.0, 0.0]]
+
+
+@pytest.mark.parametrize("size", [1e-7, 1e6])
+def test_the_accuracy_is_relative_to_the_size_of_the_motion(size: float) -> None:
+    class Scaled(Oscillator):
+        def start(self) -> list[float]:
+            return [size, 0.0]
+
+    run = simulate(Scaled(), Request(stop=10.0, accuracy=1e-8))
+    true = max(abs(x / size - cos(t)) for t, x in zip(run.times, run.column("x")))
+    assert run.status == "ok" and run.estimated is not None
+    assert true <= run.estimated <= 1e-8
+
+
+def test_a_finer_run_that_fails_does_not_hide_the_coarser_answer() -> None:
+    class Fails(Oscillator):
+        def integrate(self, options: Options, *given: Any) -> Trajectory:
+            done = super().integrate(options, *given)
+            if options.rtol < 1e-6:
+                done.status, done.t = STEP_UNDERFLOW, 4.0
+            return done
+
+    run = simulate(Fails(), Request(stop=10.0, accuracy=1e-9))
+    assert run.status == "failed" and run.times[-1] == 10.0
+    assert "best is estimated" in run.message and "at t = 4 s the step became too small" in run.message
+
+
+@pytest.mark.parametrize(
+    ("scene", "asked", "found"),
+    [
+        ({"step": 0.25}, {"method": "rk4"}, {"step": 0.25, "rtol": None}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"method": "dopri5"}, {"rtol": 1e-3, "atol": 1e-5, "step": None}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"rtol": 1e-4}, {"rtol": 1e-4, "atol": 1e-5}),
+        ({"rtol": 1e-3, "atol": 1e-5}, {"step": 0.1}, {"rtol": None, "atol": None, "step": 0.1}),
+        ({"step": 0.25}, {"rtol": 1e-4}, {"rtol": 1e-4, "step": None}),
+        ({"step": 0.25}, {"accuracy": 1e-4}, {"accuracy": 1e-4, "step": None}),
+        ({"accuracy": 1e-4}, {"method": "dopri5"}, {"accuracy": None, "rtol": None}),
+    ],
+)
+def test_what_a_scene_states_holds_unless_something_else_is_asked(
+    scene: dict[str, Any], asked: dict[str, Any], found: dict[str, Any]
+) -> None:
+    request = Request(**asked).completed(scene)
+    assert {name: getattr(request, name) for name in found} == found
