@@ -13,9 +13,9 @@ class CustomBuildHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         sys.path.insert(0, self.root)
         from lagc.codegen.kernel_compiler import shipped
-        from lagc.syntax import lalr_tables as tables
+        from lagc.syntax import lalr_tables
 
-        for made in (tables, shipped):
+        for made in (lalr_tables, shipped):
             with open(made.shipped_path(), "w", encoding="utf-8") as file:
                 file.write(made.packed())
             build_data["artifacts"].append(os.path.relpath(made.shipped_path(), self.root))

@@ -20,7 +20,7 @@ from lagc.base.records import dataclass, names, replace
 from lagc.compiler.loaded import Loaded
 from lagc.compiler.pipeline import Choice, Compilation
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.host.budgets import of_this_machine, running
 from lagc.simulation.request import Quantity, Request, bound_parameters, bound_starts, keep_limits
 from lagc.simulation.solution import Solution
@@ -46,7 +46,7 @@ def load(path: str) -> ModelFile:
 
     Raises Refused where it cannot be read; what is wrong inside it is found by `compile` and `check`.
     """
-    return ModelFile(library.read(str(path)))
+    return ModelFile(model_library.read(str(path)))
 
 
 def loads(text: str, name: str = "<text>") -> ModelFile:

@@ -17,7 +17,7 @@ from typing import IO, Any
 
 import pytest
 
-from lagc.host import atomic_write as saving
+from lagc.host import atomic_write
 
 OPERATIONS = ("open", "stat", "fsync", "replace", "link", "chmod")
 OLD, NEW = b"old " * 1000, b"new " * 50_000
@@ -72,12 +72,12 @@ def interrupt() -> None:
 
 
 def save(folder: Path) -> None:
-    with saving.Files() as files:
+    with atomic_write.Files() as files:
         for name in ("a", "b"):
             file = files.open(str(folder / name))
             for k in range(0, len(NEW), 20_000):
                 file.write(NEW[k : k + 20_000])
-    saving.write(str(folder / "c"), NEW, fresh=True)
+    atomic_write.write(str(folder / "c"), NEW, fresh=True)
 
 
 def prepared(folder: Path) -> None:
@@ -139,13 +139,13 @@ def test_an_old_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Path) 
     chance = random.Random(1)
     old = os.umask(0o027)
     try:
-        saving.write(str(tmp_path / "new"), NEW)
+        atomic_write.write(str(tmp_path / "new"), NEW)
         assert stat.S_IMODE((tmp_path / "new").stat().st_mode) == 0o640
         for _ in range(20):
             mode = chance.randrange(0o1000) | 0o200
             (tmp_path / "old").write_bytes(OLD)
             (tmp_path / "old").chmod(mode)
-            saving.write(str(tmp_path / "old"), NEW)
+            atomic_write.write(str(tmp_path / "old"), NEW)
             assert stat.S_IMODE((tmp_path / "old").stat().st_mode) == mode
             (tmp_path / "old").unlink()
     finally:
@@ -172,7 +172,7 @@ def test_no_group_gets_what_was_granted_to_another(tmp_path: Path) -> None:
             os.setgid(ours)
             os.setuid(user)
             try:
-                saving.write("file", NEW)
+                atomic_write.write("file", NEW)
             except PermissionError:
                 os._exit(1)
             os._exit(0)
@@ -195,12 +195,12 @@ def test_links_are_followed(tmp_path: Path) -> None:
     (tmp_path / "first").symlink_to("second")
     (tmp_path / "second").symlink_to(Path("far") / "file")
     for data in (OLD, NEW):
-        saving.write(str(tmp_path / "first"), data)
+        atomic_write.write(str(tmp_path / "first"), data)
         assert (tmp_path / "far" / "file").read_bytes() == data
         assert (tmp_path / "first").is_symlink() and (tmp_path / "second").is_symlink()
     (tmp_path / "round").symlink_to("round")
     with pytest.raises(OSError):
-        saving.write(str(tmp_path / "round"), NEW)
+        atomic_write.write(str(tmp_path / "round"), NEW)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
@@ -209,25 +209,25 @@ def test_what_is_no_regular_file_is_written_straight(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     reader = threading.Thread(target=lambda: found.append(pipe.read_bytes()))
     reader.start()
-    saving.write(str(pipe), NEW)
+    atomic_write.write(str(pipe), NEW)
     reader.join()
     assert found == [NEW] and stat.S_ISFIFO(pipe.stat().st_mode)
-    saving.write(os.devnull, NEW)
+    atomic_write.write(os.devnull, NEW)
     assert stat.S_ISCHR(os.stat(os.devnull).st_mode)
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device that is full")
 def test_a_full_device_is_told() -> None:
     with pytest.raises(OSError) as caught:
-        saving.write("/dev/full", NEW)
+        atomic_write.write("/dev/full", NEW)
     assert caught.value.errno == errno.ENOSPC
 
 
 def test_a_fresh_file_replaces_none(tmp_path: Path) -> None:
     path = tmp_path / "x"
-    saving.write(str(path), OLD, fresh=True)
+    atomic_write.write(str(path), OLD, fresh=True)
     with pytest.raises(FileExistsError):
-        saving.write(str(path), NEW, fresh=True)
+        atomic_write.write(str(path), NEW, fresh=True)
     assert path.read_bytes() == OLD and [p.name for p in tmp_path.iterdir()] == ["x"]
 
 
@@ -235,12 +235,12 @@ def test_a_fresh_file_replaces_none(tmp_path: Path) -> None:
 def test_whatever_name_a_folder_takes_is_written(letter: str, tmp_path: Path) -> None:
     most, size = os.pathconf(tmp_path, "PC_NAME_MAX"), len(letter.encode())
     for before in range(size):  # so that names are cut within every byte of a letter
-        for length in (saving.LONGEST, saving.LONGEST + 8, most):
+        for length in (atomic_write.LONGEST, atomic_write.LONGEST + 8, most):
             name = "a" * before + letter * ((length - before) // size)
-            assert saving.obstacle(str(tmp_path / name)) == ""
-            saving.write(str(tmp_path / name), NEW)
+            assert atomic_write.obstacle(str(tmp_path / name)) == ""
+            atomic_write.write(str(tmp_path / name), NEW)
             assert (tmp_path / name).read_bytes() == NEW
-        assert saving.obstacle(str(tmp_path / (name + letter))) == os.strerror(errno.ENAMETOOLONG)
+        assert atomic_write.obstacle(str(tmp_path / (name + letter))) == os.strerror(errno.ENAMETOOLONG)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names that are no text")
@@ -248,7 +248,7 @@ def test_names_that_are_no_text_are_written(tmp_path: Path) -> None:
     chance = random.Random(2)
     for length in (1, 59, 60, 61, 255):
         name = os.fsdecode(bytes(chance.choice(range(128, 256)) for _ in range(length)))
-        saving.write(str(tmp_path / name), NEW)
+        atomic_write.write(str(tmp_path / name), NEW)
         assert (tmp_path / name).read_bytes() == NEW
 
 
@@ -260,7 +260,7 @@ def test_the_longest_path_is_written_relative_to_where_one_is(
     for _ in range(20):  # a current folder whose name alone is longer than a path may be
         os.mkdir("x" * 255)
         os.chdir("x" * 255)
-    saving.write("here", NEW)
+    atomic_write.write("here", NEW)
     with open("here", "rb") as file:
         assert file.read() == NEW
 
@@ -269,13 +269,13 @@ def test_what_is_in_the_way_shows_before(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").write_bytes(OLD)
     for name in ("folder", "file/x", "nowhere/x", "x" * 300):
-        assert saving.obstacle(str(tmp_path / name)), name
+        assert atomic_write.obstacle(str(tmp_path / name)), name
         with pytest.raises(OSError):
-            saving.write(str(tmp_path / name), NEW)
+            atomic_write.write(str(tmp_path / name), NEW)
     for name in ("a\0b", "\ud800"):
-        assert saving.obstacle(name) and saving.obstacle(str(tmp_path / name))
+        assert atomic_write.obstacle(name) and atomic_write.obstacle(str(tmp_path / name))
     for name in ("file", "new"):
-        assert saving.obstacle(str(tmp_path / name)) == "", name
+        assert atomic_write.obstacle(str(tmp_path / name)) == "", name
 
 
 pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
@@ -289,12 +289,12 @@ def test_a_pipe_waits_for_its_reader_but_not_for_ever(
     os.mkfifo(pipe)
     late = threading.Timer(0.3, lambda: found.append(pipe.read_bytes()))
     late.start()
-    saving.write(str(pipe), NEW)
+    atomic_write.write(str(pipe), NEW)
     late.join()
     assert found == [NEW]
-    monkeypatch.setattr(saving, "READER", 0.1)
+    monkeypatch.setattr(atomic_write, "READER", 0.1)
     with pytest.raises(OSError, match="nobody reads it"):
-        saving.write(str(pipe), NEW)
+        atomic_write.write(str(pipe), NEW)
 
 
 @pipes
@@ -304,10 +304,10 @@ def test_a_device_that_is_not_there_is_not_waited_for(monkeypatch: pytest.Monkey
     def none(*_: object) -> int:
         raise OSError(errno.ENXIO, os.strerror(errno.ENXIO))
 
-    monkeypatch.setattr(saving, "READER", float("inf"))
+    monkeypatch.setattr(atomic_write, "READER", float("inf"))
     monkeypatch.setattr(os, "open", none)
     with pytest.raises(OSError, match=os.strerror(errno.ENXIO)):
-        saving.write(os.devnull, NEW)
+        atomic_write.write(os.devnull, NEW)
 
 
 @pipes
@@ -319,7 +319,7 @@ def test_a_pipe_whose_reader_reads_nothing_is_given_up_by_an_interrupt(tmp_path:
     try:
         for size in (70_000, 1 << 20):  # more than a pipe holds
             signal.setitimer(signal.ITIMER_REAL, 0.2)
-            with pytest.raises(KeyboardInterrupt), saving.Files() as files:
+            with pytest.raises(KeyboardInterrupt), atomic_write.Files() as files:
                 files.open(str(tmp_path / "beside")).write(NEW)
                 file = files.open(str(pipe))
                 for _ in range(0, size, 1000):
@@ -354,8 +354,8 @@ def test_what_the_dead_left_goes_and_nothing_else(tmp_path: Path, monkeypatch: p
         os.utime(path, (time() - age, time() - age))
         ours = form == ("lagc-{}" if folder else ".a.csv.{}.lagc-tmp")
         (left if ours and process == child and age > 3600.0 else kept).add(path.name)
-    saving.write(str(tmp_path / "new"), NEW)
-    with saving.scratch() as own:
+    atomic_write.write(str(tmp_path / "new"), NEW)
+    with atomic_write.scratch() as own:
         assert {path.name for path in tmp_path.iterdir()} == kept | {"new", os.path.basename(own)}
     assert len(left) == 2 and {path.name for path in tmp_path.iterdir()} == kept | {"new"}
 
@@ -363,5 +363,5 @@ def test_what_the_dead_left_goes_and_nothing_else(tmp_path: Path, monkeypatch: p
 def test_the_file_that_was_asked_for_is_blamed(tmp_path: Path) -> None:
     path = str(tmp_path / "none" / "a.svg")
     with pytest.raises(FileNotFoundError) as found:
-        saving.write(path, b"")
+        atomic_write.write(path, b"")
     assert found.value.filename == path

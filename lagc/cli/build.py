@@ -33,8 +33,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline as compiler
-    from lagc.host import model_library as library
+    from lagc.compiler import pipeline
+    from lagc.host import model_library
 
     if options.real != "double" and options.target != "c":
         raise Usage("--real is about C: leave it out, or build for --target c")
@@ -42,9 +42,9 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("-o names a folder, here it is empty")
     if file := no_folder(options.output):
         raise Usage(f"`{file}` is no folder: name the one that receives the code")
-    compilation = compiler.Compilation(library.read(options.file), choice_of(options))
-    program = compiler.delivered(compilation, options.derivatives)
-    files = compiler.render(program, options.target, real=options.real)
+    compilation = pipeline.Compilation(model_library.read(options.file), choice_of(options))
+    program = pipeline.delivered(compilation, options.derivatives)
+    files = pipeline.render(program, options.target, real=options.real)
     spare(compilation, *(os.path.join(options.output, name) for name in files))
     paths = write(files, options.output)
     if options.json:

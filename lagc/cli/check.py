@@ -60,16 +60,15 @@ def run(options: argparse.Namespace) -> int:
 
 
 def look_at(name: str, options: argparse.Namespace) -> Checked:
-    from lagc.compiler import checking
-    from lagc.compiler import pipeline as compiler
-    from lagc.host import model_library as library
+    from lagc.compiler import checking, pipeline
+    from lagc.host import model_library
 
     try:
-        source = library.read(name)
+        source = model_library.read(name)
     except Refused as refused:
         return checking.Checked(list(refused.faults), checking.STAGES)
     given = quantities(options.parameters, "-p")
-    choice = compiler.Choice(model=options.model, scene=options.scene, parameters=given)
+    choice = pipeline.Choice(model=options.model, scene=options.scene, parameters=given)
     try:
         return checking.look(source, choice)
     except Refused as refused:  # of what was given

@@ -27,13 +27,13 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    from lagc.compiler import pipeline as compiler
-    from lagc.host import model_library as library
+    from lagc.compiler import pipeline
+    from lagc.host import model_library
     from lagc.host.budgets import stage
     from lagc.reports.equations.equations import write
 
-    equations = compiler.equations(library.read(options.file), choice_of(options))
-    with stage("writing the equations", compiler.PER_PAIR * len(equations.v) ** 2):
+    equations = pipeline.equations(model_library.read(options.file), choice_of(options))
+    with stage("writing the equations", pipeline.PER_PAIR * len(equations.v) ** 2):
         text = write(equations, options.format, options.full)
     if options.json:
         model = equations.model

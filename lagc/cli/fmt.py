@@ -12,8 +12,7 @@ from lagc.cli.exits import DONE, REFUSED, Usage, cannot_write
 from lagc.cli.options import add_general_options, add_limit_options
 from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
-from lagc.host import atomic_write as saving
-from lagc.host import model_library as library
+from lagc.host import atomic_write, model_library
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -33,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
         if name != "-" and not os.path.isfile(name):
             there = os.path.exists(name)
             raise Usage(f"`{name}` is no regular file" if there else f"there is no file `{name}`")
-        source = library.read(name)
+        source = model_library.read(name)
         text = format_source(source)
         if name == "-" and not options.check:
             show(text, exact=True)
@@ -51,6 +50,6 @@ def replace(path: str, text: str) -> None:
     """Write `text` over `path`, whole or not at all."""
     try:
         with SIGNALS.patience():
-            saving.write(path, text.encode())
+            atomic_write.write(path, text.encode())
     except OSError as error:
         raise cannot_write(path, error) from None

@@ -54,13 +54,13 @@ def run(options: argparse.Namespace) -> int:
     from lagc.cli.deliver import beside
     from lagc.cli.sim import check_picture
     from lagc.compiler.pipeline import Compilation
-    from lagc.host import model_library as library
+    from lagc.host import model_library
 
     _check_output(options.output)
     check_picture(options)
     time = quantity(options.at, "s", "--at") or 0.0
     starts = quantities(options.starts, "--start")
-    compilation = Compilation(library.read(options.file), choice_of(options))
+    compilation = Compilation(model_library.read(options.file), choice_of(options))
     one = compilation if time else compilation.differentiated  # a motion may be long: in C, without these
     model = CompiledModel(one, "auto" if time else "numpy")
     spare(compilation, options.output, _picture(model.interface, options.plot))

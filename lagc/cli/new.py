@@ -11,8 +11,7 @@ from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options
 from lagc.cli.output import say, show
 from lagc.cli.signals import SIGNALS
-from lagc.host import atomic_write as saving
-from lagc.host import model_library as library
+from lagc.host import atomic_write, model_library
 
 TEMPLATE = """\
 model {name} "A mass on a massless string"
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     name = "".join(part[:1].upper() + part[1:] for part in base.split("_")) or base
     try:
         with SIGNALS.patience():
-            saving.write(path, TEMPLATE.format(name=name).encode(), fresh=not options.force)
+            atomic_write.write(path, TEMPLATE.format(name=name).encode(), fresh=not options.force)
     except FileExistsError:
         raise Usage(f"`{path}` is there already; --force replaces it") from None
     except OSError as error:
@@ -84,10 +83,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _listed() -> str:
     """A line a model of the library, with the description of the last that its file declares."""
-    models = library.library_models()
+    models = model_library.library_models()
     width = max(map(len, models), default=0)
     found = []
     for name in models:
-        described = re.findall(r'^model \w+ "(.*)"', library.read(name).text, re.MULTILINE)
+        described = re.findall(r'^model \w+ "(.*)"', model_library.read(name).text, re.MULTILINE)
         found.append(f"{name:{width}}  {described[-1] if described else ''}".rstrip() + "\n")
     return "".join(found)

@@ -84,7 +84,7 @@ def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
     from lagc.cli.progress import Bar
     from lagc.compiler.pipeline import Compilation
-    from lagc.host import model_library as library
+    from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile
     from lagc.simulation.formats import targets
     from lagc.simulation.request import bound_parameters, bound_starts
@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
         raise Usage("`--until` is given no condition, such as 'x > 3[m]'")
     given = quantities(options.starts, "--start")
     choice = replace(choice_of(options), until=until[0])
-    source = library.read(options.file)
+    source = model_library.read(options.file)
     most = MOST_MEMORY if options.max_memory is None else limits_of(options).memory or inf
 
     def look(resolved: Model) -> None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lagc.compiler.pipeline import Choice, program, render
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.simulation.backends.compile import FLAGS, compiler
 
 DRIVER = r"""
@@ -149,7 +149,7 @@ class Native:
     @classmethod
     def shipped(cls, model: str, x0: Sequence[float]) -> Native:
         """Of a model of the library."""
-        return cls(render(program(library.read(model), Choice()), "c"), x0)
+        return cls(render(program(model_library.read(model), Choice()), "c"), x0)
 
     def rhs(self, x: Sequence[float] = ()) -> float:
         """CPU seconds of one right-hand side, at x0 or at x."""

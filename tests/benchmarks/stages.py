@@ -13,11 +13,10 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from lagc.compiler import checking
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import checking, pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.host.budgets import Limits
 from lagc.lowering.program import Program
 from tests.benchmarks.tables import Cell, machine, table
@@ -36,7 +35,7 @@ class Family(NamedTuple):
 
 
 def shipped(name: str) -> Callable[[int], str]:
-    return lambda _: library.read(name).text
+    return lambda _: model_library.read(name).text
 
 
 def instances(row: str, last: str = "") -> Callable[[int], str]:
@@ -126,28 +125,28 @@ class Stages:
         self.made: dict[str, Any] = {}
 
     def parse(self) -> Any:
-        return compiler.parse(self.source)
+        return pipeline.parse(self.source)
 
     def resolve(self) -> Any:
-        return compiler.resolve(self.made["parse"], self.choice)
+        return pipeline.resolve(self.made["parse"], self.choice)
 
     def derive(self) -> Any:
-        return compiler.derive(self.made["resolve"])
+        return pipeline.derive(self.made["resolve"])
 
     def optimize(self) -> Program:
-        return compiler.optimize(self.made["derive"], work=True)
+        return pipeline.optimize(self.made["derive"], work=True)
 
     def start(self) -> Any:
         from lagc.simulation.initialization.dry_run import try_start
         from lagc.simulation.request import bound_parameters
 
         program = self.made["optimize"]
-        left = compiler.unused(self.made["resolve"], program.interface)
+        left = pipeline.unused(self.made["resolve"], program.interface)
         values = bound_parameters(program.interface, {}, left, demanding=False)
         return try_start(program, values)
 
     def render(self) -> Any:
-        return compiler.render(self.made["optimize"], "c")
+        return pipeline.render(self.made["optimize"], "c")
 
     def equations(self) -> Any:
         from lagc.reports.equations.equations import write

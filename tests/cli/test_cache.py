@@ -18,8 +18,7 @@ from lagc import load
 from lagc.base import records
 from lagc.cli.main import main
 from lagc.compiler.pipeline import Choice, Compilation
-from lagc.host import cache
-from lagc.host import model_library as library
+from lagc.host import cache, model_library
 from lagc.host.cache import folders, upkeep
 from lagc.lowering.program import Field
 
@@ -457,9 +456,9 @@ def test_hashes_are_blake2b() -> None:
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_an_artifact_comes_back_as_it_was(root: Path, target: str) -> None:
     """Every number and text of it, of its own type: what is kept knows no others."""
-    names = sorted(library.library_models())
+    names = sorted(model_library.library_models())
     for name in random.Random(7).sample(names, 3):
-        compilation = Compilation(library.read(name), Choice())
+        compilation = Compilation(model_library.read(name), Choice())
         made = compilation.artifact(target)
         kept_ = compilation.cached_artifact(target)
         assert kept_ is not None and repr(kept_.interface) == repr(made.interface)

@@ -139,9 +139,9 @@ def test_a_built_module_needs_no_lagc(pendulum: str, tmp_path: Path, capsys: Cap
 def test_build_into_a_file_is_wrong_usage_before_anything_is_compiled(
     where: str, pendulum: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    from lagc.compiler import pipeline as compiler
+    from lagc.compiler import pipeline
 
-    monkeypatch.setattr(compiler, "Compilation", None)
+    monkeypatch.setattr(pipeline, "Compilation", None)
     monkeypatch.chdir(tmp_path)
     Path("taken").write_text("kept")
     assert main(["build", pendulum, "-o", where]) == 2

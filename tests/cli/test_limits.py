@@ -22,7 +22,7 @@ import lagc
 from lagc.base.numerals import seconds, size
 from lagc.cli.main import main
 from lagc.diagnostics.faults import Refused
-from lagc.host import budgets as limits
+from lagc.host import budgets
 from lagc.simulation.backends.compile import compiler
 from lagc.simulation.request import Request
 from lagc.simulation.supervision import forecast
@@ -69,7 +69,7 @@ def test_a_stage_that_never_ends_is_ended_and_named(
 ) -> None:  # fmt: skip
     module, _, name = place.rpartition(".")
     monkeypatch.setattr(importlib.import_module(module), name, endless)
-    monkeypatch.setattr(limits, "ALLOWED", 0.2)
+    monkeypatch.setattr(budgets, "ALLOWED", 0.2)
     for size_of in ("PER_CHARACTER", "PER_PAIR", "PER_OPERATION"):
         monkeypatch.setattr(f"lagc.compiler.pipeline.{size_of}", 0.0)
     before, began = signal.getsignal(signal.SIGALRM), monotonic()
@@ -90,7 +90,7 @@ def test_a_start_that_takes_long_is_no_fault_of_the_model(
 ) -> None:
     """A run goes on with it: `check` says that it was not tried to its end, or that the time given is up."""
     monkeypatch.setattr("lagc.simulation.initialization.initialize.consistent_start", endless)
-    monkeypatch.setattr(limits, "ALLOWED", 0.5)
+    monkeypatch.setattr(budgets, "ALLOWED", 0.5)
     monkeypatch.setattr("lagc.compiler.pipeline.PER_OPERATION", 0.0)
     before = signal.getsignal(signal.SIGALRM)
     words = ["check", spring, "--json", *(["--max-time", "0.5"] if given else [])]
@@ -107,18 +107,18 @@ def test_a_start_that_takes_long_is_no_fault_of_the_model(
 def test_what_comes_after_a_stage_that_had_no_more_time_has_its_own() -> None:
     with lagc.Limits(careful=True) as block:
         for _ in range(2):
-            with pytest.raises(limits.Exhausted), limits.stage("the search", 0.1 - limits.ALLOWED):
+            with pytest.raises(budgets.Exhausted), budgets.stage("the search", 0.1 - budgets.ALLOWED):
                 endless()
-            assert limits.go_on() and not limits.go_on()
-            assert block.end == math.inf and not limits.reached()
-        with limits.stage("what comes after"):
+            assert budgets.go_on() and not budgets.go_on()
+            assert block.end == math.inf and not budgets.reached()
+        with budgets.stage("what comes after"):
             assert block.end < math.inf
     with pytest.raises(Refused, match="the search took longer"), lagc.Limits(0.1):
         try:
-            with limits.stage("the search"):
+            with budgets.stage("the search"):
                 endless()
-        except limits.Exhausted:
-            assert not limits.go_on()
+        except budgets.Exhausted:
+            assert not budgets.go_on()
             raise
 
 
@@ -143,9 +143,9 @@ def test_the_time_of_a_block_is_that_of_all_in_it() -> None:
         pytest.raises(Refused, match=r"LAG0801: the inner took longer than the 0[.]1 s"),
         lagc.Limits(time=0.1),
     ):
-        with limits.stage("the outer"):
+        with budgets.stage("the outer"):
             pass
-        with limits.stage("the inner"):
+        with budgets.stage("the inner"):
             endless()
 
 
@@ -155,7 +155,7 @@ def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> Non
     doing = f"the stage of the {stage_of}" if stage_of else "the work"
     for times in ((0.1, None), (None, 0.1), (0.1, 9.0), (9.0, 0.1)):
         outer, inner = (
-            limits.stage(doing) if stage_of == name else nullcontext() for name in ("outer", "inner")
+            budgets.stage(doing) if stage_of == name else nullcontext() for name in ("outer", "inner")
         )
         with pytest.raises(Refused, match=f"LAG0801: {doing} took longer than"):  # noqa: SIM117
             with lagc.Limits(times[0]), outer, lagc.Limits(times[1]), inner:
@@ -181,14 +181,14 @@ def test_more_memory_than_allowed_is_told_and_the_limit_goes() -> None:
 
 def test_less_memory_than_is_taken_is_refused_before_anything_is_done() -> None:
     """Where there is none left, nothing that comes after could be relied on, no report of it either."""
-    taken = limits.reserved()
+    taken = budgets.reserved()
     if not taken:
         pytest.skip("the system does not tell")
     for part in (1e-9, 1e-3, 0.1, 0.5, 0.99):
         with pytest.raises(Refused, match="LAG0802: the work needs more memory"):  # noqa: SIM117
             with lagc.Limits(memory=part * taken):
                 pytest.fail("it began")
-    with lagc.Limits(memory=limits.reserved() + 1e8):
+    with lagc.Limits(memory=budgets.reserved() + 1e8):
         bytearray(10_000_000)
 
 
@@ -227,7 +227,7 @@ def test_limits_hold_inside_and_after_others(
     before, began, seen = signal.getsignal(signal.SIGALRM), monotonic(), ""
     with pytest.raises(Refused, match=r"LAG0801: .* than the 0[.]3 s that were given"), lagc.Limits(outer):
         try:
-            with lagc.Limits(inner, careful=careful), limits.stage("a stage"):
+            with lagc.Limits(inner, careful=careful), budgets.stage("a stage"):
                 if ended:
                     endless()
         except Refused:
@@ -247,19 +247,19 @@ def test_a_ring_at_any_moment_is_answered_once_and_nothing_is_left() -> None:
         try:
             with lagc.Limits(10.0), lagc.Limits(10.0 ** rng.uniform(-6.5, -3.5)):
                 for name in "abc":
-                    with limits.stage(name):
+                    with budgets.stage(name):
                         pass
         except Refused as error:
             assert error.faults[0].code == "LAG0801"
             refused += 1
         assert signal.getsignal(signal.SIGALRM) == before
         assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
-        assert limits._inside.block is None
+        assert budgets._inside.block is None
     assert 300 < refused < 2900
 
 
 def test_a_timer_that_rings_too_early_is_set_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(limits, "LONGEST", 0.01)
+    monkeypatch.setattr(budgets, "LONGEST", 0.01)
     began = monotonic()
     with pytest.raises(Refused, match="LAG0801"), lagc.Limits(time=0.3):
         endless()

@@ -17,7 +17,7 @@ import pytest
 
 from lagc.api import CompiledModel
 from lagc.codegen.identifiers import Names, is_reserved, prefix
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.reports.equations.equations import write as equations_as
 from tests.codegen.tools import COMPILERS, call, present, write
@@ -179,15 +179,15 @@ def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> 
         words = list(dict.fromkeys(chance.sample(pool, 30)))[:12]
         source = Source("any.lag", MODEL.format(*words))
         try:
-            program = compiler.program(source, compiler.Choice())
+            program = pipeline.program(source, pipeline.Choice())
         except Refused as refused:
             assert all(fault.span is not None and fault.message for fault in refused.faults)
             continue
-        files = write(compiler.render(program, "c"), tmp_path)
+        files = write(pipeline.render(program, "c"), tmp_path)
         for name in ("gcc", "g++"):
             if present(name):
                 call(*COMPILERS[name], "-w", "-fsyntax-only", files[".c"])
-        model = compiler.Compilation(source, compiler.Choice())
+        model = pipeline.Compilation(source, pipeline.Choice())
         for form in ("text", "latex", "sympy"):
             text = equations_as(model.equations, form)
             assert text.isascii() or form == "text"
@@ -202,7 +202,7 @@ def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> 
 def test_no_constant_of_a_model_is_one_of_a_header() -> None:
     """FE_INVALID is of fenv.h, and would be of a model FE."""
     source = Source("any.lag", MODEL.format("Zyxw", *"abcdefghijk"))
-    header = compiler.render(compiler.program(source, compiler.Choice()), "c")["zyxw.h"]
+    header = pipeline.render(pipeline.program(source, pipeline.Choice()), "c")["zyxw.h"]
     endings = {word.removeprefix("ZYXW_") for word in re.findall(r"ZYXW_\w+", header)}
     taken = set(of_headers())
     heads = {word.rpartition(f"_{ending}")[0] for word in taken for ending in endings

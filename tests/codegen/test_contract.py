@@ -16,7 +16,7 @@ from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.python.emit import render as render_python
 from lagc.codegen.statuses import texts
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
@@ -213,8 +213,8 @@ BAD_TIME, BAD_BUDGET, BAD_LEVEL, BAD_BINDING, BAD_PARAMETER = 7, 8, 9, 10, 16
 
 @cache
 def program(name: str) -> Program:
-    model = compiler.resolve(compiler.parse(Source(f"{name}.lag", MODELS[name])), compiler.Choice())
-    return compiler.optimize(compiler.derive(model), True)
+    model = pipeline.resolve(pipeline.parse(Source(f"{name}.lag", MODELS[name])), pipeline.Choice())
+    return pipeline.optimize(pipeline.derive(model), True)
 
 
 def literal(value: float) -> str:

@@ -14,9 +14,9 @@ import pytest
 
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_numpy
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
-from lagc.lowering import jacobians as derivatives
+from lagc.lowering import jacobians
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Interface, Program
 from lagc.mechanics.derive import derive
@@ -48,7 +48,7 @@ end Switched;
 def _equations(name: str) -> Any:
     path = MODELS / (f"{name}.lag" if "/" in name else f"course/{name}.lag")
     source = Source(name, SWITCHED) if name == "switched" else Source(path.name, path.read_text())
-    return compiler.derive(compiler.resolve(compiler.parse(source), compiler.Choice()))
+    return pipeline.derive(pipeline.resolve(pipeline.parse(source), pipeline.Choice()))
 
 
 def _program(name: str) -> Program:
@@ -120,7 +120,7 @@ def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
 def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """In C and in Python the same bits, and those by groups one column at a time and all at once."""
     few = _module(_program(name), tmp_path)
-    monkeypatch.setattr(derivatives, "MOST", 0)
+    monkeypatch.setattr(jacobians, "MOST", 0)
     both = _both(_program(name), tmp_path, name)
     interface, module, _, _, point = both
     assert not interface.derivatives and not hasattr(module, "PATTERNS")

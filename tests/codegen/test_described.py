@@ -19,10 +19,9 @@ from lagc.codegen.python.support import slices
 from lagc.codegen.python.support.base import Options
 from lagc.kernels import METHODS
 from lagc.kernels.language import statuses
-from lagc.lowering import jacobians as derivatives
+from lagc.lowering import jacobians
 from lagc.semantics import model
 from lagc.simulation.backends.c import _head_type, _Options, _state_type
-from lagc.simulation.initialization import solver as conditions
 from tests.codegen.tools import of_model
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -63,7 +62,7 @@ def test_options_are_those_of_the_kernels() -> None:
     assert [f"BAD_{name.upper()}" for name in slices.OPTIONS] == bad[: len(slices.OPTIONS)]
 
 
-@pytest.mark.parametrize("levels", [model, conditions])
+@pytest.mark.parametrize("levels", [model, solver])
 def test_levels_have_the_numbers_of_the_kernels(levels: Any) -> None:
     for part in codes(parts(), "initialization/workspace"):
         assert getattr(levels, part["name"]) == int(part["value"])
@@ -90,7 +89,7 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(names) > 10
     for name in names - {"by_time", "along"}:  # nothing in this one depends on time
         assert re.search(rf"\b{own}_{name}\b", header), name
-    monkeypatch.setattr(derivatives, "MOST", 0)
+    monkeypatch.setattr(jacobians, "MOST", 0)
     large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))
     assert any(f" {own}_along(" in text for name, text in large.items() if name.endswith(".h"))
     for name in re.findall(r"`NAME_([A-Z]\w*)", generated):

@@ -16,7 +16,7 @@ import pytest
 
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 from tests.codegen.programs import Builder, pendulum, program
@@ -253,7 +253,7 @@ def test_where_a_motion_has_no_value_the_state_is_where_its_last_step_ended() ->
   body b = Particle(mass = 1 [kg], at = {x, 0, 0});
   force f = {-1 [N]*sqrt(x/1 [m]) - 1 [N], 0, 0} at b;
 end Root;"""
-    m = module(compiler.program(Source("root.lag", text), compiler.Choice()))
+    m = module(pipeline.program(Source("root.lag", text), pipeline.Choice()))
     run = m.Integrator(m.equations(), m.Options(), 0.0, [1.0, 0.0])
     assert run.advance(5.0) == m.NOT_FINITE and 1.0 < run.t < 2.0
     ended = run.t

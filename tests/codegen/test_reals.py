@@ -15,7 +15,7 @@ from lagc.cli.main import main
 from lagc.codegen.c.emit import render
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.kernel_compiler.real_types import DOUBLE, QUAD, SINGLE, TYPES, Arithmetic
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.lowering.program import Program
 from tests.codegen.tools import MODELS, call, of_model, write
@@ -106,8 +106,8 @@ def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path
     text = """model T coordinate Length x, y(rate = 1 [m/s]); body a = Particle(mass = 1, at = {x, 0, 0});
     body b = Particle(mass = 1, at = {0, y, 0});
     force f = {table(OVER, {0, 1, 2}, {0, 1, 0}), 0, 0} at a; end T;"""
-    model = compiler.resolve(compiler.parse(Source("t.lag", text.replace("OVER", over))), compiler.Choice())
-    run = built(compiler.optimize(compiler.derive(model), True), TYPES[real], tmp_path)
+    model = pipeline.resolve(pipeline.parse(Source("t.lag", text.replace("OVER", over))), pipeline.Choice())
+    run = built(pipeline.optimize(pipeline.derive(model), True), TYPES[real], tmp_path)
     x, y, vx, vy = (float(v) for v in end(run, 3.0, "1e-5", ["0", "0", "0", "1"])[:4])
     assert (x, y, vx, vy) == pytest.approx((2.0, 3.0, 1.0, 1.0), rel=1e-4)
 
@@ -169,8 +169,8 @@ int main(void)
 
 def bounded(low: str, high: str, value: str) -> Program:
     source = Source("b.lag", BOUNDED.format(low=low, high=high, value=value))
-    model = compiler.resolve(compiler.parse(source), compiler.Choice())
-    return compiler.optimize(compiler.derive(model), True)
+    model = pipeline.resolve(pipeline.parse(source), pipeline.Choice())
+    return pipeline.optimize(pipeline.derive(model), True)
 
 
 @pytest.mark.parametrize("real", TYPES)

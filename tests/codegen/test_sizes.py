@@ -13,12 +13,12 @@ from lagc.codegen.loop_segments import KEPT, Segment, segments
 from lagc.codegen.python.emit import render as in_python
 from lagc.compiler.pipeline import Choice
 from lagc.compiler.pipeline import program as compiled
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.lowering.program import LEAVES, Program
 
 
 def program(name: str, n: int) -> Program:
-    return compiled(library.read(name), Choice(parameters={"n": n}))
+    return compiled(model_library.read(name), Choice(parameters={"n": n}))
 
 
 FAMILIES = [

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 
@@ -53,8 +53,8 @@ def of_model(name: str, work: bool = True, derivatives: bool = False, **paramete
 
 
 def of_source(source: Source, work: bool = True, derivatives: bool = False, **parameters: float) -> Program:
-    model = compiler.resolve(compiler.parse(source), compiler.Choice(parameters=parameters))
-    return compiler.optimize(compiler.derive(model), work, derivatives)
+    model = pipeline.resolve(pipeline.parse(source), pipeline.Choice(parameters=parameters))
+    return pipeline.optimize(pipeline.derive(model), work, derivatives)
 
 
 def bits(values: Iterable[float]) -> list[bytes]:

@@ -12,7 +12,7 @@ from types import FrameType
 from typing import Any
 
 import lagc
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.diagnostics.report import as_json, report
 from lagc.syntax.formatter.format import format_source
@@ -70,10 +70,10 @@ def read(text: str) -> None:
     """The text through the front end.  Raises what is wrong with lagc, AssertionError among it."""
     source = Source("text.lag", text)
     try:
-        tree = compiler.parse(source)
+        tree = pipeline.parse(source)
         laid_out = format_source(source)
         assert format_source(Source("text.lag", laid_out)) == laid_out, "laid out otherwise a second time"
-        compiler.resolve(tree, compiler.Choice())
+        pipeline.resolve(tree, pipeline.Choice())
     except Refused as refused:
         assert (
             refused.faults

@@ -16,7 +16,7 @@ import pytest
 
 pytest.importorskip("resource")
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.simulation.backends import compile as compiled
 from tests.fuzz import workers
@@ -117,7 +117,7 @@ def test_most_models_are_sound_and_use_the_whole_grammar() -> None:
     sound, cases = 0, [model(seed) for seed in range(100) if not model(seed).files]
     for case in cases:
         try:
-            compiler.derive(compiler.resolve(compiler.parse(Source("text", case.text)), compiler.Choice()))
+            pipeline.derive(pipeline.resolve(pipeline.parse(Source("text", case.text)), pipeline.Choice()))
             sound += 1
         except Refused:
             pass

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.lowering import jacobians as derivatives
+from lagc.lowering import jacobians
 
 ROUNDING = 1e-12  # of the largest entry: a few hundred roundings
 AT = {
@@ -37,7 +37,7 @@ def test_both_ways_agree(name: str, t: float, monkeypatch: pytest.MonkeyPatch) -
     """What is rounding is 0 in both."""
     file = lagc.loads(DRAG) if name == "drag" else lagc.load(name)
     one = file.compile(backend="numpy").linearize(t)
-    monkeypatch.setattr(derivatives, "MOST", 0)
+    monkeypatch.setattr(jacobians, "MOST", 0)
     two = file.compile(backend="numpy").linearize(t)
     assert one.system.interface.derivatives and not two.system.interface.derivatives
     assert (one.states, one.idle, one.stability, one.free) == (two.states, two.idle, two.stability, two.free)

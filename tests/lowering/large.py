@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.formulation.equations import EquationsOfMotion
@@ -138,5 +138,5 @@ TRAILERS = _model("""
 
 
 def equations(text: str, n: int) -> EquationsOfMotion:
-    tree = compiler.parse(Source("large.lag", text))
-    return compiler.derive(compiler.resolve(tree, Choice(parameters={"n": n})))
+    tree = pipeline.parse(Source("large.lag", text))
+    return pipeline.derive(pipeline.resolve(tree, Choice(parameters={"n": n})))

@@ -10,7 +10,7 @@ from functools import cache
 import mpmath as mp
 import pytest
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering import functions
@@ -97,8 +97,8 @@ end Ladder;
 
 @cache
 def ladder(n: int) -> Places:
-    model = compiler.resolve(compiler.parse(Source("ladder.lag", LADDER)), Choice(parameters={"n": n}))
-    return places(compiler.derive(model), model.parameters)
+    model = pipeline.resolve(pipeline.parse(Source("ladder.lag", LADDER)), Choice(parameters={"n": n}))
+    return places(pipeline.derive(model), model.parameters)
 
 
 @pytest.mark.parametrize("make", [functions.scales, functions.gamma_sizes, functions.gradient_sizes,

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused
 from lagc.lowering.kkt import solve as kkt
 from lagc.lowering.kkt.articulated_body import lifted
@@ -265,7 +265,7 @@ def test_many_forces_make_no_solve_dense() -> None:
     """Operations for each pair of bodies, with a mass matrix that is diagonal."""
     found = []
     for n in (10, 20, 30):
-        program = compiler.optimize(large.equations(ATTRACTING, n), work=False)
+        program = pipeline.optimize(large.equations(ATTRACTING, n), work=False)
         assert program.interface.solve == "straight"
         found.append(program.interface.operations / (n * (n - 1) / 2))
     assert max(found) <= 15.0  # the distance takes 9, the force on both 6

@@ -10,9 +10,9 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import Program
 from lagc.mechanics.derive import derive
@@ -182,9 +182,9 @@ def test_energies_are_not_computed_again_for_outputs(name: str) -> None:
     """But where other outputs are made of the same, as the angular momentum of balls is."""
     costs = []
     for n in (3, 6):
-        tree = compiler.parse(library.read(name))
-        model = compiler.resolve(tree, Choice(parameters={"n": n}))
-        outputs = optimize(compiler.derive(model)).functions["outputs"]
+        tree = pipeline.parse(model_library.read(name))
+        model = pipeline.resolve(tree, Choice(parameters={"n": n}))
+        outputs = optimize(pipeline.derive(model)).functions["outputs"]
         assert ("e" in outputs.inputs) == (name != "large/ball_chain")
         costs.append(outputs.cost)
     assert (costs[1] <= costs[0] < 4) == (name != "large/ball_chain")

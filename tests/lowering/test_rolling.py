@@ -11,7 +11,7 @@ from lagc.base.records import replace
 from lagc.codegen.c.emit import render
 from lagc.codegen.loop_segments import segments
 from lagc.compiler.pipeline import Choice, derive, parse, resolve
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.lowering.loops.loop_rolling import local, rolled
 from lagc.lowering.lower_equations import optimize
 from lagc.lowering.program import LEAVES, Function, Program
@@ -68,7 +68,7 @@ def test_what_is_done_to_a_part_is_done_at_once() -> None:
     """Of the 46 operations that a knot of a net takes the values of few are kept from loop to loop."""
     n = 12
     choice = Choice(parameters={"n": n})
-    f = optimize(derive(resolve(parse(library.read("large/net")), choice))).functions["rhs"]
+    f = optimize(derive(resolve(parse(model_library.read("large/net")), choice))).functions["rhs"]
     assert f.runs
     assert segments(f)[1] < 5 * n * n
 

@@ -18,7 +18,7 @@ from lagc.mechanics.lint import sections
 from lagc.mechanics.redundancy.redundancy import dependent_rows
 from lagc.mechanics.redundancy.row_reduction import tables
 from lagc.semantics.model import Model
-from lagc.symbolic import jacobians as slopes
+from lagc.symbolic import jacobians
 from tests.mechanics.numbers import jacobian, random_state, vector
 from tests.mechanics.random_systems import model, random_system
 from tests.rejected.motion import CASES
@@ -60,7 +60,7 @@ end M;"""
 @pytest.fixture
 def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever there are some; and all rows are looked at in sections."""
-    monkeypatch.setattr(slopes, "_WORTH", 0)
+    monkeypatch.setattr(jacobians, "_WORTH", 0)
     monkeypatch.setattr(module, "_FEW", 0)
     monkeypatch.setattr(sections, "_MANY", 0)
 

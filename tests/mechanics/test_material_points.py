@@ -15,7 +15,7 @@ import lagc
 from lagc.diagnostics.faults import Source
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.equations import EquationsOfMotion
-from lagc.mechanics.lint import load_direction as opposing
+from lagc.mechanics.lint import load_direction
 from lagc.semantics.model import Body, Coordinate, Model
 from lagc.semantics.resolve import resolve
 from lagc.symbolic.evaluate import evaluate
@@ -423,7 +423,7 @@ def test_damping_in_joints_is_plain(monkeypatch: pytest.MonkeyPatch) -> None:
         lines.append(f"torque T{i} = -d*der(q{i})*F{i}.{turn} on F{i} from {before};")
         lines.append(f"force E{i} = -c*velocity(b{i}, at = R*F{i}.x) on b{i} at R*F{i}.x;")
     looked = []
-    monkeypatch.setattr(opposing, "_brings", lambda *given: looked.append(given))
+    monkeypatch.setattr(load_direction, "_brings", lambda *given: looked.append(given))
     assert codes("\n".join(lines)) == [] and not looked
 
 

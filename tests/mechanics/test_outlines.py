@@ -9,7 +9,7 @@ import pytest
 
 from lagc.compiler.pipeline import Choice, parse, resolve
 from lagc.diagnostics.faults import Refused, Source
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.mechanics.derive import derive
 from lagc.mechanics.formulation.states import build_states
 from lagc.mechanics.lint.smoothness import refuse_breaks
@@ -56,7 +56,7 @@ def test_rows_of_long_chains_are_judged_as_those_of_short_ones(row: str) -> None
 
 def calls(n: int) -> int:
     """Of functions, to see that the rows of a truss are smooth."""
-    states = build_states(resolve(parse(library.read("large/truss")), Choice(parameters={"n": n})))
+    states = build_states(resolve(parse(model_library.read("large/truss")), Choice(parameters={"n": n})))
     profile = cProfile.Profile()
     assert profile.runcall(refuse_breaks, states, {x for x in states.graph.nodes if x.op == "sqrt"}) == ()
     return int(vars(pstats.Stats(profile))["total_calls"])

@@ -16,7 +16,7 @@ import pytest
 
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.python.emit import render as render_numpy
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Refused, Source
 from lagc.simulation.backends.compile import compiler as c_compiler
 
@@ -211,12 +211,12 @@ def test_an_import_reads_nothing_outside_of_its_folder(folder: Path) -> None:
 def rendered(text: str) -> tuple[str, str]:
     """The C, and the Python module, of a model."""
     try:
-        resolved = compiler.resolve(
-            compiler.parse(Source('evil */ ??/ """ \n#.lag', text)), compiler.Choice()
+        resolved = pipeline.resolve(
+            pipeline.parse(Source('evil */ ??/ """ \n#.lag', text)), pipeline.Choice()
         )
     except Refused as refused:
         raise AssertionError([fault.message for fault in refused.faults]) from None
-    program = compiler.optimize(compiler.derive(resolved), True)
+    program = pipeline.optimize(pipeline.derive(resolved), True)
     c = render_c(program)
     return "".join(c[name] for name in sorted(c, reverse=True)), next(iter(render_numpy(program).values()))
 

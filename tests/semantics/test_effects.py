@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Refused, Source, Span
 from lagc.reports.explain import explanation
@@ -95,8 +95,8 @@ def without_unused(file: tree.Tree, scene: str | None) -> str:
 
 
 def _c(name: str, text: str, choice: Choice) -> dict[str, str]:
-    found = compiler.Compilation(Source(name, text), choice)
-    return compiler.render(compiler.optimize(found.equations, work=False), "c")
+    found = pipeline.Compilation(Source(name, text), choice)
+    return pipeline.render(pipeline.optimize(found.equations, work=False), "c")
 
 
 @pytest.mark.parametrize("name, text, variant", CASES, ids=[f"{n}-{v.scene}" for n, _, v in CASES])
@@ -113,8 +113,8 @@ def test_something_is_removed() -> None:
 
 
 def test_what_nothing_depends_on_is_pruned_and_said() -> None:
-    found = compiler.Compilation(Source("box", SEVERAL), Choice(scene="one"))
-    program = compiler.optimize(found.equations, work=False)
+    found = pipeline.Compilation(Source("box", SEVERAL), Choice(scene="one"))
+    program = pipeline.optimize(found.equations, work=False)
     assert program.interface.q_names == ("x", "y")
     assert [p.name for p in program.interface.parameters] == ["m"]
     said = explanation(found.equations, program)["pruned"]
@@ -138,7 +138,7 @@ def test_a_scene_names_the_effect_of_one_element() -> None:
       scene none uses r[4].drag;
     end Row;"""
     for scene, dragged in (("one", {"r[2].f"}), ("two", {"r[1].f", "grid[2,1].f"})):
-        model = compiler.resolve(parse(Source("row.lag", text)), Choice(scene=scene, model="Row"))
+        model = pipeline.resolve(parse(Source("row.lag", text)), Choice(scene=scene, model="Row"))
         assert {f.name for f in model.actions} == dragged
     with pytest.raises(Refused, match=r"there is no effect `r\[4\].drag`"):
-        compiler.resolve(parse(Source("row.lag", text)), Choice(scene="none", model="Row"))
+        pipeline.resolve(parse(Source("row.lag", text)), Choice(scene="none", model="Row"))

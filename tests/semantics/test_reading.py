@@ -18,7 +18,7 @@ from lagc.cli.main import main
 from lagc.compiler.checking import check
 from lagc.compiler.pipeline import Choice, parse, resolve
 from lagc.diagnostics.faults import Fault, Refused, Source
-from lagc.host import model_library as library
+from lagc.host import model_library
 from lagc.semantics.names.namespace import TOGETHER
 
 POSIX = os.name == "posix"
@@ -34,12 +34,12 @@ only_posix = pytest.mark.skipif(not POSIX, reason="these files are of other syst
 
 def faults(folder: Path, text: str = MAIN) -> list[Fault]:
     (folder / "main.lag").write_text(text)
-    return check(library.read(str(folder / "main.lag")), Choice())
+    return check(model_library.read(str(folder / "main.lag")), Choice())
 
 
 def refusal(name: str) -> Fault:
     with pytest.raises(Refused) as caught:
-        library.read(name)
+        model_library.read(name)
     (fault,) = caught.value.faults
     return fault
 
@@ -50,14 +50,14 @@ def padded(size: int) -> bytes:
 
 
 def test_a_file_of_the_largest_size_is_read_whole(tmp_path: Path) -> None:
-    (tmp_path / "lib.lag").write_bytes(padded(library.LARGEST))
+    (tmp_path / "lib.lag").write_bytes(padded(model_library.LARGEST))
     assert faults(tmp_path) == []
-    assert len(library.read(str(tmp_path / "lib.lag")).text) == library.LARGEST
+    assert len(model_library.read(str(tmp_path / "lib.lag")).text) == model_library.LARGEST
 
 
 @pytest.mark.parametrize("more", [1, 2, 3_000_000])
 def test_a_larger_one_is_refused(tmp_path: Path, more: int) -> None:
-    (tmp_path / "lib.lag").write_bytes(padded(library.LARGEST + more))
+    (tmp_path / "lib.lag").write_bytes(padded(model_library.LARGEST + more))
     (fault,) = faults(tmp_path)
     assert (fault.code, str(fault.span)) == ("LAG0216", f"{tmp_path}/main.lag:1:1")
     assert "larger than 4 MB" in fault.message
@@ -66,9 +66,9 @@ def test_a_larger_one_is_refused(tmp_path: Path, more: int) -> None:
 
 def test_all_imports_together_are_bounded(tmp_path: Path) -> None:
     """Each of them is small enough."""
-    number = TOGETHER // library.LARGEST + 1
+    number = TOGETHER // model_library.LARGEST + 1
     for k in range(number):
-        (tmp_path / f"l{k}.lag").write_bytes(b"//" + b"x" * (library.LARGEST - 2))
+        (tmp_path / f"l{k}.lag").write_bytes(b"//" + b"x" * (model_library.LARGEST - 2))
     (tmp_path / f"l{number - 1}.lag").write_bytes(b"//")
     lines = "".join(f'import "l{k}.lag";\n' for k in range(number))
     (fault,) = faults(tmp_path, lines + MAIN.split("\n", 1)[1].replace("x0", "2"))
@@ -143,7 +143,7 @@ def test_a_pipe_that_is_written_to_is_read(tmp_path: Path) -> None:
             file.writelines(pieces)
 
     threading.Timer(0.1, write).start()
-    assert library.read(str(path)).text == "".join(pieces)
+    assert model_library.read(str(path)).text == "".join(pieces)
 
 
 @pytest.mark.skipif(not POSIX or not os.path.exists("/bin/bash"), reason="no bash")
@@ -235,7 +235,7 @@ def test_an_import_that_grows_after_it_was_compiled_is_refused(
     (tmp_path / "lib.lag").write_text(WHOLE)
     assert started_at(tmp_path) == 2.0
     with (tmp_path / "lib.lag").open("ab") as file:
-        file.write(b" " * library.LARGEST)
+        file.write(b" " * model_library.LARGEST)
     with pytest.raises(Refused, match="larger than 4 MB"):
         started_at(tmp_path)
 
@@ -246,7 +246,7 @@ def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.Monk
         "lagc.semantics.names.namespace.content", lambda path: [reads.append(path), WHOLE.encode()][1]
     )
     (tmp_path / "main.lag").write_text(MAIN)
-    resolve(parse(library.read(str(tmp_path / "main.lag"))), Choice())
+    resolve(parse(model_library.read(str(tmp_path / "main.lag"))), Choice())
     assert reads == [str(tmp_path / "lib.lag")]
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.lowering.program import Program
 from lagc.semantics.declarations import bodies
@@ -58,13 +58,13 @@ def units(factors: Factors) -> Iterator[None]:
 def program(source: Source, factors: Factors, **choice: Any) -> Program:
     """For a run."""
     with units(factors):
-        model = compiler.resolve(compiler.parse(source), compiler.Choice(**choice))
-        return compiler.optimize(compiler.derive(model), work=True)
+        model = pipeline.resolve(pipeline.parse(source), pipeline.Choice(**choice))
+        return pipeline.optimize(pipeline.derive(model), work=True)
 
 
 def system(made: Program, backend: str) -> System:
     kind = CModel if backend == "c" else NumpyModel
-    model = kind(made.interface, compiler.render(made, backend))
+    model = kind(made.interface, pipeline.render(made, backend))
     return model.bind(model.defaults())
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from lagc.codegen.c.emit import render as render_c
 from lagc.codegen.identifiers import prefix
 from lagc.codegen.python.emit import render as render_python
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read
 from lagc.lowering.program import Program
@@ -24,10 +24,10 @@ from lagc.simulation.system import System
 FIXED = 4
 
 
-def compilation_of(text: str, scene: str | None = None) -> compiler.Compilation:
+def compilation_of(text: str, scene: str | None = None) -> pipeline.Compilation:
     """Of a text, or of a model of the library."""
     source = Source("m.lag", text) if "\n" in text else read(text)
-    return compiler.Compilation(source, compiler.Choice(scene=scene))
+    return pipeline.Compilation(source, pipeline.Choice(scene=scene))
 
 
 def program_of(text: str, scene: str | None = None) -> Program:

@@ -9,8 +9,7 @@ import pytest
 
 import lagc
 from lagc.cli.main import main
-from lagc.compiler import checking
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import checking, pipeline
 from lagc.diagnostics.faults import Fault, Refused, Source
 from lagc.simulation.request import Quantity
 
@@ -132,7 +131,7 @@ end Bead;
 
 
 def faults(**given: float) -> list[tuple[str, str]]:
-    choice = compiler.Choice(parameters={name: Quantity(value) for name, value in given.items()})
+    choice = pipeline.Choice(parameters={name: Quantity(value) for name, value in given.items()})
     return [(f.code, f.severity) for f in checking.check(Source("m.lag", SCENES), choice)]
 
 
@@ -157,7 +156,7 @@ end M;
 
     def codes(row: str, rate: str = "") -> list[str]:
         text = form.format(x=size, rate=rate, row=row)
-        return [f.code for f in checking.check(Source("m.lag", text), compiler.Choice())]
+        return [f.code for f in checking.check(Source("m.lag", text), pipeline.Choice())]
 
     assert codes("y = 2*x") == codes("x = 2*y") == []
     assert codes("x^2 + y^2 = 1 [m2]") == ["LAG0610"]

@@ -17,11 +17,11 @@ from scipy.integrate import solve_ivp
 import lagc
 from lagc.base.records import replace
 from lagc.codegen.c.emit import render as render_c
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.host.model_library import read as read_model
-from lagc.lowering.kkt import form_choice as forms
+from lagc.lowering.kkt import form_choice
 from lagc.lowering.kkt.massless import with_pivots
 from lagc.lowering.kkt.prune import prune
 from lagc.mechanics.derive import derive
@@ -58,17 +58,17 @@ State = Mapping[Node, float]
 
 @pytest.fixture(autouse=True)
 def _without_dense_matrices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(forms, "_MOST_UNKNOWNS", 0)
+    monkeypatch.setattr(form_choice, "_MOST_UNKNOWNS", 0)
 
 
 def equations(text: str, **parameters: int) -> EquationsOfMotion:
-    tree = compiler.parse(Source("model.lag", text))
-    found = compiler.derive(compiler.resolve(tree, Choice(parameters=parameters)))
+    tree = pipeline.parse(Source("model.lag", text))
+    found = pipeline.derive(pipeline.resolve(tree, Choice(parameters=parameters)))
     return with_pivots(prune(found)[0])
 
 
 def compiled(e: EquationsOfMotion, backend: str) -> System:
-    program = compiler.optimize(e, work=False)
+    program = pipeline.optimize(e, work=False)
     assert "system" not in program.functions and "factor" in program.functions
     return build(program, backend)
 
@@ -366,7 +366,7 @@ def test_windows_pass_the_flat_posture(n: int) -> None:
 
 def test_nothing_is_as_large_as_a_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
-    program = compiler.optimize(equations(WINDOWS, N=26), work=False)
+    program = pipeline.optimize(equations(WINDOWS, N=26), work=False)
     unknowns = program.interface.nv + program.interface.nc
     assert "system" not in program.functions
     for name, function in program.functions.items():

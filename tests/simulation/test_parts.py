@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.lowering.initial_equations import condition_slopes
@@ -65,8 +65,8 @@ def test_both_languages_put_the_same_bits_together(way: lagc.CompiledModel) -> N
 def test_there_are_as_many_parts_as_the_model_is_long() -> None:
     counts = []
     for n in (N, 2 * N, 4 * N):
-        model = compiler.resolve(compiler.parse(Source("m.lag", TEXT)), Choice(parameters={"n": n}))
-        slopes = condition_slopes(compiler.derive(model))
+        model = pipeline.resolve(pipeline.parse(Source("m.lag", TEXT)), Choice(parameters={"n": n}))
+        slopes = condition_slopes(pipeline.derive(model))
         counts.append(sum(len(own) for own in (*slopes.rows, *slopes.sums)))
     one, two, four = counts
     assert four - two == 2 * (two - one)

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import lagc
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import pipeline
 from lagc.simulation.initialization.solver import Conditions
 from lagc.simulation.system import System
 from tests.codegen.test_functions import needs_gcc
@@ -146,7 +146,7 @@ STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", 
 def test_compilers_have_nothing_to_say(tmp_path: Path) -> None:
     """Of a piece in several segments one keeps what another reads, each where it is asked for."""
     program = lagc.loads(LARGE).compile(backend="numpy").program
-    for name, text in compiler.render(program, "c").items():
+    for name, text in pipeline.render(program, "c").items():
         (tmp_path / name).write_text(text)
     done = subprocess.run([*STRICT, "m.c", "-o", "m.o"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
@@ -213,11 +213,11 @@ LOOKED_UP = BARS.replace(
 def test_they_stand_beside_tables(tmp_path: Path) -> None:
     program = lagc.loads(LOOKED_UP).compile(backend="numpy").program
     assert program.interface.pieces
-    ((name, text),) = compiler.render(program, "numpy").items()
+    ((name, text),) = pipeline.render(program, "numpy").items()
     module: dict[str, Any] = {"__name__": "bars"}
     exec(compile(text, name, "exec"), module)
     x = list(module["start"]())
-    for file, text in compiler.render(program, "c").items():
+    for file, text in pipeline.render(program, "c").items():
         (tmp_path / file).write_text(text)
     done = subprocess.run([*STRICT, "bars.c", "-o", "bars.o"], cwd=tmp_path, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr

@@ -290,9 +290,10 @@ def test_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 
 def test_who_does_not_ask_loads_nothing() -> None:
-    code = ("import sys, lagc; lagc.load('simple_pendulum').compile(backend='numpy').simulate(0.1);"
-            "assert not [m for m in sys.modules if m in ('lagc.simulation.sensitivity.directions', 'lagc.simulation.sensitivity.variational_equations', "
-            "'lagc.simulation.sensitivity.sensitivity', 'lagc.simulation.sensitivity.initial_sensitivity', 'lagc.simulation.sensitivity.tableau')]")  # fmt: skip
+    code = (
+        "import sys, lagc; lagc.load('simple_pendulum').compile(backend='numpy').simulate(0.1);"
+        "assert not [m for m in sys.modules if m.startswith('lagc.simulation.sensitivity')]"
+    )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

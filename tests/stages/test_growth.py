@@ -17,8 +17,7 @@ from typing import Any
 
 import pytest
 
-from lagc.compiler import checking
-from lagc.compiler import pipeline as compiler
+from lagc.compiler import checking, pipeline
 from lagc.compiler.pipeline import Choice
 from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import NEAREST
@@ -139,15 +138,15 @@ end Part;
 
 
 def derived(text: str) -> None:
-    compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", text)), Choice()))
+    pipeline.derive(pipeline.resolve(pipeline.parse(Source("m.lag", text)), Choice()))
 
 
 def through(text: str) -> None:
     source = Source("m.lag", text)
-    equations = compiler.derive(compiler.resolve(compiler.parse(source), Choice()))
-    program = compiler.optimize(equations, work=True)
-    compiler.render(program, "c")
-    compiler.render(program, "numpy")
+    equations = pipeline.derive(pipeline.resolve(pipeline.parse(source), Choice()))
+    program = pipeline.optimize(equations, work=True)
+    pipeline.render(program, "c")
+    pipeline.render(program, "numpy")
 
 
 def formatted(text: str) -> None:
@@ -209,8 +208,8 @@ def circled(n: int, radius: int) -> str:
 
 def steps_of_start(text: str) -> int:
     """Lines that kernels run through when the start is tried."""
-    model = compiler.resolve(compiler.parse(Source("m.lag", text)), Choice())
-    program = compiler.optimize(compiler.derive(model), work=True)
+    model = pipeline.resolve(pipeline.parse(Source("m.lag", text)), Choice())
+    program = pipeline.optimize(pipeline.derive(model), work=True)
     count = 0
 
     def look(frame: FrameType, event: str, _: Any) -> Any:
@@ -319,8 +318,8 @@ def test_models_that_are_compiled_one_after_the_other_do_not_pile_up() -> None:
     """Graphs are garbage in circles, which nobody here asks to be collected."""
     source, graphs = Source("m.lag", outputs(40)), list[weakref.ref[Graph]]()
     for _ in range(40):
-        model = compiler.resolve(compiler.parse(source), Choice())
-        compiler.optimize(compiler.derive(model), work=True)
+        model = pipeline.resolve(pipeline.parse(source), Choice())
+        pipeline.optimize(pipeline.derive(model), work=True)
         graphs.append(weakref.ref(model.graph))
         del model
     assert sum(1 for graph in graphs if graph() is not None) < 20
@@ -352,10 +351,10 @@ def test_coordinates_that_nothing_couples_are_solved_one_by_one() -> None:
     """The operations of a right-hand side, and the text of the generated code."""
     sizes = []
     for n in (100, 200, 400):
-        equations = compiler.derive(compiler.resolve(compiler.parse(Source("m.lag", instances(n))), Choice()))
-        program = compiler.optimize(equations, work=True)
+        equations = pipeline.derive(pipeline.resolve(pipeline.parse(Source("m.lag", instances(n))), Choice()))
+        program = pipeline.optimize(equations, work=True)
         assert program.interface.solve == "straight"
-        texts = [compiler.render(program, target) for target in ("c", "numpy")]
+        texts = [pipeline.render(program, target) for target in ("c", "numpy")]
         sizes.append((program.interface.operations, *(sum(map(len, t.values())) for t in texts)))
     for one, two, four in zip(*sizes):
         assert four - two < max(2.4 * (two - one), 200 * 120)  # where loops begin it may be less and more

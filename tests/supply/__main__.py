@@ -18,7 +18,7 @@ import tarfile
 import tempfile
 from pathlib import Path
 
-from lagc.host import model_library as library
+from lagc.host import model_library
 from tests.codegen.everywhere import LEVELS, compilers, prepare, printed, tools
 from tests.codegen.tools import STRICT, of_model
 from tests.supply.bounds import ROOT, lowest
@@ -92,7 +92,7 @@ def main() -> int:
     parser.add_argument("--all", action="store_true", help="all tests")
     options = parser.parse_args()
     if options.what == "generated":
-        return generated(options.models or library.library_models())
+        return generated(options.models or model_library.library_models())
     return environment(options.what, options.python, ["tests"] if options.all else TOUCHING)
 
 

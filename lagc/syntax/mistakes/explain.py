@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from lagc.diagnostics.faults import Fault
-from lagc.syntax.mistakes import keywords as words
-from lagc.syntax.mistakes import punctuation as signs
+from lagc.syntax.mistakes import keywords, punctuation
 from lagc.syntax.mistakes.context import Explained, Where
 
 
@@ -33,32 +32,32 @@ def _anything_else(w: Where) -> Explained:
 
 
 _TABLE: tuple[Callable[[Where], Explained | None], ...] = (
-    signs.foreign_operator,
-    signs.comma_in_list,
-    words.brace_for_block,
-    words.else_when,
-    words.if_statement,
-    words.first_word,
-    signs.comparison_for_equation,
-    signs.equation_for_comparison,
-    signs.decimal_comma,
-    signs.comma_between_starts,
-    signs.chained,
-    signs.semicolon_too_many,
-    words.missing_end_word,
-    words.stray_end,
-    signs.bare_unit,
-    words.family,
-    signs.brackets,
-    words.load_target,
-    words.missing_word,
-    words.constraint_parts,
-    words.description_last,
-    signs.missing_semicolon,
-    signs.missing_comma,
-    signs.missing_operator,
-    signs.missing_sign,
-    signs.unit_behind_expression,
-    signs.missing_value,
-    words.missing_name,
+    punctuation.foreign_operator,
+    punctuation.comma_in_list,
+    keywords.brace_for_block,
+    keywords.else_when,
+    keywords.if_statement,
+    keywords.first_word,
+    punctuation.comparison_for_equation,
+    punctuation.equation_for_comparison,
+    punctuation.decimal_comma,
+    punctuation.comma_between_starts,
+    punctuation.chained,
+    punctuation.semicolon_too_many,
+    keywords.missing_end_word,
+    keywords.stray_end,
+    punctuation.bare_unit,
+    keywords.family,
+    punctuation.brackets,
+    keywords.load_target,
+    keywords.missing_word,
+    keywords.constraint_parts,
+    keywords.description_last,
+    punctuation.missing_semicolon,
+    punctuation.missing_comma,
+    punctuation.missing_operator,
+    punctuation.missing_sign,
+    punctuation.unit_behind_expression,
+    punctuation.missing_value,
+    keywords.missing_name,
 )
