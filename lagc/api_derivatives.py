@@ -23,7 +23,7 @@ MOST_TRIES = 1_000_000  # random postures: more find no more
 ALONG = {"rates": "rate", "qdot": "qdot", "accelerations": "acceleration", "multipliers": "multiplier",
          "outputs": "output"}  # fmt: skip
 HELD = {"inertia": "inertia", "forces": "force", "rows": "row", "conditions": "condition", "start": "start",
-        "sides": "side"}  # fmt: skip
+        "indicators": "indicator"}  # fmt: skip
 
 
 class Differentiable:
@@ -59,7 +59,7 @@ class Differentiable:
         `of`: "rates" (qdot, a), "qdot", "accelerations", "multipliers", "outputs", where a and lam follow
         from the equations; "inertia" (M a), "forces" (tau - h + G^T lam), "rows" (G a - gamma), with `a` and
         `lam` as they are given (else those of the motion); "conditions" of a start (phi, psi, the initial
-        section, stated rates); "start" (values of q, v, stated rates); "sides" of switches.
+        section, stated rates); "start" (values of q, v, stated rates); "indicators" of zero crossings.
         `wrt`: "time", "coordinates", "speeds", "state" (both), "parameters", "inputs", the name of one of
         them, where a and lam are given also "accelerations", "multipliers"; or a sequence of such words.
         Without x at the start values as they are written.  Where forces bend there it is that of the side on

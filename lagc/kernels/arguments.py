@@ -25,7 +25,7 @@ from lagc.kernels.language.sizes import COMPLETE, NBOUNDED, NLIMITS, NP, NPREPAR
 from lagc.kernels.language.statuses import INVALID, NOT_FINITE, OK
 from lagc.kernels.language.tableau import METHODS
 from lagc.kernels.language.tables import bounded, bounds, derived_bounds
-from lagc.kernels.language.tolerances import LEFT_OVER
+from lagc.kernels.language.tolerances import ROUNDOFF_RESIDUAL
 from lagc.kernels.language.words import Cell, Params, Real, Status, present, public, static, vector
 
 
@@ -35,7 +35,9 @@ def bad_option(o: Options) -> int:
         return BAD_METHOD
     if o.max_steps < 0:
         return BAD_MAX_STEPS
-    if not (o.rtol >= 0.0 and o.rtol < 1.0) or (o.step == 0.0 and o.atol == 0.0 and o.rtol < LEFT_OVER):
+    if not (o.rtol >= 0.0 and o.rtol < 1.0) or (
+        o.step == 0.0 and o.atol == 0.0 and o.rtol < ROUNDOFF_RESIDUAL
+    ):
         return BAD_RTOL
     if not (o.atol >= 0.0 and o.atol < inf):
         return BAD_ATOL
@@ -88,7 +90,7 @@ def check(p: Params, o: Options, culprit: Cell[int]) -> Status:
     return OK if found < 0 else INVALID
 
 
-def demand(p: Params, s: State, t1: Real, o: Options) -> Status:
+def check_call(p: Params, s: State, t1: Real, o: Options) -> Status:
     """What a call that goes to t1 demands: OK; else INVALID or NOT_FINITE, and who is to blame."""
     culprit = bad_option(o)
     if culprit < 0 and not (fabs(t1) < inf and fabs(s.t) < inf and fabs(t1 - s.t) < inf):

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from lagc.kernels.dynamics.rhs import factor_safely, rhs_at
-from lagc.kernels.events.modes import take
-from lagc.kernels.events.when_clauses import set_out
-from lagc.kernels.integrators.dispatch import last
-from lagc.kernels.language.records import NOWHERE, READY, STAGES, State, Work
-from lagc.kernels.language.scaling_groups import enlarge
-from lagc.kernels.language.sizes import NC, NKIND, NMODE, NP, NWHEN, NX, STRAIGHT
+from lagc.kernels.events.modes import update_edges
+from lagc.kernels.events.when_clauses import start_modes
+from lagc.kernels.integrators.dispatch import last_stage
+from lagc.kernels.language.records import ABSENT, READY, STAGES, State, Work
+from lagc.kernels.language.scaling_groups import enlarge_sizes
+from lagc.kernels.language.sizes import NC, NGROUP, NMODE, NP, NWHEN, NX, STRAIGHT
 from lagc.kernels.language.statuses import CHATTERING, INTERRUPTED, MISPLACED, OK, STEP_UNDERFLOW, failed
 from lagc.kernels.language.words import Params, Real, Status, Vec, public
 
@@ -18,81 +18,81 @@ def begin(s: State, t: Real, x: Vec[NX]) -> None:
     """A new trajectory from (t, x); x meets the constraints.  *s need not be filled before."""
     s.t = t
     s.t_old = t
-    s.t_seen = t
+    s.t_end = t
     s.x[:] = x
     s.x_old[:] = x
-    s.x_seen[:] = x
-    for i in range(NKIND):
+    s.x_end[:] = x
+    for i in range(NGROUP):
         s.sizes[i] = 0.0
-    enlarge(x, s.sizes)
+    enlarge_sizes(x, s.sizes)
     s.h_old = 0.0
     s.h = 0.0
     s.error_old = 1e-4
-    s.grid = t
-    s.stride = 0.0
+    s.grid_begin = t
+    s.grid_step = 0.0
     s.position_drift = 0.0
     s.velocity_drift = 0.0
-    s.on_grid = 0
+    s.grid_index = 0
     s.steps = 0
     s.rejected = 0
     s.rhs = 0
-    s.entered = 0
-    s.called = True
-    s.known = False
+    s.steps_before_call = 0
+    s.is_new_call = True
+    s.parameters_known = False
     s.method = 0
-    s.rate = NOWHERE
-    s.dense = NOWHERE
+    s.rate_place = ABSENT
+    s.dense_place = ABSENT
     if NC > 0:
-        s.lost = False
-    s.listening = False
-    s.recalled = 0.0
+        s.rank_deficient = False
+    s.roundoff_estimated = False
+    s.roundoff_memory = 0.0
     for i in range(NX):
-        s.noise[i] = 0.0
-    s.longest = 0.0
+        s.rate_roundoff[i] = 0.0
+    s.longest_step = 0.0
     s.culprit = -1
     if NMODE > 0:
         s.changes = 0
-        s.changes_here = 0
+        s.changes_at_time = 0
         s.t_changed = t
         for i in range(NX):
-            s.jolts[i] = 0.0
+            s.event_roundoff[i] = 0.0
         for k in range(NMODE):
             s.slack[k] = 0.0
-        s.fresh = False
-        s.halved = False
-        s.rough = 0.0
-        s.little = 0.0
+        s.after_event = False
+        s.is_split = False
+        s.event_time_error = 0.0
+        s.first_order_time = 0.0
     if NWHEN > 0:
-        s.acquainted = False
+        s.conditions_known = False
         s.jumps = 0
-        s.x_left[:] = x
+        s.x_before_event[:] = x
 
 
-def enter(s: State, w: Work) -> None:
+def enter_call(s: State, w: Work) -> None:
     """What a call finds: the workspace as this state left its own."""
-    s.called = True
-    s.entered = s.steps + s.rejected
+    s.is_new_call = True
+    s.steps_before_call = s.steps + s.rejected
     if NC > 0:
-        w.lost = s.lost
+        w.rank_deficient = s.rank_deficient
     if NMODE > 0:
-        w.held = True
+        w.modes_fixed = True
 
 
-def leave(s: State, status: Status, w: Work) -> Status:
+def leave_call(s: State, status: Status, w: Work) -> Status:
     """What a call leaves: where the last step ended."""
     if status != OK and status != INTERRUPTED:
-        s.rate = NOWHERE
-    if not s.called:
-        s.t_seen = s.t
-        s.x_seen[:] = s.x
+        s.rate_place = ABSENT
+    if not s.is_new_call:
+        s.t_end = s.t
+        s.x_end[:] = s.x
     if NC > 0:
-        s.lost = w.lost
+        s.rank_deficient = w.rank_deficient
     if NMODE > 0:
-        w.held = False
+        w.modes_fixed = False
     return status
 
 
-def stop(s: State, status: Status, w: Work) -> Status:
+def report_culprit(s: State, status: Status, w: Work) -> Status:
     if failed(status) and status < STEP_UNDERFLOW:
         s.culprit = w.culprit
     if NMODE > 0:
@@ -103,10 +103,10 @@ def stop(s: State, status: Status, w: Work) -> Status:
 
 def state_changed(s: State) -> bool:
     """Whether the caller has changed the state since the last step, or there is none."""
-    if not s.known or s.t != s.t_seen:
+    if not s.parameters_known or s.t != s.t_end:
         return True
     for i in range(NX):
-        if not s.x[i] == s.x_seen[i]:
+        if not s.x[i] == s.x_end[i]:
             return True
     return False
 
@@ -121,27 +121,27 @@ def parameters_changed(p: Params, s: State) -> bool:
 
 def keep_parameters(p: Params, s: State) -> None:
     """What the caller has given is known from here on."""
-    if s.called:
+    if s.is_new_call:
         s.p[:] = p
-        s.known = True
-        s.called = False
+        s.parameters_known = True
+        s.is_new_call = False
 
 
-def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
+def evaluate_start(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The rate at the start of a step, and the branch of it."""
     again = False
     if NMODE > 0:
         elsewhere = False
-    if s.called:
+    if s.is_new_call:
         if state_changed(s):
             again = True
             if NMODE > 0:
                 elsewhere = True
-            s.stride = 0.0
-            s.recalled = 0.0
-            enlarge(s.x, s.sizes)
+            s.grid_step = 0.0
+            s.roundoff_memory = 0.0
+            enlarge_sizes(s.x, s.sizes)
             if NC > 0:
-                w.lost = False
+                w.rank_deficient = False
                 if STRAIGHT:
                     factor_safely(p, s.t, s.x, w)  # straight factors need not show dependent rows
                     w.fallbacks -= 1
@@ -149,17 +149,17 @@ def depart(p: Params, s: State, direction: Real, w: Work) -> Status:
             again = parameters_changed(p, s)
     if NMODE > 0:
         if again:
-            s.rate = STAGES
-            return set_out(p, s, direction, elsewhere, w)
+            s.rate_place = STAGES
+            return start_modes(p, s, direction, elsewhere, w)
         w.modes[:] = s.modes
-        take(w)
+        update_edges(w)
     status = OK
-    if again or s.rate == NOWHERE:
+    if again or s.rate_place == ABSENT:
         status = rhs_at(p, s.t, s.x, s.k[0], w.lam, w)
         s.rhs += 1
         if failed(status):
             return status
-    elif s.rate == READY:
-        s.k[0][:] = s.k[last(s.method)]
-    s.rate = STAGES
+    elif s.rate_place == READY:
+        s.k[0][:] = s.k[last_stage(s.method)]
+    s.rate_place = STAGES
     return OK

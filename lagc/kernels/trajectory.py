@@ -4,96 +4,96 @@ from __future__ import annotations
 
 from typing import Any
 
-from lagc.kernels.arguments import demand
-from lagc.kernels.call_boundary import enter, leave, stop
+from lagc.kernels.arguments import check_call
+from lagc.kernels.call_boundary import enter_call, leave_call, report_culprit
 from lagc.kernels.constraints.projection import project
 from lagc.kernels.driver import step_once
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.integrators.dispatch import last, method_at, method_coefficients, method_stages
-from lagc.kernels.language.records import BAD_BUDGET, BAD_TIME, NOWHERE, READY, Options, State, Work
+from lagc.kernels.integrators.dispatch import last_stage, method_dense_at, method_dense_output, method_stages
+from lagc.kernels.language.records import ABSENT, BAD_BUDGET, BAD_TIME, READY, Options, State, Work
 from lagc.kernels.language.scaling_groups import not_finite
 from lagc.kernels.language.sizes import NC, NMODE, NQUAT, NWHEN, NX
 from lagc.kernels.language.statuses import INTERRUPTED, INVALID, NOT_FINITE, OK, failed
 from lagc.kernels.language.words import Cell, Count, Length, Params, Real, Rows, Status, Vec, by_type, public
 
-BARELY = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for rounding
+OUTSIDE_STEP = by_type(1e-5, 1e-9, "1e-9")  # of a step: beyond its ends, but for rounding
 
 
-def repeat(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
+def recompute_stages(s: State, t: Real, x: Vec[NX], w: Work) -> Status:
     """The stages of the last step once more: those of an attempt that failed have taken their place."""
     if NMODE > 0:
         w.modes[:] = s.modes_old
     status = rhs_at(s.p, s.t_old, s.x_old, s.k[0], w.lam, w)
-    s.rate = NOWHERE
-    s.rhs += last(s.method) + 1
+    s.rate_place = ABSENT
+    s.rhs += last_stage(s.method) + 1
     if not failed(status):
         status = method_stages(s.method, s.p, s.t_old, s.x_old, s.h_old, s, w)
     if not failed(status):
-        status = rhs_at(s.p, t, x, s.k[last(s.method)], w.lam, w)
+        status = rhs_at(s.p, t, x, s.k[last_stage(s.method)], w.lam, w)
     return status
 
 
-def interpolate(s: State, w: Work) -> Status:
+def compute_dense_output(s: State, w: Work) -> Status:
     """The coefficients of dense output of the last step, with its parameters and its end, whatever the
     caller has changed since."""
-    t = s.t_seen if s.called else s.t
+    t = s.t_end if s.is_new_call else s.t
     if NWHEN > 0:
-        x = s.x_left
+        x = s.x_before_event
     else:
-        x = s.x_seen if s.called else s.x
+        x = s.x_end if s.is_new_call else s.x
     if NMODE > 0:
         w.modes[:] = s.modes_old
-    if s.dense == NOWHERE:
-        status = repeat(s, t, x, w)
+    if s.dense_place == ABSENT:
+        status = recompute_stages(s, t, x, w)
         if failed(status):
             return status
-    return method_coefficients(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
+    return method_dense_output(s.method, s.p, s.t_old, s.x_old, x, s.h_old, s, w)
 
 
-def dense_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
+def interpolate_at(s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
     if t == s.t or s.h_old == 0.0:
         x[:] = s.x
         return OK
-    if s.dense != READY:
-        status = interpolate(s, w)
+    if s.dense_place != READY:
+        status = compute_dense_output(s, w)
         if failed(status):
-            return stop(s, status, w)
-        s.dense = READY
-    method_at(s.method, (t - s.t_old) / s.h_old, s, x)
+            return report_culprit(s, status, w)
+        s.dense_place = READY
+    method_dense_at(s.method, (t - s.t_old) / s.h_old, s, x)
     if NC > 0 or NQUAT > 0:
         if o.project:
             status = project(s.p, t, x, s.sizes, w)
             if failed(status):
-                return stop(s, status, w)
+                return report_culprit(s, status, w)
     return OK
 
 
-def within(s: State, t: Real) -> bool:
+def is_in_last_step(s: State, t: Real) -> bool:
     """Whether t is a time of the last step, but for rounding."""
     if t == s.t:
         return True
     if s.h_old == 0.0:
         return False
     part = (t - s.t_old) / s.h_old
-    return part >= -BARELY and part <= 1.0 + BARELY
+    return part >= -OUTSIDE_STEP and part <= 1.0 + OUTSIDE_STEP
 
 
 @public
 def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Status:
     """x[NX] at a time t within the last step, which was made with the parameters of then; at any other
     INVALID.  Of the options it takes `project` alone.  Where it fails x has no meaning."""
-    if not within(s, t):
+    if not is_in_last_step(s, t):
         s.culprit = BAD_TIME
         return INVALID
-    enter(s, w)
-    status = dense_at(s, t, o, x, w)
+    enter_call(s, w)
+    status = interpolate_at(s, t, o, x, w)
     if status == OK and not_finite(x, NX) >= 0:
         s.culprit = not_finite(x, NX)
         status = NOT_FINITE
     if NC > 0:
-        s.lost = w.lost
+        s.rank_deficient = w.rank_deficient
     if NMODE > 0:
-        w.held = False
+        w.modes_fixed = False
     return status
 
 
@@ -111,30 +111,30 @@ def dense(p: Params, s: State, t: Real, o: Options, x: Vec[NX], w: Work) -> Stat
 @public
 def step(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """One step towards t1, before or after s->t, at most to it, and then exactly."""
-    status = demand(p, s, t1, o)
+    status = check_call(p, s, t1, o)
     if status != OK:
         return status
-    enter(s, w)
-    return leave(s, step_once(p, s, t1, o, w), w)
+    enter_call(s, w)
+    return leave_call(s, step_once(p, s, t1, o, w), w)
 
 
 @public
 def advance(p: Params, s: State, t1: Real, o: Options, w: Work) -> Status:
     """To t1 exactly, with error control and projection onto the constraints.  A step that is short only
     to end at t1 does not make the next one short."""
-    status = demand(p, s, t1, o)
+    status = check_call(p, s, t1, o)
     if status != OK:
         return status
-    enter(s, w)
+    enter_call(s, w)
     while status == OK and s.t != t1:
         status = step_once(p, s, t1, o, w)
         if NMODE > 0:
-            if status == OK and o.report != 0 and s.fresh:
+            if status == OK and o.report != 0 and s.after_event:
                 status = INTERRUPTED
-    return leave(s, status, w)
+    return leave_call(s, status, w)
 
 
-def in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
+def are_in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
     """Whether times are in order from s.t on: asked once, of a grid of which nothing is done."""
     before = s.t
     for k in range(n):
@@ -144,7 +144,7 @@ def in_order(s: State, times: Vec[Any], n: Length, direction: Real) -> bool:
     return True
 
 
-def goes_on(times: Vec[Any], n: Length, done: Length, direction: Real) -> bool:
+def resumes_in_order(times: Vec[Any], n: Length, done: Length, direction: Real) -> bool:
     """Whether the next of times is where one may be, of a grid that was looked at before."""
     if done == n:
         return True
@@ -161,23 +161,23 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
     be NULL."""
     t1 = times[n - 1] if n > 0 else s.t
     direction = 1.0 if t1 > s.t or (t1 == s.t and s.t >= s.t_old) else -1.0
-    status = demand(p, s, t1, o)
+    status = check_call(p, s, t1, o)
     if status != OK:
         return status
     if budget < 0:
         s.culprit = BAD_BUDGET
         return INVALID
-    known = done[0] > 0 and done[0] <= n and goes_on(times, n, done[0], direction)
-    if not known and (done[0] > 0 or not in_order(s, times, n, direction)):
+    known = done[0] > 0 and done[0] <= n and resumes_in_order(times, n, done[0], direction)
+    if not known and (done[0] > 0 or not are_in_order(s, times, n, direction)):
         s.culprit = BAD_TIME
         return INVALID
-    enter(s, w)
+    enter_call(s, w)
     count: Count = 0
     if NMODE > 0:
         ended = OK
     while status == OK:
         while status == OK and done[0] < n and (times[done[0]] - s.t) * direction <= 0.0:
-            status = dense_at(s, times[done[0]], o, states[done[0]], w)
+            status = interpolate_at(s, times[done[0]], o, states[done[0]], w)
             if status == OK:
                 done[0] += 1
         if NMODE > 0:
@@ -194,10 +194,10 @@ def record(p: Params, s: State, o: Options, times: Vec[Any], n: Length, states: 
         else:
             status = step_once(p, s, t1, o, w)
             if NMODE > 0:
-                if status == OK and o.report != 0 and s.fresh:
+                if status == OK and o.report != 0 and s.after_event:
                     status = INTERRUPTED
                 if status != OK and status != INTERRUPTED:  # what came before is recorded
                     ended = status
                     status = OK
         count += 1
-    return leave(s, status, w)
+    return leave_call(s, status, w)

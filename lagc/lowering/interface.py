@@ -118,7 +118,7 @@ def interface(
         whens=_clauses(equations),
         features=dict(functions["features"].outputs)["e"] if "features" in functions else 0,
         poles=dict(functions["poles"].outputs)["e"] if "poles" in functions else 0,
-        timed=flowing or ("sides" in functions and _timed(functions["sides"])),
+        timed=flowing or ("indicators" in functions and _timed(functions["indicators"])),
         flowing=flowing,
         doubtful=_doubtful(model),
         conservative=equations.power.is_zero and all([row.holonomic for row in equations.rows]),

@@ -7,7 +7,7 @@
                 condition         nh + nc + .. of a consistent start, see `conditions`
                 start             nq + nv + .. start values, then the stated rates that are no speeds
                 output            ny
-    side              one a switch, what it changes at
+    indicator         event indicators, one for each relation
     reinit            new values that clauses `when` give, one after the other
 
 Each function has the derivatives of the stack by one group of what it depends on, at any a and lam: of the
@@ -101,7 +101,7 @@ def stack(
         "condition": condition_rows(equations),
         "start": [s.value for s in equations.starts],
         "output": [o.expression for o in equations.outputs],
-        "side": [switch.side for switch in switches],
+        "indicator": [switch.side for switch in switches],
         "reinit": [value for when in equations.whens for _, value in when.changes],
     }
 

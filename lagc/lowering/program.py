@@ -293,7 +293,7 @@ class Interface:
         sizes = {
             "qdot": self.nq, "inertia": self.nv, "force": self.nv, "row": self.nc,
             "condition": len(self.condition_ends), "start": self.nq + self.nv + len(self.rate_names),
-            "output": len(self.outputs), "side": len(self.switches),
+            "output": len(self.outputs), "indicator": len(self.switches),
             "reinit": sum(len(clause.states) for clause in self.whens),
         }  # fmt: skip
         return _ranges(sizes)

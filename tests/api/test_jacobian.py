@@ -100,7 +100,7 @@ def test_sides_of_switches() -> None:
     end M;"""
     model = lagc.loads(text).compile(backend="numpy")
     t, x, a, e = 0.5, 0.9, 3.0, 0.01
-    found = model.jacobian("sides", ("time", "state", "a", "e"), t, [x, 0.0])
+    found = model.jacobian("indicators", ("time", "state", "a", "e"), t, [x, 0.0])
     order = ["whole number" in name for name in model.interface.switches]
     sign, steps = found[order.index(False)], found[order.index(True)]
     sense = sign[1]  # which of both sides is that of which the expression counts is free
@@ -108,7 +108,7 @@ def test_sides_of_switches() -> None:
     assert (sense * sign).tolist() == pytest.approx([-2 * a * t, 1.0, 0.0, -t * t, 0.0])
     assert steps.tolist() == pytest.approx([0.0, 2 * x / e, 0.0, 0.0, -x * x / e**2])
     plain = lagc.load("simple_pendulum").compile(backend="numpy")
-    assert plain.jacobian("sides", "state").shape == (0, 2)
+    assert plain.jacobian("indicators", "state").shape == (0, 2)
 
 
 @pytest.mark.parametrize(

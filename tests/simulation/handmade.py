@@ -47,7 +47,7 @@ def of_system(system: Any) -> Any:
         return function
 
     found.rhs_at = rhs_at
-    found.reconsider = lambda p, s, t, h, o, before, rejected, w: before
+    found.error_without_roundoff = lambda p, s, t, h, o, before, w: before
     found.assemble_at = lambda p, t, x, w: system.assemble(t, x)
     for name in ("position", "velocity", "scales", "reaches", "displace"):
         setattr(found, f"fn_{name}", writes(name))
@@ -82,4 +82,8 @@ def project(system: Any, t: float, x: list[float], sizes: list[float]) -> tuple[
     """Status, and the scaled residuals of positions and speeds that remain."""
     found = of_system(system)
     work = found.Work()
-    return found.project(list(system.parameters), t, x, sizes, work), work.position_left, work.velocity_left
+    return (
+        found.project(list(system.parameters), t, x, sizes, work),
+        work.position_residual,
+        work.velocity_residual,
+    )

@@ -28,16 +28,16 @@ class Fallback:
         self.kernels = module(Program(interface(nq=n, nv=n, nc=m, nh=m, solve="dense"), {}))
         self.kernels.fn_gamma_sizes = lambda p, t, x, s: None
         self.work = self.kernels.Work()
-        self.work.slight = [1.0] * m
+        self.work.regularity = [1.0] * m
 
     def factor(self, mass: list[float], g: list[float]) -> int:
         self.work.M, self.work.G = mass, g
-        status: int = self.kernels.factor_fallback([], 0.0, [], 1e-5, self.work)
+        status: int = self.kernels.factor_rank_revealing([], 0.0, [], 1e-5, self.work)
         return status
 
     def solve(self, force: list[float], right: list[float]) -> tuple[int, list[float], list[float]]:
         z, lam = force[:], [0.0] * len(right)
-        return self.kernels.solve_fallback(self.work, right, z, lam), z, lam
+        return self.kernels.solve_rank_revealing(self.work, right, z, lam), z, lam
 
 
 SIZES = [(5, 2, 2), (6, 4, 2), (6, 5, 3), (3, 3, 3), (4, 6, 3), (7, 3, 3)]

@@ -114,7 +114,7 @@ _SIZES = {
     "NQ": "coordinates q", "NV": "speeds v", "NZ": "integral of power, the last of x",
     "NX": "state x = (q, v, z)", "NC": "rows of constraints, multipliers lambda",
     "NH": "of these holonomic, the first", "NP": "parameters and inputs",
-    "NKIND": "kinds of coordinates and speeds: those of one unit", "NWORK": "entries of the factors",
+    "NGROUP": "scaling groups: coordinates, or speeds, of one unit", "NWORK": "entries of the factors",
     "NY": "outputs y", "NQUAT": "unit quaternions in q",
 }  # fmt: skip
 _PREPARED = {"NPREPARED": "numbers that are prepared of the parameters"}

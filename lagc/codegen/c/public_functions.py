@@ -105,7 +105,7 @@ _DIRECT = {
     ),
 }
 
-_AFRESH = "    w->lost = 0; /* whatever was found before */\n"
+_AFRESH = "    w->rank_deficient = 0; /* whatever was found before */\n"
 
 
 def _conditions(interface: Interface) -> Verb:
@@ -246,7 +246,7 @@ def _stack(switches: int) -> Verb:
     return Verb(
         "s[LAGC_D_END], what is differentiated, at any a[NV] and lambda[NC].  From the rows LAGC_D_... on:\n"
         " * QDOT, the rates of q; INERTIA, M a; FORCE, tau - h + G^T lambda; ROW, G a - gamma; CONDITION,\n"
-        " * of a consistent start; START, the start values; OUTPUT; SIDE, what switches change at; REINIT.",
+        " * of a consistent start; START, the start values; OUTPUT; INDICATOR, event indicators; REINIT.",
         f"void lagc_stack({_POINT}, const lagc_real *a, const lagc_real *lambda, lagc_real *s)",
         _on_own_branch("stack", "s", switches))  # fmt: skip
 

@@ -16,7 +16,7 @@ CONSTANT_SIZES = {"TWO": 2, "THREE": 3, "FOUR": 4, "SEVEN": 7, "NK": 16, "ND": 8
 # Sizes that have no name in generated C: expressions of others, of their numbers or of their spelling in C.
 DERIVED: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "NM": lambda n: n["NV"] * (n["NV"] + 1) // 2, "NG": lambda n: n["NC"] * n["NV"],
-    "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"] + n["NKIND"],
+    "NR": lambda n: n["NV"] + n["NC"], "NREACH": lambda n: n["NC"] + n["NH"] + n["NGROUP"],
     "NROW": lambda n: n["NU"] + 1,
     "NMANY": lambda n: (n["NV"] + n["NC"]) // 200 + 1,
     "NPARTED": lambda n: n["NCOND"] + n["NSUM"], "NWHOLE": lambda n: n["NU"] + n["NSUM"],
@@ -128,15 +128,15 @@ def sizes_of(interface: Interface) -> dict[str, int]:
     switches, free = len(interface.switches), len(interface.switches) - interface.timed_switches
     own = {
         "NQ": nq, "NV": nv, "NZ": interface.nz, "NX": interface.nx, "NC": interface.nc, "NH": interface.nh,
-        "NP": len(fields), "NKIND": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
+        "NP": len(fields), "NGROUP": max(interface.kinds, default=0) + 1, "NWORK": interface.work_size,
         "NHEALTH": max(interface.health, 2),
         "NBOUNDED": sum(isfinite(f.minimum) or isfinite(f.maximum) for f in fields),
         "NMODE": switches, "NTIMED": interface.timed_switches, "NFREE": free, "NENDS": 2 * free,
         "NWHEN": len(interface.whens), "NJUMP": sum(len(c.states) for c in interface.whens),
         "NACTS": MOST_ACTS * len(interface.whens),
         "NFEAT": interface.features, "NBOUNDS": 2 * interface.features,
-        "NPOLE": interface.poles, "NNEAR": 2 * interface.poles, "NHIDE": interface.features + interface.poles,
-        "NLOOK": free + interface.features + interface.poles,
+        "NPOLE": interface.poles, "NNEAR": 2 * interface.poles, "NGUARD": interface.features + interface.poles,
+        "NSEARCH": free + interface.features + interface.poles,
         "NEDGES": 2 * switches if "edges" in interface.functions else 0,
         "NBOX": 2 * (1 + nq + nv),
         "NLIMITS": len(interface.limits), "NPREPARED": interface.prepared, "NREAD": len(interface.read),
@@ -190,17 +190,17 @@ def tables_of(interface: Interface) -> dict[str, Sequence[Any]]:
     begins, stops = stretches(ends, columns)
     angles = frozenset(interface.angles)
     return {
-        "kind": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
+        "group": interface.kinds, "quaternion": interface.quaternions, "bounded": bounded,
         "sources": interface.read,
         "level": interface.start_levels, "unit": interface.start_units,
         "row_piece": of_conditions(interface.row_pieces, len(ends)),
         "angle": [int(i in angles) for i in range(len(interface.start_levels))],
         "ends": ends, "stretch_begins": begins, "stretch_ends": stops,
         "part_ends": interface.part_ends, "part_column": interface.part_columns,
-        "counted": interface.counted_switches,
-        "ending": [int(c.reason is not None) for c in interface.whens],
-        "clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
-        "target": [state for c in interface.whens for state in c.states],
+        "has_edges": interface.counted_switches,
+        "terminates": [int(c.reason is not None) for c in interface.whens],
+        "reinit_clause": [k for k, c in enumerate(interface.whens) for _ in c.states],
+        "reinit_target": [state for c in interface.whens for state in c.states],
         "bounds": [(fields[i].minimum, fields[i].maximum) for i in bounded],
         "derived_bounds": [(f.minimum, f.maximum) for f in interface.limits],
     }  # fmt: skip

@@ -40,14 +40,14 @@ class Equations:
         """xdot[NX] and lam[NC] at (t, x), whatever was found before; a status."""
         work = self.work
         if NC:
-            work.lost = False
+            work.rank_deficient = False
         return rhs_at(self.p, t, x, xdot, lam, work)
 
     def first(self, t, x, xdot, lam):
         """The same as at the start of a trajectory: straight factors need not show dependent rows."""
         work = self.work
         if NC:
-            work.lost = False
+            work.rank_deficient = False
             if STRAIGHT:
                 factor_safely(self.p, t, x, work)
                 work.fallbacks -= 1
@@ -170,7 +170,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
                 events.extend((run.t, k) for k in NOTED if run.changed[k])
                 if len(corners) < MOST_CORNERS:
                     jumped = NWHEN and run.jumps > len(jumps)
-                    corners.append((run.t, run.x_left[:] if jumped else run.x[:], run.x[:]))
+                    corners.append((run.t, run.x_before_event[:] if jumped else run.x[:], run.x[:]))
                 if NWHEN:
                     events.extend((run.t, NMODE + k) for k in run.acted[: run.acts])
                     jumps.extend([run.t] * (run.jumps - len(jumps)))
@@ -188,7 +188,7 @@ def _integrate(problem, options, t0, x0, times, progress=None, clock=None):
             culprit=-1 if status == OK else run.culprit, steps=run.steps, rejected=run.rejected, rhs=run.rhs,
             step=run.t - run.t_old, fallbacks=work.fallbacks - fallbacks,
             redundant_rows=problem.redundant_rows, position_drift=run.position_drift,
-            velocity_drift=run.velocity_drift, sizes=run.sizes[:], jolts=run.jolts[:] if NMODE else (),
+            velocity_drift=run.velocity_drift, sizes=run.sizes[:], event_roundoff=run.event_roundoff[:] if NMODE else (),
             events=events, jumps=jumps, corners=corners, changes=run.changes if NMODE else 0,
         )  # fmt: skip
 

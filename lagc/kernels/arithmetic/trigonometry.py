@@ -63,7 +63,7 @@ TWO_OVER_PI = (
 )  # fmt: skip
 
 
-def lost(a: Real, b: Real, total: Real) -> Real:
+def rounding_error_of_sum(a: Real, b: Real, total: Real) -> Real:
     """What rounding took from the sum of a and b (D. E. Knuth)."""
     share = total - a
     return (a - (total - share)) + (b - share)
@@ -80,7 +80,7 @@ def reduce_near(x: Real, rest: Vec[TWO]) -> Real:
     c = -(n * SECOND_REST)
     total = a + b
     hi = total + c
-    lo = lost(a, b, total) + lost(total, c, hi)
+    lo = rounding_error_of_sum(a, b, total) + rounding_error_of_sum(total, c, hi)
     rest[0] = hi + lo
     rest[1] = lo - (rest[0] - hi)
     return n

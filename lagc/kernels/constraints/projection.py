@@ -18,32 +18,37 @@ from lagc.kernels.language.model import (
     fn_velocity,
 )
 from lagc.kernels.language.records import Work
-from lagc.kernels.language.scaling_groups import RESTING
-from lagc.kernels.language.sizes import HAS_DISPLACE, NC, NH, NKIND, NM, NQ, NQUAT, NR, NV, NX, STRAIGHT
+from lagc.kernels.language.scaling_groups import VANISHING_ROW
+from lagc.kernels.language.sizes import HAS_DISPLACE, NC, NGROUP, NH, NM, NQ, NQUAT, NR, NV, NX, STRAIGHT
 from lagc.kernels.language.statuses import INCONSISTENT, OK, failed
-from lagc.kernels.language.tolerances import LARGEST_RESIDUAL, LEAST_PIVOT, LEFT_OVER, UNTOUCHED
+from lagc.kernels.language.tolerances import (
+    LARGEST_RESIDUAL,
+    LEAST_PIVOT,
+    ROUNDOFF_RESIDUAL,
+    UNPROJECTED_RESIDUAL,
+)
 from lagc.kernels.language.words import Params, Real, Size, Status, Vec, by_type, part
-from lagc.kernels.linear_algebra.rank_revealing import solve_fallback
-from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_whole
+from lagc.kernels.linear_algebra.rank_revealing import solve_rank_revealing
+from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows
 
-MOST_TURNS = 8  # of simplified Newton iterations
-HOPELESS = by_type(1e-3, 1e-6, "1e-6")  # scaled residual with which a projection has failed
+MOST_ITERATIONS = 8  # of simplified Newton iterations
+FAILED_PROJECTION = by_type(1e-3, 1e-6, "1e-6")  # scaled residual with which a projection has failed
 
 
 def assemble_at(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Factors of [M G^T; G 0] at (t, x)."""
     if STRAIGHT:
-        if not w.lost:
+        if not w.rank_deficient:
             assemble_entries(p, t, x, w)
             if NM > 0:
-                fn_factor(w.entries, w.health)
+                fn_factor(w.kkt_entries, w.health)
                 if w.health[0] >= LEAST_PIVOT and w.health[1] <= LARGEST_RESIDUAL:
-                    w.dense = False
+                    w.is_dense = False
                     return OK
-            elif factor_whole(w):
+            elif factor_all_rows(w):
                 return OK
     if NM > 0:
-        w.dense = True
+        w.is_dense = True
     return factor_safely(p, t, x, w)
 
 
@@ -51,34 +56,34 @@ def solve_at(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """M s1 - G^T s2 = r1, G s1 = r2"""
     if NM > 0:
         if STRAIGHT:
-            if not w.dense:
-                fn_solve(w.entries, r, s)
+            if not w.is_dense:
+                fn_solve(w.kkt_entries, r, s)
                 return
         w.a[:] = part(r, 0, NV)
-        w.tail[:] = part(r, NV, NV + NC)
-        solve_fallback(w, w.tail, w.a, w.mu)
+        w.row_rhs[:] = part(r, NV, NV + NC)
+        solve_rank_revealing(w, w.row_rhs, w.a, w.mu)
         s[:NV] = w.a
         s[NV : NV + NC] = w.mu
     else:
-        fn_solve(w.entries, r, s)
+        fn_solve(w.kkt_entries, r, s)
 
 
-def measure(p: Params, t: Real, x: Vec[NX], sizes: Vec[NKIND], w: Work) -> None:
-    """w.scales: what residuals are judged by, and w.rates; `sizes` are those of the trajectory."""
-    w.own[:] = sizes
-    if w.own[0] > 1.0:
-        w.own[0] = 1.0
-    fn_scales(p, t, x, w.scales)
-    fn_reaches(p, t, x, w.own, w.reaches)
+def set_row_scales(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> None:
+    """w.row_scales: what residuals are judged by, and w.rate_scales; `sizes` are those of the trajectory."""
+    w.group_sizes[:] = sizes
+    if w.group_sizes[0] > 1.0:
+        w.group_sizes[0] = 1.0
+    fn_scales(p, t, x, w.row_scales)
+    fn_reaches(p, t, x, w.group_sizes, w.reaches)
     for i in range(NC):
-        w.scales[i] += RESTING * w.reaches[i]
-    w.rates[:] = w.scales
+        w.row_scales[i] += VANISHING_ROW * w.reaches[i]
+    w.rate_scales[:] = w.row_scales
     if NH > 0:
         for i in range(NH):
-            w.rates[i] = w.reaches[NC + i]
+            w.rate_scales[i] = w.reaches[NC + i]
 
 
-def residual(values: Vec[Any], n: Size, scales: Vec[NC]) -> Real:
+def scaled_residual(values: Vec[Any], n: Size, scales: Vec[NC]) -> Real:
     """The largest of |value| / scale; infinity where one is not a number."""
     worst = 0.0
     for i in range(n):
@@ -100,162 +105,162 @@ def worst_row(values: Vec[Any], n: Size, scales: Vec[NC]) -> int:
     return row
 
 
-def row_rates(e: Vec[NX], w: Work) -> None:
-    """w.rows = G e for the speeds of e."""
+def constraint_rates_of(e: Vec[NX], w: Work) -> None:
+    """w.row_values = G e for the speeds of e."""
     if NM > 0:
         for i in range(NC):
             total = 0.0
             for j in range(NV):
                 total += w.G[i * NV + j] * e[NQ + j]
-            w.rows[i] = total
+            w.row_values[i] = total
     else:
         for i in range(NC):
-            w.right[NV + i] = 0.0
-            w.left[NV + i] = 0.0
+            w.kkt_rhs[NV + i] = 0.0
+            w.kkt_solution[NV + i] = 0.0
         for j in range(NV):
-            w.left[j] = e[NQ + j]
-        fn_rest(w.entries, w.right, w.left, w.rest)
+            w.kkt_solution[j] = e[NQ + j]
+        fn_rest(w.kkt_entries, w.kkt_rhs, w.kkt_solution, w.kkt_residual)
         for i in range(NC):
-            w.rows[i] = -w.rest[NV + i]
+            w.row_values[i] = -w.kkt_residual[NV + i]
 
 
-def tangents(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
+def project_error(p: Params, t: Real, x: Vec[NX], w: Work) -> bool:
     """Take from the parts of the error of a state near x what lies along the constraints in their speeds,
     in the metric of the mass matrix: projection takes it from the state.  False where it cannot be told."""
-    lost = w.lost
+    lost = w.rank_deficient
     culprit = w.culprit
     for i in range(NC):
-        w.known[i] = w.redundant[i]
+        w.redundant_before[i] = w.redundant[i]
     if NM > 0:
         system_at(p, t, x, w)
     status = assemble_at(p, t, x, w)
     if not failed(status):
         for j in range(NV):
-            w.right[j] = 0.0
+            w.kkt_rhs[j] = 0.0
         for k in range(2):
-            e = w.parts[k]
-            row_rates(e, w)
+            e = w.error_parts[k]
+            constraint_rates_of(e, w)
             for i in range(NC):
-                w.right[NV + i] = -w.rows[i]
-            solve_at(w.right, w.left, w)
+                w.kkt_rhs[NV + i] = -w.row_values[i]
+            solve_at(w.kkt_rhs, w.kkt_solution, w)
             for j in range(NV):
-                e[NQ + j] += w.left[j]
-    w.lost = lost
+                e[NQ + j] += w.kkt_solution[j]
+    w.rank_deficient = lost
     w.culprit = culprit
     for i in range(NC):
-        w.redundant[i] = w.known[i]
+        w.redundant[i] = w.redundant_before[i]
     return not failed(status)
 
 
-def shift(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
-    """y = x with its coordinates moved by the displacement w.left."""
+def displace(p: Params, t: Real, x: Vec[NX], y: Vec[NX], w: Work) -> None:
+    """y = x with its coordinates moved by the displacement w.kkt_solution."""
     y[:] = x
     if HAS_DISPLACE:
-        fn_displace(p, t, x, w.left, w.dq)
+        fn_displace(p, t, x, w.kkt_solution, w.dq)
         for i in range(NQ):
             y[i] += w.dq[i]
     else:
         for i in range(NQ):
-            y[i] += w.left[i]
+            y[i] += w.kkt_solution[i]
 
 
-def nudge(p: Params, t: Real, x: Vec[NX], sizes: Vec[NKIND], w: Work) -> bool:
-    """w.nudged: a state beside x, off its constraints by what projection leaves, in the direction that costs
+def perturb_off_constraints(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> bool:
+    """w.x_perturbed: a state beside x, off its constraints by what projection leaves, in the direction that costs
     most in the metric of the mass matrix, with speeds that fit.  False where that cannot be told."""
     if failed(assemble_at(p, t, x, w)):
         return False
-    measure(p, t, x, sizes, w)
+    set_row_scales(p, t, x, sizes, w)
     for i in range(NV):
-        w.right[i] = 0.0
+        w.kkt_rhs[i] = 0.0
     for i in range(NC):
-        w.right[NV + i] = (LEFT_OVER if i % 2 == 0 else -LEFT_OVER) * w.scales[i]
-    solve_at(w.right, w.left, w)
-    shift(p, t, x, w.nudged, w)
-    fn_velocity(p, t, w.nudged, w.rows)
+        w.kkt_rhs[NV + i] = (ROUNDOFF_RESIDUAL if i % 2 == 0 else -ROUNDOFF_RESIDUAL) * w.row_scales[i]
+    solve_at(w.kkt_rhs, w.kkt_solution, w)
+    displace(p, t, x, w.x_perturbed, w)
+    fn_velocity(p, t, w.x_perturbed, w.row_values)
     for i in range(NC):
-        w.right[NV + i] = -w.rows[i]
-    solve_at(w.right, w.left, w)
+        w.kkt_rhs[NV + i] = -w.row_values[i]
+    solve_at(w.kkt_rhs, w.kkt_solution, w)
     for i in range(NV):
-        w.nudged[NQ + i] += w.left[i]
+        w.x_perturbed[NQ + i] += w.kkt_solution[i]
     return True
 
 
 def project_positions(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """Simplified Newton iterations, M d = G^T mu, G d = -phi, dq = N d."""
-    fn_position(p, t, x, w.rows)
-    w.position_left = residual(w.rows, NH, w.scales)
-    for n in range(MOST_TURNS):
-        if w.position_left <= (UNTOUCHED if n == 0 else LEFT_OVER):
+    fn_position(p, t, x, w.row_values)
+    w.position_residual = scaled_residual(w.row_values, NH, w.row_scales)
+    for n in range(MOST_ITERATIONS):
+        if w.position_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
-        if not w.assembled:
+        if not w.is_assembled:
             status = assemble_at(p, t, x, w)
             if failed(status):
                 return status
-            w.assembled = True
+            w.is_assembled = True
         for i in range(NC):
-            w.right[NV + i] = 0.0
+            w.kkt_rhs[NV + i] = 0.0
         for i in range(NH):
-            w.right[NV + i] = -w.rows[i]
-        solve_at(w.right, w.left, w)
-        shift(p, t, x, w.moved, w)
+            w.kkt_rhs[NV + i] = -w.row_values[i]
+        solve_at(w.kkt_rhs, w.kkt_solution, w)
+        displace(p, t, x, w.x_candidate, w)
         if NQUAT > 0:
-            normalise(w.moved)
-        fn_position(p, t, w.moved, w.rows)
-        size = residual(w.rows, NH, w.scales)
-        if not size < w.position_left:
+            normalise(w.x_candidate)
+        fn_position(p, t, w.x_candidate, w.row_values)
+        size = scaled_residual(w.row_values, NH, w.row_scales)
+        if not size < w.position_residual:
             break
         for i in range(NQ):
-            x[i] = w.moved[i]
-        w.position_left = size
-    if w.position_left > HOPELESS:
-        w.culprit = worst_row(w.rows, NH, w.scales)
+            x[i] = w.x_candidate[i]
+        w.position_residual = size
+    if w.position_residual > FAILED_PROJECTION:
+        w.culprit = worst_row(w.row_values, NH, w.row_scales)
         return INCONSISTENT
     return OK
 
 
 def project_speeds(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
     """M dv = G^T mu, G dv = -psi."""
-    fn_velocity(p, t, x, w.rows)
-    w.velocity_left = residual(w.rows, NC, w.rates)
-    for n in range(MOST_TURNS):
-        if w.velocity_left <= (UNTOUCHED if n == 0 else LEFT_OVER):
+    fn_velocity(p, t, x, w.row_values)
+    w.velocity_residual = scaled_residual(w.row_values, NC, w.rate_scales)
+    for n in range(MOST_ITERATIONS):
+        if w.velocity_residual <= (UNPROJECTED_RESIDUAL if n == 0 else ROUNDOFF_RESIDUAL):
             break
-        if not w.assembled:
+        if not w.is_assembled:
             status = assemble_at(p, t, x, w)
             if failed(status):
                 return status
-            w.assembled = True
+            w.is_assembled = True
         for i in range(NC):
-            w.right[NV + i] = -w.rows[i]
-        solve_at(w.right, w.left, w)
-        w.moved[:] = x
+            w.kkt_rhs[NV + i] = -w.row_values[i]
+        solve_at(w.kkt_rhs, w.kkt_solution, w)
+        w.x_candidate[:] = x
         for i in range(NV):
-            w.moved[NQ + i] += w.left[i]
-        fn_velocity(p, t, w.moved, w.rows)
-        size = residual(w.rows, NC, w.rates)
-        if not size < w.velocity_left:
+            w.x_candidate[NQ + i] += w.kkt_solution[i]
+        fn_velocity(p, t, w.x_candidate, w.row_values)
+        size = scaled_residual(w.row_values, NC, w.rate_scales)
+        if not size < w.velocity_residual:
             break
         for i in range(NQ, NQ + NV):
-            x[i] = w.moved[i]
-        w.velocity_left = size
-    if w.velocity_left > HOPELESS:
-        w.culprit = worst_row(w.rows, NC, w.rates)
+            x[i] = w.x_candidate[i]
+        w.velocity_residual = size
+    if w.velocity_residual > FAILED_PROJECTION:
+        w.culprit = worst_row(w.row_values, NC, w.rate_scales)
         return INCONSISTENT
     return OK
 
 
-def project(p: Params, t: Real, x: Vec[NX], sizes: Vec[NKIND], w: Work) -> Status:
+def project(p: Params, t: Real, x: Vec[NX], sizes: Vec[NGROUP], w: Work) -> Status:
     """Move x onto the constraints by the shortest way in the metric of the mass matrix: positions, then
-    speeds; the scaled residuals that remain in w.position_left and w.velocity_left."""
-    w.position_left = 0.0
-    w.velocity_left = 0.0
+    speeds; the scaled residuals that remain in w.position_residual and w.velocity_residual."""
+    w.position_residual = 0.0
+    w.velocity_residual = 0.0
     if NQUAT > 0:
         normalise(x)
     if NC > 0:
-        w.assembled = False
+        w.is_assembled = False
         for i in range(NV):
-            w.right[i] = 0.0
-        measure(p, t, x, sizes, w)
+            w.kkt_rhs[i] = 0.0
+        set_row_scales(p, t, x, sizes, w)
         if NH > 0:
             status = project_positions(p, t, x, w)
             if failed(status):

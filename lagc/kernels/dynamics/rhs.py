@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import fabs, inf
 
-from lagc.kernels.language.branch_evaluation import own_branch
+from lagc.kernels.language.branch_evaluation import update_modes
 from lagc.kernels.language.model import (
     fn_assemble,
     fn_assemble_on,
@@ -27,28 +27,28 @@ from lagc.kernels.language.model import (
     fn_work_on,
 )
 from lagc.kernels.language.records import Work
-from lagc.kernels.language.scaling_groups import RESTING, enlarge, not_finite
-from lagc.kernels.language.sizes import NC, NG, NH, NKIND, NM, NMANY, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
+from lagc.kernels.language.scaling_groups import VANISHING_ROW, enlarge_sizes, not_finite
+from lagc.kernels.language.sizes import NC, NG, NGROUP, NH, NM, NMANY, NMODE, NQ, NR, NV, NX, NZ, STRAIGHT
 from lagc.kernels.language.statuses import NOT_FINITE, OK, REDUNDANT, SINGULAR_MASS, failed
 from lagc.kernels.language.tolerances import (
-    CLEAR,
     DEPENDENT,
-    FAINT,
+    FAINT_GRADIENT,
     LARGEST_RESIDUAL,
     LEAST_PIVOT,
-    ROUNDING,
+    REFINED_RESIDUAL,
     SINGULAR,
     STILL_DEPENDENT,
+    TRUSTED_PIVOT,
 )
 from lagc.kernels.language.words import Params, Real, Status, Vec, part, size
-from lagc.kernels.linear_algebra.cholesky import cholesky, lower, upper
-from lagc.kernels.linear_algebra.rank_revealing import factor_fallback, solve_fallback
-from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_damped, factor_whole, solve_damped
+from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_upper
+from lagc.kernels.linear_algebra.rank_revealing import factor_rank_revealing, solve_rank_revealing
+from lagc.kernels.linear_algebra.sparse_rank_revealing import factor_all_rows, factor_sparse, solve_sparse
 
 
 def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     if NMODE > 0:
-        own_branch(p, t, x, w)
+        update_modes(p, t, x, w)
         fn_system_on(p, t, x, w.modes, w.qdot, w.M, w.force, w.G, w.gamma)
     else:
         fn_system(p, t, x, w.qdot, w.M, w.force, w.G, w.gamma)
@@ -57,46 +57,46 @@ def system_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
 def assemble_entries(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """Of [M G^T; G 0]."""
     if NMODE > 0:
-        own_branch(p, t, x, w)
-        fn_assemble_on(p, t, x, w.modes, w.entries)
+        update_modes(p, t, x, w)
+        fn_assemble_on(p, t, x, w.modes, w.kkt_entries)
     else:
-        fn_assemble(p, t, x, w.entries)
+        fn_assemble(p, t, x, w.kkt_entries)
 
 
-def right_at(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
-    """The right-hand side of the equations, (r, gamma), in w.right; qdot."""
+def assemble_rhs(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+    """The right-hand side of the equations, (r, gamma), in w.kkt_rhs; qdot."""
     if NM > 0:
         system_at(p, t, x, w)
-        w.right[:NV] = w.force
-        w.right[NV : NV + NC] = w.gamma
+        w.kkt_rhs[:NV] = w.force
+        w.kkt_rhs[NV : NV + NC] = w.gamma
     elif NMODE > 0:
-        own_branch(p, t, x, w)
-        fn_forces_on(p, t, x, w.modes, w.qdot, w.right)
+        update_modes(p, t, x, w)
+        fn_forces_on(p, t, x, w.modes, w.qdot, w.kkt_rhs)
     else:
-        fn_forces(p, t, x, w.qdot, w.right)
+        fn_forces(p, t, x, w.qdot, w.kkt_rhs)
 
 
-def trust(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+def measure_regularity(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """How far x is from the constraints, scaled; and, for each row, the change of its residual over the
     size of the coordinates (angles: and 1) relative to the size of its terms, at most 1."""
-    for i in range(NKIND):
-        w.own[i] = 0.0
-    enlarge(x, w.own)
-    w.own[0] += 1.0
-    w.miss = 0.0
-    fn_scales(p, t, x, w.found)
-    fn_reaches(p, t, x, w.own, w.reaches)
+    for i in range(NGROUP):
+        w.group_sizes[i] = 0.0
+    enlarge_sizes(x, w.group_sizes)
+    w.group_sizes[0] += 1.0
+    w.constraint_violation = 0.0
+    fn_scales(p, t, x, w.row_room2)
+    fn_reaches(p, t, x, w.group_sizes, w.reaches)
     if NH > 0:
-        fn_position(p, t, x, w.free)
+        fn_position(p, t, x, w.row_room)
         for i in range(NH):
-            miss = fabs(w.free[i]) / (w.found[i] + RESTING * w.reaches[i])
-            if not miss <= w.miss:
-                w.miss = miss
+            miss = fabs(w.row_room[i]) / (w.row_room2[i] + VANISHING_ROW * w.reaches[i])
+            if not miss <= w.constraint_violation:
+                w.constraint_violation = miss
     for i in range(NC):
-        w.slight[i] = w.reaches[i] / w.found[i] if w.reaches[i] < w.found[i] else 1.0
+        w.regularity[i] = w.reaches[i] / w.row_room2[i] if w.reaches[i] < w.row_room2[i] else 1.0
 
 
-def faint(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+def mark_faint_gradients(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """A gradient that is much shorter than others may be rounding of its terms: its direction says
     little then."""
     if NM > 0:
@@ -104,22 +104,22 @@ def faint(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
             total = 0.0
             for j in range(NV):
                 total += fabs(w.G[i * NV + j])
-            w.free[i] = total
+            w.row_room[i] = total
     else:
-        fn_gradients(p, t, x, w.free)
+        fn_gradients(p, t, x, w.row_room)
     largest = 0.0
     smallest = inf
     for i in range(NC):
-        if w.free[i] > largest:
-            largest = w.free[i]
-        if w.free[i] < smallest:
-            smallest = w.free[i]
-    if not smallest < FAINT * largest:
+        if w.row_room[i] > largest:
+            largest = w.row_room[i]
+        if w.row_room[i] < smallest:
+            smallest = w.row_room[i]
+    if not smallest < FAINT_GRADIENT * largest:
         return
-    fn_gradient_sizes(p, t, x, w.found)
+    fn_gradient_sizes(p, t, x, w.row_room2)
     for i in range(NC):
-        if w.free[i] > 0.0 and w.free[i] < w.slight[i] * w.found[i]:
-            w.slight[i] = w.free[i] / w.found[i]
+        if w.row_room[i] > 0.0 and w.row_room[i] < w.regularity[i] * w.row_room2[i]:
+            w.regularity[i] = w.row_room[i] / w.row_room2[i]
 
 
 def system_fault(x: Vec[NX], w: Work) -> int:
@@ -136,7 +136,7 @@ def system_fault(x: Vec[NX], w: Work) -> int:
             if i < 0 and (not_finite(w.G, NG) >= 0 or not_finite(w.gamma, NC) >= 0):
                 i = size(NQ)
     elif i < 0:
-        i = not_finite(w.right, NR)
+        i = not_finite(w.kkt_rhs, NR)
         if i >= 0:
             i = i + NQ if i < NV else size(NQ)
     if i >= 0:
@@ -152,9 +152,9 @@ def least_share(w: Work) -> Real:
     is left out before.  Once rows are known to be dependent (`lost`) the limit is higher, and so it is beside
     the constraints (`miss`), where rows that depend on others on them have a share of that size of their
     own."""
-    least = STILL_DEPENDENT if w.lost else DEPENDENT
-    if 30.0 * w.miss > least:
-        least = 30.0 * w.miss if 30.0 * w.miss < 0.1 else 0.1
+    least = STILL_DEPENDENT if w.rank_deficient else DEPENDENT
+    if 30.0 * w.constraint_violation > least:
+        least = 30.0 * w.constraint_violation if 30.0 * w.constraint_violation < 0.1 else 0.1
     return least
 
 
@@ -171,23 +171,23 @@ def factor_safely(p: Params, t: Real, x: Vec[NX], w: Work) -> Status:
         w.culprit = fault
         return NOT_FINITE
     if NC > 0:
-        trust(p, t, x, w)
-        faint(p, t, x, w)
+        measure_regularity(p, t, x, w)
+        mark_faint_gradients(p, t, x, w)
         if NM > 0:
-            status = factor_fallback(p, t, x, least_share(w), w)
+            status = factor_rank_revealing(p, t, x, least_share(w), w)
             if status == REDUNDANT:
                 rank = w.rank
                 for i in range(rank, NC):
-                    w.redundant[w.order[i]] = 1
+                    w.redundant[w.row_order[i]] = 1
         else:
             assemble_entries(p, t, x, w)
-            status = factor_damped(p, t, x, least_share(w), w)
-        w.lost = status == REDUNDANT
+            status = factor_sparse(p, t, x, least_share(w), w)
+        w.rank_deficient = status == REDUNDANT
         return status
     return OK if cholesky(w) else SINGULAR_MASS
 
 
-def put_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
+def store_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """xdot from accelerations: (qdot, a, power)."""
     xdot[:NQ] = w.qdot
     xdot[NQ : NQ + NV] = w.a
@@ -199,10 +199,10 @@ def put_rates(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Wo
         xdot[NQ + NV] = w.power[0]
 
 
-def rhs_safely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
+def rhs_any_rank(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> Status:
     """By factors that hold for any rank."""
     if not NM > 0:
-        right_at(p, t, x, w)
+        assemble_rhs(p, t, x, w)
         unfit = system_fault(x, w)
         if unfit >= 0:
             w.culprit = unfit
@@ -213,19 +213,19 @@ def rhs_safely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: W
     if NM > 0:
         w.a[:] = w.force
         if NC > 0:
-            status = solve_fallback(w, w.gamma, w.a, lam)
+            status = solve_rank_revealing(w, w.gamma, w.a, lam)
             if failed(status):
                 return status
         else:
-            lower(w, w.a)
-            upper(w, w.a)
+            solve_lower(w, w.a)
+            solve_upper(w, w.a)
     else:
-        status = solve_damped(w.right, w.left, w)
+        status = solve_sparse(w.kkt_rhs, w.kkt_solution, w)
         if failed(status):
             return status
-        w.a[:] = part(w.left, 0, NV)
-        lam[:] = part(w.left, NV, NV + NC)
-    put_rates(p, t, x, xdot, lam, w)
+        w.a[:] = part(w.kkt_solution, 0, NV)
+        lam[:] = part(w.kkt_solution, NV, NV + NC)
+    store_rates(p, t, x, xdot, lam, w)
     fault = not_finite(xdot, NX)
     if fault >= 0:
         w.culprit = fault
@@ -235,21 +235,21 @@ def rhs_safely(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: W
 
 def rhs_refined(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work) -> None:
     """The same once more with one step of iterative refinement."""
-    right_at(p, t, x, w)
+    assemble_rhs(p, t, x, w)
     assemble_entries(p, t, x, w)
     if NM > 0:
-        fn_factor(w.entries, w.health)
-        fn_solve(w.entries, w.right, w.left)
-        fn_refine(w.entries, w.right, w.left)
+        fn_factor(w.kkt_entries, w.health)
+        fn_solve(w.kkt_entries, w.kkt_rhs, w.kkt_solution)
+        fn_refine(w.kkt_entries, w.kkt_rhs, w.kkt_solution)
     else:
-        factor_whole(w)
-        solve_damped(w.right, w.left, w)
-    w.a[:] = part(w.left, 0, NV)
-    lam[:] = part(w.left, NV, NV + NC)
-    put_rates(p, t, x, xdot, lam, w)
+        factor_all_rows(w)
+        solve_sparse(w.kkt_rhs, w.kkt_solution, w)
+    w.a[:] = part(w.kkt_solution, 0, NV)
+    lam[:] = part(w.kkt_solution, NV, NV + NC)
+    store_rates(p, t, x, xdot, lam, w)
 
 
-def judged(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
+def check_rates(x: Vec[NX], xdot: Vec[NX], w: Work) -> Status:
     """What straight code alone tells; it does not tell which speed has no inertia."""
     w.culprit = not_finite(x, NX)
     if w.culprit < 0 and not w.health[0] >= SINGULAR:
@@ -264,27 +264,27 @@ def rhs_at(p: Params, t: Real, x: Vec[NX], xdot: Vec[NX], lam: Vec[NC], w: Work)
     """xdot and lam at (t, x); straight where that can be trusted."""
     if STRAIGHT:
         if NC > 0:
-            if w.lost:
-                return rhs_safely(p, t, x, xdot, lam, w)
+            if w.rank_deficient:
+                return rhs_any_rank(p, t, x, xdot, lam, w)
         if NMODE > 0:
-            own_branch(p, t, x, w)
+            update_modes(p, t, x, w)
             fn_rhs_on(p, t, x, w.modes, xdot, lam, w.health)
         else:
             fn_rhs(p, t, x, xdot, lam, w.health)
         if NM > 0 or NC > 0:
             least = LEAST_PIVOT if NC > 0 else SINGULAR
             if NC > 0:
-                if not w.health[0] >= CLEAR:
+                if not w.health[0] >= TRUSTED_PIVOT:
                     fn_watch(p, w.health)
             if not (w.health[0] >= least and w.health[1] <= LARGEST_RESIDUAL):
-                return rhs_safely(p, t, x, xdot, lam, w)
+                return rhs_any_rank(p, t, x, xdot, lam, w)
             if NC > 0:
-                if w.health[1] > ROUNDING * size(NMANY) * size(NMANY):
+                if w.health[1] > REFINED_RESIDUAL * size(NMANY) * size(NMANY):
                     rhs_refined(p, t, x, xdot, lam, w)
             if not_finite(xdot, NX) < 0:
                 return OK
     if NM > 0 or NC > 0:
         # it tells why
-        return rhs_safely(p, t, x, xdot, lam, w)
+        return rhs_any_rank(p, t, x, xdot, lam, w)
     else:
-        return judged(x, xdot, w)
+        return check_rates(x, xdot, w)

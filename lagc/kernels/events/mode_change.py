@@ -5,21 +5,28 @@ from __future__ import annotations
 from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at
-from lagc.kernels.events.location import any_passes, still_at_rest
-from lagc.kernels.events.modes import count, keep_branch, sign_of, spread_changes, take
-from lagc.kernels.events.sliding import come_to_rest, hold_still, late, rates_of_sides, rests, turns_back
-from lagc.kernels.language.model import fn_side_rates_on, fn_sides_on
-from lagc.kernels.language.records import NOWHERE, State, Work
+from lagc.kernels.events.location import confirm_crossings, is_still_sliding
+from lagc.kernels.events.modes import accept_modes, propagate_changes, sign_of, step_mode, update_edges
+from lagc.kernels.events.sliding import (
+    set_sliding_slack,
+    slide_together,
+    slides,
+    time_since_crossing,
+    turns_back,
+    update_indicator_rates,
+)
+from lagc.kernels.language.model import fn_indicator_rates_on, fn_indicators_on
+from lagc.kernels.language.records import ABSENT, State, Work
 from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED, NX
 from lagc.kernels.language.statuses import CHATTERING, OK, failed
-from lagc.kernels.language.tables import counted
-from lagc.kernels.language.tolerances import NEARLY_THERE, SPACING
+from lagc.kernels.language.tables import has_edges
+from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 
-MOST_AT_ONCE = 20  # changes at one time, and two for each switch
+MOST_CHANGES = 20  # changes at one time, and two for each switch
 
 
-def stays(p: Params, s: State, direction: Real, w: Work) -> bool:
+def cancel_grazing(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Whether switches that only touched their change, as another turned them back there, are put back."""
     found = False
     others = 0
@@ -27,115 +34,123 @@ def stays(p: Params, s: State, direction: Real, w: Work) -> bool:
         others += w.crossed[i]
     for j in range(NFREE):
         k = NTIMED + j
-        touches = w.crossed[k] > 0 and w.jumped[k] == 0 and others > 1
-        if touches and turns_back(k, w.turning[k], w.before[k], direction, w):
+        touches = w.crossed[k] > 0 and w.indicator_jumped[k] == 0 and others > 1
+        if touches and turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
             w.modes[k] = s.modes[k]
             w.crossed[k] = 0
             others -= 1
             found = True
     if found:
-        take(w)
-        fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+        update_edges(w)
+        fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
     return found
 
 
-def is_little(time: Real, s: State) -> bool:
+def is_first_order(time: Real, s: State) -> bool:
     """Of the last step, or last places of the time."""
-    return fabs(time) <= s.little + NEARLY_THERE * SPACING * fabs(s.t)
+    return fabs(time) <= s.first_order_time + EVENT_TIME_ULPS * SPACING * fabs(s.t)
 
 
-def put_right(p: Params, s: State, direction: Real, w: Work) -> None:
+def correct_state(p: Params, s: State, direction: Real, w: Work) -> None:
     """The state, for the time since the first of the switches in w.crossed changed, or until it does: what is
     left of a step that ends there, which rounding is for the most part, as times have last places."""
     for k in range(NMODE):
         if w.crossed[k] > 0:
-            since = late(k, direction, w)
-            if is_little(since, s):
+            since = time_since_crossing(k, direction, w)
+            if is_first_order(since, s):
                 for i in range(NX):
-                    apart = w.xdot[i] - w.left_rates[i]
+                    apart = w.xdot[i] - w.old_rates[i]
                     s.x[i] += since * apart
                     if k < NTIMED:
-                        s.jolts[i] += SPACING * fabs(s.t * apart)
-                fn_sides_on(p, s.t, s.x, w.modes, w.sides)
+                        s.event_roundoff[i] += SPACING * fabs(s.t * apart)
+                fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
             return
 
 
-def to_and_fro(s: State, w: Work) -> bool:
+def is_chattering(s: State, w: Work) -> bool:
     """Whether switches change each other at one time without end."""
     if s.t != s.t_changed:
         s.t_changed = s.t
-        s.changes_here = 0
-    s.changes_here += 1
+        s.changes_at_time = 0
+    s.changes_at_time += 1
     for k in range(NMODE):
         if w.crossed[k] > 0:
             w.culprit = k
-    return s.changes_here > MOST_AT_ONCE + 2 * NMODE
+    return s.changes_at_time > MOST_CHANGES + 2 * NMODE
 
 
-def pass_edge(k: int, s: State, direction: Real, w: Work) -> None:
+def cross_edge(k: int, s: State, direction: Real, w: Work) -> None:
     """The next mode of a switch that counts.  None where its side moves away from the nearest edge: a
     long step leads elsewhere once it ends where it seemed to come to one.  Twice at one time it moves on."""
     if NEDGES > 0:
-        up = w.before[k] * direction > 0.0
-        above = w.edges[2 * k + 1] - w.beside[k] < w.beside[k] - w.edges[2 * k]
+        up = w.old_indicator_rates[k] * direction > 0.0
+        above = w.edges[2 * k + 1] - w.indicators_before[k] < w.indicators_before[k] - w.edges[2 * k]
         if k < NTIMED or up == above or s.t == s.t_changed:
-            count(k, up, w)
+            step_mode(k, up, w)
 
 
-def change(p: Params, s: State, direction: Real, w: Work) -> Status:
+def change_modes(p: Params, s: State, direction: Real, w: Work) -> Status:
     """The switches in w.crossed change at (s.t, s.x)."""
     if NEDGES > 0:
         for i in range(NEDGES):
-            w.left_edges[i] = w.edges[i]
+            w.old_edges[i] = w.edges[i]
     s.rhs += 1
-    status = rhs_at(p, s.t, s.x, w.left_rates, w.lam, w)
+    status = rhs_at(p, s.t, s.x, w.old_rates, w.lam, w)
     if failed(status):
         return status
-    fn_side_rates_on(p, s.t, s.x, w.modes, w.left_rates, w.turning)
-    fn_sides_on(p, s.t, s.x, w.modes, w.beside)
-    w.sides[:] = w.beside
+    fn_indicator_rates_on(p, s.t, s.x, w.modes, w.old_rates, w.indicator_rates)
+    fn_indicators_on(p, s.t, s.x, w.modes, w.indicators_before)
+    w.indicators[:] = w.indicators_before
     if NFREE > 0:
-        if not any_passes(p, s, direction, w):
+        if not confirm_crossings(p, s, direction, w):
             return OK
-    w.before[:] = w.turning
+    w.old_indicator_rates[:] = w.indicator_rates
     for i in range(NMODE):
         if w.crossed[i] > 0:
-            if counted[i] > 0:
-                pass_edge(i, s, direction, w)
+            if has_edges[i] > 0:
+                cross_edge(i, s, direction, w)
             elif w.modes[i] == 0.0:
-                away = w.before[i] * direction if still_at_rest(i, s, w) else w.beside[i]
+                away = (
+                    w.old_indicator_rates[i] * direction
+                    if is_still_sliding(i, s, w)
+                    else w.indicators_before[i]
+                )
                 w.modes[i] = sign_of(away)
             else:
                 w.modes[i] = -w.modes[i]
-    spread_changes(p, s, direction, w.left_rates, w)
+    propagate_changes(p, s, direction, w.old_rates, w)
     if NFREE > 1:
-        if come_to_rest(p, s, direction, w):
-            take(w)
-            fn_sides_on(p, s.t, s.x, w.modes, w.sides)
-    status = rates_of_sides(p, s, w)
+        if slide_together(p, s, direction, w):
+            update_edges(w)
+            fn_indicators_on(p, s.t, s.x, w.modes, w.indicators)
+    status = update_indicator_rates(p, s, w)
     if failed(status):
         return status
-    if stays(p, s, direction, w):
-        status = rates_of_sides(p, s, w)
+    if cancel_grazing(p, s, direction, w):
+        status = update_indicator_rates(p, s, w)
         if failed(status):
             return status
     for j in range(NFREE):
         k = NTIMED + j
-        rate = w.turning[k]
-        if w.crossed[k] > 0 and w.jumped[k] == 0 and turns_back(k, rate, w.before[k], direction, w):
+        rate = w.indicator_rates[k]
+        if (
+            w.crossed[k] > 0
+            and w.indicator_jumped[k] == 0
+            and turns_back(k, rate, w.old_indicator_rates[k], direction, w)
+        ):
             # From rest it goes only where it does not come back.
-            left = s.modes[k] == 0.0 and not still_at_rest(k, s, w)
-            if left or not rests(p, s, k, rate, w.before[k], w):
+            left = s.modes[k] == 0.0 and not is_still_sliding(k, s, w)
+            if left or not slides(p, s, k, rate, w.old_indicator_rates[k], w):
                 w.culprit = k
                 return CHATTERING
     for i in range(NMODE):
         s.changed[i] = 1 if w.modes[i] != s.modes[i] else 0
-    put_right(p, s, direction, w)
-    keep_branch(s, w)
-    hold_still(s, w)
-    if to_and_fro(s, w):
+    correct_state(p, s, direction, w)
+    accept_modes(s, w)
+    set_sliding_slack(s, w)
+    if is_chattering(s, w):
         return CHATTERING
     s.changes += 1
-    s.fresh = True
-    s.rate = NOWHERE
+    s.after_event = True
+    s.rate_place = ABSENT
     return OK

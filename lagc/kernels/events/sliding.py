@@ -7,43 +7,47 @@ from math import fabs
 
 from lagc.kernels.dynamics.rhs import rhs_at
 from lagc.kernels.events.modes import sign_of
-from lagc.kernels.language.model import fn_side_rates_on
+from lagc.kernels.language.model import fn_indicator_rates_on
 from lagc.kernels.language.records import State, Work
 from lagc.kernels.language.sizes import NEDGES, NFREE, NMODE, NTIMED
 from lagc.kernels.language.statuses import failed
-from lagc.kernels.language.tables import counted
-from lagc.kernels.language.tolerances import NEARLY_THERE, SPACING
+from lagc.kernels.language.tables import has_edges
+from lagc.kernels.language.tolerances import EVENT_TIME_ULPS, SPACING
 from lagc.kernels.language.words import Params, Real, Status
 
-TURNED = 1e-9  # of a rate: more than that back to where it came from is no rounding
-STILL = 1e-12  # of the rates on both sides: less than that is rest between them
+REVERSED_RATE = 1e-9  # of a rate: more than that back to where it came from is no rounding
+SLIDING_RATE = 1e-12  # of the rates on both sides: less than that is rest between them
 
 
 def turns_back(k: int, rate: Real, before: Real, direction: Real, w: Work) -> bool:
     """Whether a switch that has changed goes back at once, by its rates now and before."""
     ahead = rate * direction
-    if counted[k] > 0:
+    if has_edges[k] > 0:
         ahead *= sign_of(before * direction)
     else:
         ahead *= w.modes[k]
-    return ahead < -TURNED * fabs(before)
+    return ahead < -REVERSED_RATE * fabs(before)
 
 
-def late(k: int, direction: Real, w: Work) -> Real:
+def time_since_crossing(k: int, direction: Real, w: Work) -> Real:
     """The time since this switch changed, by what its side was before."""
     target = 0.0
     if NEDGES > 0:
-        if counted[k] > 0:
-            target = w.left_edges[2 * k + 1] if w.before[k] * direction > 0.0 else w.left_edges[2 * k]
-    return (w.left_sides[k] - target) / w.before[k] if w.before[k] != 0.0 else 0.0
+        if has_edges[k] > 0:
+            target = (
+                w.old_edges[2 * k + 1] if w.old_indicator_rates[k] * direction > 0.0 else w.old_edges[2 * k]
+            )
+    return (
+        (w.old_indicators[k] - target) / w.old_indicator_rates[k] if w.old_indicator_rates[k] != 0.0 else 0.0
+    )
 
 
-def rates_of_sides(p: Params, s: State, w: Work) -> Status:
-    """w.turning, on the branch of w.modes."""
+def update_indicator_rates(p: Params, s: State, w: Work) -> Status:
+    """w.indicator_rates, on the branch of w.modes."""
     s.rhs += 1
     status = rhs_at(p, s.t, s.x, w.xdot, w.lam, w)
     if not failed(status):
-        fn_side_rates_on(p, s.t, s.x, w.modes, w.xdot, w.turning)
+        fn_indicator_rates_on(p, s.t, s.x, w.modes, w.xdot, w.indicator_rates)
     return status
 
 
@@ -54,95 +58,107 @@ def first_crossed(w: Work) -> int:
     return first
 
 
-def in_company(s: State, first: int, direction: Real, w: Work) -> bool:
-    """Whether other sides come to zero with this one, as exactly as the step tells: w.halted."""
-    when = late(first, direction, w)
-    near = s.rough + NEARLY_THERE * SPACING * fabs(s.t)
+def find_simultaneous(s: State, first: int, direction: Real, w: Work) -> bool:
+    """Whether other sides come to zero with this one, as exactly as the step tells: w.sliding_candidates."""
+    when = time_since_crossing(first, direction, w)
+    near = s.event_time_error + EVENT_TIME_ULPS * SPACING * fabs(s.t)
     found = False
     for j in range(NFREE):
         k = NTIMED + j
-        w.halted[j] = 0
-        if counted[k] == 0 and w.jumped[k] == 0 and w.before[k] != 0.0 and k != first:
-            if fabs(late(k, direction, w) - when) <= near:
-                w.halted[j] = 1
+        w.sliding_candidates[j] = 0
+        if (
+            has_edges[k] == 0
+            and w.indicator_jumped[k] == 0
+            and w.old_indicator_rates[k] != 0.0
+            and k != first
+        ):
+            if fabs(time_since_crossing(k, direction, w) - when) <= near:
+                w.sliding_candidates[j] = 1
                 found = True
     return found
 
 
-def halt(p: Params, s: State, first: int, w: Work) -> bool:
-    """Mode zero for this side and for those of w.halted whose modes move it, which remain; whether any do."""
+def set_sliding(p: Params, s: State, first: int, w: Work) -> bool:
+    """Mode zero for this side and for those of w.sliding_candidates whose modes move it, which remain; whether any do."""
     w.modes[first] = 0.0
-    if failed(rates_of_sides(p, s, w)):
+    if failed(update_indicator_rates(p, s, w)):
         return False
     several = False
     for j in range(NFREE):
         k = NTIMED + j
-        if w.halted[j] > 0:
+        if w.sliding_candidates[j] > 0:
             mode = w.modes[k]
-            rate = w.turning[first]
+            rate = w.indicator_rates[first]
             w.modes[k] = 0.0
-            if failed(rates_of_sides(p, s, w)):
+            if failed(update_indicator_rates(p, s, w)):
                 return False
-            if fabs(w.turning[first] - rate) > STILL * fabs(w.before[first]):
+            if fabs(w.indicator_rates[first] - rate) > SLIDING_RATE * fabs(w.old_indicator_rates[first]):
                 several = True
             else:
-                w.halted[j] = 0
+                w.sliding_candidates[j] = 0
                 w.modes[k] = mode
-                w.turning[first] = rate
-    w.halted[first - NTIMED] = 1
+                w.indicator_rates[first] = rate
+    w.sliding_candidates[first - NTIMED] = 1
     return several
 
 
-def between(p: Params, s: State, direction: Real, w: Work) -> bool:
-    """Whether the sides in w.halted stay at zero, and are driven back where all have passed."""
-    there = not failed(rates_of_sides(p, s, w))
+def is_sliding_consistent(p: Params, s: State, direction: Real, w: Work) -> bool:
+    """Whether the sides in w.sliding_candidates stay at zero, and are driven back where all have passed."""
+    there = not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
-        if w.halted[j] > 0:
-            if not fabs(w.turning[k]) <= STILL * fabs(w.before[k]):
+        if w.sliding_candidates[j] > 0:
+            if not fabs(w.indicator_rates[k]) <= SLIDING_RATE * fabs(w.old_indicator_rates[k]):
                 there = False
-            w.modes[k] = sign_of(w.before[k] * direction)
-    there = there and not failed(rates_of_sides(p, s, w))
+            w.modes[k] = sign_of(w.old_indicator_rates[k] * direction)
+    there = there and not failed(update_indicator_rates(p, s, w))
     for j in range(NFREE):
         k = NTIMED + j
-        if w.halted[j] > 0:
-            if not turns_back(k, w.turning[k], w.before[k], direction, w):
+        if w.sliding_candidates[j] > 0:
+            if not turns_back(k, w.indicator_rates[k], w.old_indicator_rates[k], direction, w):
                 there = False
             w.modes[k] = 0.0
     return there
 
 
-def come_to_rest(p: Params, s: State, direction: Real, w: Work) -> bool:
+def slide_together(p: Params, s: State, direction: Real, w: Work) -> bool:
     """Whether sides that come to zero together stay there, in mode zero, as joints with friction do."""
     first = first_crossed(w)
-    if first < NTIMED or counted[first] > 0 or w.jumped[first] > 0 or w.before[first] == 0.0:
+    if (
+        first < NTIMED
+        or has_edges[first] > 0
+        or w.indicator_jumped[first] > 0
+        or w.old_indicator_rates[first] == 0.0
+    ):
         return False
-    if not in_company(s, first, direction, w):
+    if not find_simultaneous(s, first, direction, w):
         return False
-    w.own_modes[:] = w.modes
-    if halt(p, s, first, w) and between(p, s, direction, w):
+    w.candidate_modes[:] = w.modes
+    if set_sliding(p, s, first, w) and is_sliding_consistent(p, s, direction, w):
         return True
-    w.modes[:] = w.own_modes
+    w.modes[:] = w.candidate_modes
     return False
 
 
-def rests(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
+def slides(p: Params, s: State, k: int, rate: Real, before: Real, w: Work) -> bool:
     """Whether the side stays at zero, where its mode is zero."""
-    if counted[k] > 0:
+    if has_edges[k] > 0:
         return False
     mode = w.modes[k]
     w.modes[k] = 0.0
-    if not failed(rates_of_sides(p, s, w)) and fabs(w.turning[k]) <= STILL * (fabs(rate) + fabs(before)):
+    if not failed(update_indicator_rates(p, s, w)) and fabs(w.indicator_rates[k]) <= SLIDING_RATE * (
+        fabs(rate) + fabs(before)
+    ):
         return True
     w.modes[k] = mode
     return False
 
 
-def hold_still(s: State, w: Work) -> None:
+def set_sliding_slack(s: State, w: Work) -> None:
     """What rests has the slack by which it would go on within last places of the time."""
     for j in range(NFREE):
         k = NTIMED + j
         if s.modes[k] == 0.0 and s.changed[k] > 0:
-            own = NEARLY_THERE * SPACING * fabs(s.t * w.before[k])
+            own = EVENT_TIME_ULPS * SPACING * fabs(s.t * w.old_indicator_rates[k])
             if own > s.slack[k]:
                 s.slack[k] = own

@@ -28,7 +28,7 @@ from lagc.kernels.language.sizes import (
     NV,
 )
 from lagc.kernels.language.tables import ends, level, quaternion, row_piece, stretch_begins, stretch_ends
-from lagc.kernels.language.tolerances import NEARLY
+from lagc.kernels.language.tolerances import FOUR_ULPS
 from lagc.kernels.language.words import IVec, Params, Real, Size, Vec, present, size
 
 SLIGHT = 1.0 / 1024.0  # of the weights: the least that rows are judged against; how far what is stated moves
@@ -113,7 +113,7 @@ def judge(y: Vec[NU], J: Vec[NJ], sizes: Vec[NE], w: StartWork) -> None:
             slight += fabs(J[k]) * size
             w.floors[i] += w.doubted[k] * fabs(y[j])
             if r >= w.positions and j < NQ and w.loose[j] == 0:
-                w.floors[i] += fabs(J[k]) * NEARLY * w.widths[j]
+                w.floors[i] += fabs(J[k]) * FOUR_ULPS * w.widths[j]
         w.scales[i] = sizes[i] + SLIGHT * slight
 
 

@@ -10,7 +10,7 @@ from lagc.kernels.initialization.workspace import UNSTATED, StartWork
 from lagc.kernels.language.parameters import bind
 from lagc.kernels.language.sizes import NE, NJ, NP, NPREPARED, NQ, NQUAT, NU
 from lagc.kernels.language.tables import angle, ends, quaternion, unit
-from lagc.kernels.language.tolerances import LEAST_WEIGHT, MOST_WEIGHT, NEARLY
+from lagc.kernels.language.tolerances import FOUR_ULPS, LEAST_WEIGHT, MOST_WEIGHT
 from lagc.kernels.language.words import Params, Real, Vec, params
 
 
@@ -40,7 +40,7 @@ def doubt(p: Params, t: Real, w: StartWork) -> None:
     if NP > 0:
         other = params()
         for turn in range(2):
-            shake_parameters(p, NEARLY if turn == 0 else -NEARLY, other)
+            shake_parameters(p, FOUR_ULPS if turn == 0 else -FOUR_ULPS, other)
             meet_all(other, t, w.home, w.trial_c, w.trial_J, w.trial_sizes)
             for i in range(NE):
                 w.doubts[i] = less(fabs(w.trial_c[i] - w.c[i]), w.doubts[i])
@@ -54,7 +54,7 @@ def blur(p: Params, t: Real, y: Vec[NU], sizes: Vec[NU], w: StartWork) -> None:
     w.trial[:] = y
     for i in range(NQ):
         size = fabs(y[i]) if fabs(y[i]) > fabs(sizes[i]) else fabs(sizes[i])
-        w.trial[i] += (NEARLY if i % 2 == 0 else -NEARLY) * size
+        w.trial[i] += (FOUR_ULPS if i % 2 == 0 else -FOUR_ULPS) * size
     meet(p, t, w.trial, w.trial_c, w.trial_J, w.trial_sizes, w)
     rows = w.ended
     for r in range(rows):

@@ -23,7 +23,7 @@ def method_error(method: int, h: Real, s: State, w: Work) -> Real:
     return 0.0
 
 
-def has_parts(method: int) -> bool:
+def has_two_estimates(method: int) -> bool:
     """Whether the error is made of two estimates."""
     for m in static(METHODS):
         if len(m.ERROR) == 2:
@@ -32,37 +32,37 @@ def has_parts(method: int) -> bool:
     return False
 
 
-def method_parts(method: int, s: State, w: Work) -> None:
-    """The parts of the error in w.parts."""
+def method_error_parts(method: int, s: State, w: Work) -> None:
+    """The parts of the error in w.error_parts."""
     for m in static(METHODS):
         if len(m.ERROR) == 2:
             if method == m.NUMBER:
                 m.error_parts(s, w)
 
 
-def method_strays(method: int, h: Real, s: State, far: Vec[NX]) -> None:
+def method_stage_deviations(method: int, h: Real, s: State, far: Vec[NX]) -> None:
     for m in static(METHODS):
         if method == m.NUMBER:
-            m.strays(h, s, far)
+            m.stage_deviations(h, s, far)
 
 
-def method_coefficients(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,
+def method_dense_output(method: int, p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State,
                         w: Work) -> Status:  # fmt: skip
     for m in static(METHODS):
         if method == m.NUMBER:
             if len(m.EXTRA_C) > 0:
                 s.rhs += len(m.EXTRA_C)
-            return m.coefficients(p, t, x, z, h, s, w)
+            return m.dense_output(p, t, x, z, h, s, w)
     return OK
 
 
-def method_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
+def method_dense_at(method: int, part: Real, s: State, x: Vec[NX]) -> None:
     for m in static(METHODS):
         if method == m.NUMBER:
-            m.at(part, s, x)
+            m.dense_at(part, s, x)
 
 
-def last(method: int) -> int:
+def last_stage(method: int) -> int:
     """The place of the rate at the new state: the number of stages."""
     for m in static(METHODS):
         if method == m.NUMBER:
@@ -70,16 +70,16 @@ def last(method: int) -> int:
     return 0
 
 
-def uses_new(method: int) -> bool:
+def needs_end_rate(method: int) -> bool:
     """Whether the error needs the rate at the new state."""
     for m in static(METHODS):
-        if m.USES_NEW > 0:
+        if m.USES_END_RATE > 0:
             if method == m.NUMBER:
                 return True
     return False
 
 
-def exponent(method: int) -> Real:
+def error_exponent(method: int) -> Real:
     """Of the error of a step, in the size of the next one."""
     for m in static(METHODS):
         if method == m.NUMBER:
@@ -95,14 +95,14 @@ def beta(method: int) -> Real:
     return 0.0
 
 
-def most_shrink(method: int) -> Real:
+def largest_reduction(method: int) -> Real:
     for m in static(METHODS):
         if method == m.NUMBER:
             return 1.0 / number(m.SHRINK)
     return 1.0
 
 
-def most_growth(method: int) -> Real:
+def largest_growth(method: int) -> Real:
     for m in static(METHODS):
         if method == m.NUMBER:
             return 1.0 / number(m.GROW)

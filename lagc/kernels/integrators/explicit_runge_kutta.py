@@ -17,17 +17,17 @@ from lagc.kernels.language.words import Params, Real, Status, Vec, combination, 
 
 
 def stages(p: Params, t: Real, x: Vec[NX], h: Real, s: State, w: Work) -> Status:
-    """k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j); the new state in s.y."""
+    """k_2 ... k_s from k_1, k_i = f(t + c_i h, x + h sum a_ij k_j); the new state in s.x_new."""
     own = vector(NX)  # of x: apart from s, so that loops run over several entries at once
     own[:] = x
     for j in static(range(1, len(C))):
         for i in range(NX):
-            s.y[i] = own[i] + h * combination(A[j], s.k, i)
-        status = rhs_at(p, t + number(C[j]) * h, s.y, s.k[j], w.lam, w)
+            s.x_new[i] = own[i] + h * combination(A[j], s.k, i)
+        status = rhs_at(p, t + number(C[j]) * h, s.x_new, s.k[j], w.lam, w)
         if failed(status):
             return status
     for i in range(NX):
-        s.y[i] = own[i] + h * combination(B, s.k, i)
+        s.x_new[i] = own[i] + h * combination(B, s.k, i)
     return OK
 
 
@@ -42,10 +42,10 @@ def error(h: Real, s: State, w: Work) -> Real:
     if len(ERROR) == 2:
         second = 0.0
     for i in range(NQ + NV):
-        e = h * combination(ERROR[0], s.k, i) / w.weights[i]
+        e = h * combination(ERROR[0], s.k, i) / w.error_weights[i]
         first += e * e
         if len(ERROR) == 2:
-            e = h * combination(ERROR[1], s.k, i) / w.weights[i]
+            e = h * combination(ERROR[1], s.k, i) / w.error_weights[i]
             second += e * e
     if len(ERROR) == 2:
         total = n * (first + 0.01 * second)
@@ -56,18 +56,18 @@ def error(h: Real, s: State, w: Work) -> Real:
 
 
 def error_parts(s: State, w: Work) -> None:
-    """The two estimates as vectors, in w.parts."""
+    """The two estimates as vectors, in w.error_parts."""
     if NH > 0:
         for j in static(range(len(ERROR))):
             for i in range(NX):
-                w.parts[j][i] = combination(ERROR[j], s.k, i)
+                w.error_parts[j][i] = combination(ERROR[j], s.k, i)
 
 
-def strays(h: Real, s: State, far: Vec[NX]) -> None:
+def stage_deviations(h: Real, s: State, far: Vec[NX]) -> None:
     """How far rates at the stages are, at most, from the slopes there of the cubic between the ends of the
-    step from s.x to s.y."""
+    step from s.x to s.x_new."""
     for i in range(NQ + NV):
-        mean = (s.y[i] - s.x[i]) / h
+        mean = (s.x_new[i] - s.x[i]) / h
         far[i] = 0.0
         for j in static(range(1, len(C))):
             c = number(C[j])
@@ -77,12 +77,12 @@ def strays(h: Real, s: State, far: Vec[NX]) -> None:
                 far[i] = own
 
 
-def coefficients(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
+def dense_output(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, w: Work) -> Status:
     """Of dense output of the step from x to z, in s.r."""
     for j in static(range(len(EXTRA_C))):
         for i in range(NX):
-            s.y[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
-        status = rhs_at(p, t + number(EXTRA_C[j]) * h, s.y, s.k[len(C) + 1 + j], w.lam, w)
+            s.x_new[i] = x[i] + h * combination(EXTRA_A[j], s.k, i)
+        status = rhs_at(p, t + number(EXTRA_C[j]) * h, s.x_new, s.k[len(C) + 1 + j], w.lam, w)
         if failed(status):
             return status
     for i in range(NX):
@@ -95,7 +95,7 @@ def coefficients(p: Params, t: Real, x: Vec[NX], z: Vec[NX], h: Real, s: State, 
     return OK
 
 
-def at(part: Real, s: State, x: Vec[NX]) -> None:
+def dense_at(part: Real, s: State, x: Vec[NX]) -> None:
     """x at this part of the last step."""
     rest = 1.0 - part
     for i in range(NX):

@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from math import fabs, sqrt
 
-from lagc.kernels.integrators.dispatch import beta, exponent, most_growth, most_shrink
+from lagc.kernels.integrators.dispatch import beta, error_exponent, largest_growth, largest_reduction
 from lagc.kernels.language.records import Options, State, Trial
 from lagc.kernels.language.sizes import NMODE
 from lagc.kernels.language.tolerances import LEAST_STEP, SPACING
 from lagc.kernels.language.words import Real
 
 
-def raised(a: Real, exponent: Real) -> Real:
+def rational_power(a: Real, exponent: Real) -> Real:
     """a^exponent for an exponent below 1 that is a sum of few powers of 1/2.  Roots and products have the
     same bits on every machine."""
     value = 1.0
@@ -30,20 +30,20 @@ def raised(a: Real, exponent: Real) -> Real:
     return value
 
 
-def plan(s: State, t1: Real, o: Options, a: Trial) -> None:
+def plan_step(s: State, t1: Real, o: Options, a: Trial) -> None:
     """The attempt of a.size, lengthened or shortened to land on t1 or on the grid of fixed steps."""
     rest = fabs(t1 - s.t)
-    a.lands = a.size * 1.01 >= rest
+    a.ends_on_target = a.size * 1.01 >= rest
     a.t_new = t1
     if o.step > 0.0:
-        a.t_new = s.grid + float(s.on_grid + 1) * o.step * a.direction
+        a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
         if NMODE > 0:
             if (a.t_new - s.t) * a.direction <= 1e-9 * o.step:  # a switch has changed just there
-                s.on_grid += 1
-                a.t_new = s.grid + float(s.on_grid + 1) * o.step * a.direction
-        a.lands = (a.t_new - t1) * a.direction >= -1e-9 * o.step
+                s.grid_index += 1
+                a.t_new = s.grid_begin + float(s.grid_index + 1) * o.step * a.direction
+        a.ends_on_target = (a.t_new - t1) * a.direction >= -1e-9 * o.step
         a.size = fabs(a.t_new - s.t)
-    if a.lands:
+    if a.ends_on_target:
         a.size = rest
         a.t_new = t1
         a.h = t1 - s.t
@@ -53,25 +53,25 @@ def plan(s: State, t1: Real, o: Options, a: Trial) -> None:
             a.t_new = s.t + a.h
 
 
-def too_small(s: State, t1: Real, a: Trial) -> bool:
+def step_underflows(s: State, t1: Real, a: Trial) -> bool:
     least = SPACING * fabs(s.t) + LEAST_STEP * fabs(t1 - s.t)
-    return (a.rejected > 0 or not a.lands) and 0.1 * a.size <= least
+    return (a.rejected > 0 or not a.ends_on_target) and 0.1 * a.size <= least
 
 
-def retreat(a: Trial, o: Options) -> None:
+def shrink_step(a: Trial, o: Options) -> None:
     """After an error above 1."""
-    most = most_shrink(o.method)
-    factor = raised(a.error, exponent(o.method)) / 0.9
+    most = largest_reduction(o.method)
+    factor = rational_power(a.error, error_exponent(o.method)) / 0.9
     a.size /= factor if factor < most else most
 
 
-def adapt(s: State, a: Trial, o: Options) -> None:
+def set_next_step(s: State, a: Trial, o: Options) -> None:
     """The size of the next step."""
-    most = most_shrink(o.method)
-    least = most_growth(o.method)
-    factor = raised(a.error, exponent(o.method))
+    most = largest_reduction(o.method)
+    least = largest_growth(o.method)
+    factor = rational_power(a.error, error_exponent(o.method))
     if beta(o.method) > 0.0:
-        factor /= raised(s.error_old, beta(o.method))
+        factor /= rational_power(s.error_old, beta(o.method))
         s.error_old = a.error if a.error > 1e-4 else 1e-4
     factor /= 0.9
     if factor > most:
@@ -82,10 +82,10 @@ def adapt(s: State, a: Trial, o: Options) -> None:
     if a.rejected > 0 and following > a.size:
         following = a.size
     if NMODE > 0:
-        if a.meets or a.half:
-            tried = s.h if a.rejected == 0 else a.whole
+        if a.ends_at_event or a.is_split:
+            tried = s.h if a.rejected == 0 else a.size_before_event
             if following < tried:
                 following = tried
-    if a.lands and a.rejected == 0 and following < s.h:
+    if a.ends_on_target and a.rejected == 0 and following < s.h:
         following = s.h  # the step was short only to land
     s.h = following

@@ -8,9 +8,9 @@ from lagc.kernels.language.sizes import NX
 from lagc.kernels.language.words import Params, Real, Vec, public
 
 
-def own_branch(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
+def update_modes(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """That of the state alone, where no step holds another."""
-    if not w.held:
+    if not w.modes_fixed:
         fn_modes(p, t, x, w.modes)
 
 
@@ -19,4 +19,4 @@ def hold(p: Params, t: Real, x: Vec[NX], w: Work) -> None:
     """From here on the equations are evaluated with *w on the branch of (t, x), until it is used to
     integrate or filled with zeros."""
     fn_modes(p, t, x, w.modes)
-    w.held = True
+    w.modes_fixed = True

@@ -13,12 +13,11 @@ from lagc.kernels.language.sizes import (
     NFEAT,
     NFREE,
     NG,
+    NGROUP,
     NH,
     NHEALTH,
     NJUMP,
     NK,
-    NKIND,
-    NLOOK,
     NM,
     NMODE,
     NNEAR,
@@ -26,6 +25,7 @@ from lagc.kernels.language.sizes import (
     NQ,
     NR,
     NREACH,
+    NSEARCH,
     NTIMED,
     NV,
     NWHEN,
@@ -52,7 +52,7 @@ BAD_BINDING = Code(10)  # lagc_bind was not called, or a parameter was changed s
 BAD_PARAMETER = Code(16)
 
 # Where a rate, or the dense output, is to be found.
-NOWHERE = 0
+ABSENT = 0
 STAGES = 1  # a rate: the first of them
 READY = 2  # a rate: the last of the stages
 
@@ -85,126 +85,125 @@ class Work:
     fallbacks: Count  # linear solves that took the slower, safer way
     if NC > 0:
         redundant: IVec[NC]  # 1: this row was found to depend on others
-        lost: bool  # rows of G are known to depend on others
+        rank_deficient: bool  # rows of G are known to depend on others
     lam: Vec[NC]
     xdot: Vec[NX]
     a: Vec[NV]
-    reached: Vec[NKIND]  # sizes of the kinds of states, with the one that is tried
-    weights: Vec[NX]
-    longest: Real  # that of the trajectory, in a second attempt at a step
-    play: Vec[NX]  # rates that what projection leaves of coordinates is over a step
-    end: Vec[NX]  # of what is tried beside the step
+    trial_sizes: Vec[NGROUP]  # sizes of the kinds of states, with the one that is tried
+    error_weights: Vec[NX]
+    longest_step: Real  # that of the trajectory, in a second attempt at a step
+    coordinate_roundoff: Vec[NX]  # rates that what projection leaves of coordinates is over a step
     health: Vec[NHEALTH]
     power: Vec[TWO]
     qdot: Vec[NQ]
     if NM > 0:
         M: Vec[NM]  # packed by rows of the lower triangle
         force: Vec[NV]
-        low: Vec[NM]
-        heads: IVec[NV]  # where rows of low begin to differ from zero
-        column: Vec[NV]
+        cholesky: Vec[NM]
+        row_begin: IVec[NV]  # where rows of low begin to differ from zero
+        pivot_column: Vec[NV]
         G: Vec[NG]
         gamma: Vec[NC]
-    position_left: Real  # scaled residuals after a projection
-    velocity_left: Real
+    position_residual: Real  # scaled residuals after a projection
+    velocity_residual: Real
     if NC > 0:
-        sizes: Vec[NC]  # of the terms of gamma
+        gamma_sizes: Vec[NC]  # of the terms of gamma
         if NM > 0:
-            weight: Real
-        miss: Real
-        slight: Vec[NC]
+            penalty: Real
+        constraint_violation: Real
+        regularity: Vec[NC]
         reaches: Vec[NREACH]
-        own: Vec[NKIND]
+        group_sizes: Vec[NGROUP]
         if NM > 0:
-            b: Mat[NC, NV]
-            begins: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
-            stops: IVec[NC]
-            f: Mat[NC, NC]
-            table: Mat[NC, NC]
-            normal: Mat[NC, NC]
-            lengths: Vec[NC]
-        free: Vec[NC]
-        found: Vec[NC]
-        scales: Vec[NC]  # of residuals, and of their rates
-        rates: Vec[NC]
-        rows: Vec[NC]
-        right: Vec[NR]
-        left: Vec[NR]
-        moved: Vec[NX]
+            q_rows: Mat[NC, NV]
+            q_begin: IVec[NC]  # where rows of b begin to differ from zero, and where they cease to
+            q_end: IVec[NC]
+            q_factor: Mat[NC, NC]
+            dependence: Mat[NC, NC]
+            normal_matrix: Mat[NC, NC]
+            row_lengths: Vec[NC]
+        row_room: Vec[NC]
+        row_room2: Vec[NC]
+        row_scales: Vec[NC]  # of residuals, and of their rates
+        rate_scales: Vec[NC]
+        row_values: Vec[NC]
+        kkt_rhs: Vec[NR]
+        kkt_solution: Vec[NR]
+        x_candidate: Vec[NX]
         dq: Vec[NQ]
         if NM > 0:
-            order: IVec[NC]
-        known: IVec[NC]  # rows that were redundant before a look at another state
+            row_order: IVec[NC]
+        redundant_before: IVec[NC]  # rows that were redundant before a look at another state
         if NM > 0:
-            tail: Vec[NC]
+            row_rhs: Vec[NC]
             mu: Vec[NC]
             rank: Size
-            dense: bool
+            is_dense: bool
         else:
-            rest: Vec[NR]
-            change: Vec[NR]
-        assembled: bool  # the factors of this projection are there
+            kkt_residual: Vec[NR]
+            kkt_correction: Vec[NR]
+        is_assembled: bool  # the factors of this projection are there
     if NH > 0:
-        parts: Mat[TWO, NX]  # of the error of a step
-        other: Mat[TWO, NX]  # the same of another attempt
-        nudged: Vec[NX]
+        error_parts: Mat[TWO, NX]  # of the error of a step
+        error_parts_before: Mat[TWO, NX]  # the same of another attempt
+        x_perturbed: Vec[NX]
     if NWORK > 0:
-        entries: Vec[NWORK]
+        kkt_entries: Vec[NWORK]
     if NMODE > 0:
-        held: bool  # the modes are those of a step
+        modes_fixed: bool  # the modes are those of a step
         modes: Vec[NMODE]
-        sides: Vec[NMODE]  # what each switch changes at
-        beside: Vec[NMODE]
-        turning: Vec[NMODE]  # rates of the sides
-        before: Vec[NMODE]
-        left_sides: Vec[NMODE]  # on the branch that it leaves
-        own_modes: Vec[NMODE]
-        jumped: IVec[NMODE]  # 1: its side, as others changed
-        left_rates: Vec[NX]  # of the state, on the branch that it leaves
+        indicators: Vec[NMODE]  # what each switch changes at
+        indicators_before: Vec[NMODE]
+        indicator_rates: Vec[NMODE]  # rates of the sides
+        old_indicator_rates: Vec[NMODE]
+        old_indicators: Vec[NMODE]  # on the branch that it leaves
+        candidate_modes: Vec[NMODE]
+        indicator_jumped: IVec[NMODE]  # 1: its side, as others changed
+        old_rates: Vec[NX]  # of the state, on the branch that it leaves
         crossed: IVec[NMODE]  # 1: it changes at the end of the step
-        halted: IVec[NFREE]  # 1: its side comes to zero then, too
+        sliding_candidates: IVec[NFREE]  # 1: its side comes to zero then, too
     if NWHEN > 0:
-        holds: Vec[NWHEN]  # 1: a condition does
-        due: IVec[NWHEN]  # 1: it has become true
-        shifted: IVec[NFREE]  # 1: its side, by what was done at this moment
-        x_before: Vec[NX]  # and all else that is put back where what is to be done cannot be
-        went: bool  # the state is at the time of a change
-        held_before: Vec[NWHEN]
-        modes_before: Vec[NMODE]
-        slack_before: Vec[NMODE]
+        conditions: Vec[NWHEN]  # 1: a condition does
+        triggered: IVec[NWHEN]  # 1: it has become true
+        indicator_reset: IVec[NFREE]  # 1: its side, by what was done at this moment
+        x_saved: Vec[NX]  # and all else that is put back where what is to be done cannot be
+        at_event_time: bool  # the state is at the time of a change
+        conditions_saved: Vec[NWHEN]
+        modes_saved: Vec[NMODE]
+        slack_saved: Vec[NMODE]
     if NJUMP > 0:
-        fresh_values: Vec[NJUMP]
-        landed: Vec[NX]
+        reinit_values: Vec[NJUMP]
+        x_reinit: Vec[NX]
         energies: Vec[THREE]
     if NEDGES > 0:
         edges: Vec[NEDGES]  # of the modes
-        left_edges: Vec[NEDGES]
+        old_edges: Vec[NEDGES]
     if NTIMED > 0:
-        slopes: Vec[NTIMED]
-        when: Vec[NTIMED]
+        indicator_slopes: Vec[NTIMED]
+        event_times: Vec[NTIMED]
     if NFREE > 0:
-        ends: Vec[NENDS]
+        enclosures: Vec[NENDS]
         margins: Vec[NFREE]  # how far each side is from where its switch changes
-        spans: Vec[NFREE]
-        blurs: Vec[NFREE]  # what last places are worth in these sides
+        margin_changes: Vec[NFREE]
+        indicator_roundoff: Vec[NFREE]  # what last places are worth in these sides
     if NFEAT > 0:
-        bounds: Vec[NBOUNDS]
-        values: Vec[NFEAT]
-        floors: Vec[NFEAT]  # between which each is seen
-        tops: Vec[NFEAT]
+        feature_bounds: Vec[NBOUNDS]
+        feature_values: Vec[NFEAT]
+        feature_low: Vec[NFEAT]  # between which each is seen
+        feature_high: Vec[NFEAT]
     if NPOLE > 0:
-        divisors: Vec[NNEAR]  # between which each is
-        clear: Vec[NPOLE]  # how far from zero each is to stay
-        here: Vec[NPOLE]
-        midway: Vec[NPOLE]
-        there: Vec[NPOLE]
-        wary: bool  # whether any is to
-    if NLOOK > 0:
+        divisor_bounds: Vec[NNEAR]  # between which each is
+        divisor_limits: Vec[NPOLE]  # how far from zero each is to stay
+        divisor_begin: Vec[NPOLE]
+        divisor_middle: Vec[NPOLE]
+        divisor_end: Vec[NPOLE]
+        guards_divisors: bool  # whether any is to
+    if NSEARCH > 0:
         box: Vec[NBOX]  # least time and states, largest time and states
-        arrived: Vec[NX]
-        left_x: Vec[NX]
-        middle: Vec[NX]
-        right_x: Vec[NX]
+        x_trial: Vec[NX]
+        x_part_begin: Vec[NX]
+        x_part_middle: Vec[NX]
+        x_part_end: Vec[NX]
 
 
 @record
@@ -221,53 +220,55 @@ class State:
     rejected: Count
     rhs: Count  # evaluations
     culprit: int
-    sizes: Vec[NKIND]  # of coordinates, and speeds, of one unit: the largest so far
+    sizes: Vec[NGROUP]  # of coordinates, and speeds, of one unit: the largest so far
     if NMODE > 0:
         changes: Count  # times at which a switch has changed
         changed: IVec[NMODE]  # 1: a switch that did at the last of these
-        jolts: Vec[NX]  # what the last place of these times is worth in the states, in all
+        event_roundoff: Vec[NX]  # what the last place of these times is worth in the states, in all
     if NWHEN > 0:
         acts: int  # of clauses `when` then
         acted: IVec[NACTS]  # which, in the order in which they did
         jumps: Count  # acts that gave states new values
-        x_left: Vec[NX]  # where the last step ended, before anything was done there
-    longest: Real  # step that was tried at first
-    listening: bool  # the error of the last step was judged with its rounding
-    recalled: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
-    noise: Vec[NX]  # that rounding, of the rates
-    entered: Count  # steps and attempts before this call
-    called: bool  # from here on for the functions below: no step was made since the caller had it
-    known: bool  # p is that of the last step
+        x_before_event: Vec[NX]  # where the last step ended, before anything was done there
+    longest_step: Real  # step that was tried at first
+    roundoff_estimated: bool  # the error of the last step was judged with its rounding
+    roundoff_memory: Real  # 1 where rounding made a step good, and less the longer ago that is; 0: forgotten
+    rate_roundoff: Vec[NX]  # that rounding, of the rates
+    steps_before_call: Count  # steps and attempts before this call
+    is_new_call: bool  # from here on for the functions below: no step was made since the caller had it
+    parameters_known: bool  # p is that of the last step
     method: int  # of the last step
-    rate: int  # at (t, x): k[0], the last of k, or to be found
-    dense: int  # of the last step: r, k, or to be found
+    rate_place: int  # at (t, x): k[0], the last of k, or to be found
+    dense_place: int  # of the last step: r, k, or to be found
     if NC > 0:
-        lost: bool
-    on_grid: Count
-    grid: Real
-    stride: Real
+        rank_deficient: bool
+    grid_index: Count
+    grid_begin: Real
+    grid_step: Real
     h: Real
     error_old: Real
     h_old: Real
     x_old: Vec[NX]
-    t_seen: Real
-    x_seen: Vec[NX]  # where the last step ended
+    t_end: Real
+    x_end: Vec[NX]  # where the last step ended
     p: Params  # of the last step
     if NMODE > 0:
         modes: Vec[NMODE]  # the branch of the next step: sign(e), or floor(e), of each switch
         modes_old: Vec[NMODE]  # of the last
         slack: Vec[NMODE]  # how far a side is beyond its change
-        fresh: bool  # the last step ended with one
-        rough: Real  # time that errors of the last step are worth
-        little: Real  # time, beside the last step: what is of second order in it is less than its error
-        halved: bool  # it was the first half of one that would
-        changes_here: Count  # changes at the time t_changed
+        after_event: bool  # the last step ended with one
+        event_time_error: Real  # time that errors of the last step are worth
+        first_order_time: (
+            Real  # time, beside the last step: what is of second order in it is less than its error
+        )
+        is_split: bool  # it was the first half of one that would
+        changes_at_time: Count  # changes at the time t_changed
         t_changed: Real
     if NWHEN > 0:
-        held: Vec[NWHEN]  # 1: a condition that holds
-        acquainted: bool  # these are known
-        came: Vec[NFREE]  # when each switch that the state changes did last
-    y: Vec[NX]  # where the next may end
+        conditions: Vec[NWHEN]  # 1: a condition that holds
+        conditions_known: bool  # these are known
+        crossing_times: Vec[NFREE]  # when each switch that the state changes did last
+    x_new: Vec[NX]  # where the next may end
     k: Mat[NK, NX]  # rates at the stages
     r: Mat[ND, NX]  # coefficients of the dense output
 
@@ -281,10 +282,10 @@ class Trial:
     h: Real
     t_new: Real
     error: Real  # at most 1 where it is accepted
-    lands: bool  # on t1, exactly
-    heard: bool  # the error was judged with its rounding
+    ends_on_target: bool  # on t1, exactly
+    roundoff_estimated: bool  # the error was judged with its rounding
     if NMODE > 0:
-        meets: bool  # it ends where a switch changes
-        half: bool  # it is the first of one that would
-        whole: Real  # the size that was accepted before it was made to
+        ends_at_event: bool  # it ends where a switch changes
+        is_split: bool  # it is the first of one that would
+        size_before_event: Real  # the size that was accepted before it was made to
     rejected: int  # attempts before

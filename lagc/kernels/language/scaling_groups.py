@@ -9,19 +9,19 @@ from __future__ import annotations
 from math import fabs
 from typing import Any
 
-from lagc.kernels.language.sizes import NKIND, NQ, NV, NX
-from lagc.kernels.language.tables import kind
+from lagc.kernels.language.sizes import NGROUP, NQ, NV, NX
+from lagc.kernels.language.tables import group
 from lagc.kernels.language.words import Size, Vec
 
 # Of the change of a row over the sizes of states: a row whose terms vanish is judged by it.
-RESTING = 1e-3
+VANISHING_ROW = 1e-3
 
 
-def enlarge(x: Vec[NX], sizes: Vec[NKIND]) -> None:
-    """sizes[NKIND] become at least those of x."""
+def enlarge_sizes(x: Vec[NX], sizes: Vec[NGROUP]) -> None:
+    """sizes[NGROUP] become at least those of x."""
     for i in range(NQ + NV):
-        if fabs(x[i]) > sizes[kind[i]]:
-            sizes[kind[i]] = fabs(x[i])
+        if fabs(x[i]) > sizes[group[i]]:
+            sizes[group[i]] = fabs(x[i])
 
 
 def not_finite(values: Vec[Any], n: Size) -> int:
@@ -37,7 +37,7 @@ def not_finite(values: Vec[Any], n: Size) -> int:
     return -1
 
 
-def set_apart(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
+def enlarge_differences(one: Vec[NX], other: Vec[NX], apart: Vec[NX]) -> None:
     """apart[NX] become at least how far rates are apart."""
     for i in range(NQ + NV):
         if fabs(one[i] - other[i]) > apart[i]:

@@ -20,7 +20,7 @@ from lagc.kernels.language.sizes import (
 )
 from lagc.kernels.language.words import IVec, Mat
 
-kind: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
+group: IVec[NX]  # of each coordinate and speed: those of one unit share a size; 0 are the angles
 quaternion: IVec[NQUAT]  # where each begins in x
 level: IVec[NU]  # how firmly each unknown of the start is stated
 unit: IVec[NU]
@@ -34,8 +34,8 @@ part_column: IVec[NPARTS]  # an unknown, or behind these a sum
 sources: IVec[NREAD]  # the places of parameters that `bind` reads
 bounded: IVec[NBOUNDED]  # the places of parameters that have bounds
 bounds: Mat[NBOUNDED, TWO]  # least and largest
-counted: IVec[NMODE]  # 1: a switch that changes at the edges of its mode, else at zero
-ending: IVec[NWHEN]  # 1: this clause ends the run
-clause: IVec[NJUMP]  # to which a new value belongs
-target: IVec[NJUMP]  # the state that takes it
+has_edges: IVec[NMODE]  # 1: a switch that changes at the edges of its mode, else at zero
+terminates: IVec[NWHEN]  # 1: this clause ends the run
+reinit_clause: IVec[NJUMP]  # to which a new value belongs
+reinit_target: IVec[NJUMP]  # the state that takes it
 derived_bounds: Mat[NLIMITS, TWO]  # the same of values made of parameters

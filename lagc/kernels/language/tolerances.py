@@ -14,24 +14,26 @@ SINGULAR = by_type(1e-5, 1e-13, "1e-30")  # pivot ratio of a mass matrix that is
 # which rows count as dependent.
 LEAST_PIVOT = by_type(1e-4, 1e-10, "1e-10")
 # Pivot ratio above which nobody looks at what a straight solve leaves: some last places of 1 over the ratio.
-CLEAR = by_type(1e-2, 1e-2, "1e-2")
+TRUSTED_PIVOT = by_type(1e-2, 1e-2, "1e-2")
 # Square of a residual of a straight solve, to be refined; rows are sums, and of many unknowns the
 # root grows as they do.
-ROUNDING = by_type(1e-11, 1e-28, "1e-64")
+REFINED_RESIDUAL = by_type(1e-11, 1e-28, "1e-64")
 LARGEST_RESIDUAL = by_type(1e-7, 1e-20, "1e-50")  # the same, beyond trust
-FAINT = by_type(1e-2, 1e-6, "1e-13")  # of the longest gradient: one that may be rounding of its terms
+FAINT_GRADIENT = by_type(
+    1e-2, 1e-6, "1e-13"
+)  # of the longest gradient: one that may be rounding of its terms
 DEPENDENT = by_type(1e-2, 1e-5, "1e-5")
 STILL_DEPENDENT = by_type(5e-2, 1e-4, "1e-4")
 CONTRADICTION = by_type(1e-2, 1e-3, "1e-3")  # of the size of accelerations
-LEFT_OVER = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that is taken for rounding
+ROUNDOFF_RESIDUAL = by_type(1e-6, 1e-15, "1e-32")  # scaled residual that is taken for rounding
 # The same that is left as it is: more than that, left at each step, adds up, as it has one sign for long.
-UNTOUCHED = by_type(1e-7, 1e-16, "1e-33")
-NEARLY_THERE = 100.0  # last places of the time
+UNPROJECTED_RESIDUAL = by_type(1e-7, 1e-16, "1e-33")
+EVENT_TIME_ULPS = 100.0  # last places of the time
 LEAST_STEP = by_type(1e-30, 1e-40, "1e-400")  # of the way to go
-NEARLY = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units of the last place of 1
+FOUR_ULPS = by_type(4.8e-7, 8.881784197001252e-16, "7.7e-34")  # four units of the last place of 1
 # Ways to where rows are dependent, of the size of coordinates: their product, and what projection leaves.
-CROSSING = by_type(1e-6, 3e-15, "1e-30")
-APART = by_type(1e-5, 1e-12, "1e-28")
+CROSSING_BRANCHES = by_type(1e-6, 3e-15, "1e-30")
+BRANCH_DISTANCE = by_type(1e-5, 1e-12, "1e-28")
 # Of a consistent start: scaled residuals at which one is taken, if nothing improves it; at which it is left
 # as it is; at which the iteration ends.
 ACCEPTED = by_type(1e-4, 1e-9, "1e-18")

@@ -9,7 +9,7 @@ records.  It is made of assignments, arithmetic, `if`, `while True`, `while`, `f
 exceptions, and no memory of its own but local vectors.
 
     v[:] = w            copies a vector; v[a:b] = part(w, c, d) a part of one
-    r = w.low           a name for a vector, or a row of a matrix, of a record: nothing is copied
+    r = w.cholesky           a name for a vector, or a row of a matrix, of a record: nothing is copied
     v = vector(NX)      a local vector, to be filled before it is read; p = params() likewise
     a = Trial()         a local record, of zeros
     present(v)          whether a vector or record that a caller may leave out (NULL) is there

@@ -14,9 +14,9 @@ def mass_entry(w: Work, i: int, j: int) -> Real:
     """An entry of M; of M + weight G^T G where weight > 0."""
     value = w.M[i * (i + 1) // 2 + j]
     if NC > 0:
-        if w.weight > 0.0:
+        if w.penalty > 0.0:
             for k in range(NC):
-                value += w.weight * w.G[k * NV + i] * w.G[k * NV + j]
+                value += w.penalty * w.G[k * NV + i] * w.G[k * NV + j]
     return value
 
 
@@ -27,53 +27,53 @@ def cholesky(w: Work) -> bool:
         head = i
         for j in range(i, -1, -1):
             value = mass_entry(w, i, j)
-            w.low[row + j] = value
+            w.cholesky[row + j] = value
             if value != 0.0:
                 head = j
-        w.heads[i] = head
+        w.row_begin[i] = head
     for k in range(NV):
         diagonal = k * (k + 1) // 2 + k
-        if not w.low[diagonal] > SINGULAR * mass_entry(w, k, k):
+        if not w.cholesky[diagonal] > SINGULAR * mass_entry(w, k, k):
             w.culprit = k
             return False
-        pivot = sqrt(w.low[diagonal])
-        w.low[diagonal] = pivot
+        pivot = sqrt(w.cholesky[diagonal])
+        w.cholesky[diagonal] = pivot
         for i in range(k + 1, NV):
-            if w.heads[i] > k:
-                w.column[i] = 0.0
+            if w.row_begin[i] > k:
+                w.pivot_column[i] = 0.0
                 continue
             row = i * (i + 1) // 2
-            factor = w.low[row + k] / pivot
-            w.low[row + k] = factor
-            w.column[i] = factor
+            factor = w.cholesky[row + k] / pivot
+            w.cholesky[row + k] = factor
+            w.pivot_column[i] = factor
             for j in range(k + 1, i + 1):
-                w.low[row + j] -= factor * w.column[j]
+                w.cholesky[row + j] -= factor * w.pivot_column[j]
     return True
 
 
-def head_of(w: Work, i: int) -> int:
+def row_begin_of(w: Work, i: int) -> int:
     """The column where row i begins; that it is none before the first, compilers see here."""
-    head = w.heads[i]
+    head = w.row_begin[i]
     return head if head > 0 else 0
 
 
-def lower(w: Work, z: Vec[NV]) -> None:
+def solve_lower(w: Work, z: Vec[NV]) -> None:
     """z = L^-1 z"""
     for i in range(NV):
         start = i * (i + 1) // 2
         value = z[i]
-        head = head_of(w, i)
+        head = row_begin_of(w, i)
         for k in range(head, i):
-            value -= w.low[start + k] * z[k]
-        z[i] = value / w.low[start + i]
+            value -= w.cholesky[start + k] * z[k]
+        z[i] = value / w.cholesky[start + i]
 
 
-def upper(w: Work, z: Vec[NV]) -> None:
+def solve_upper(w: Work, z: Vec[NV]) -> None:
     """z = L^-T z"""
     for i in range(NV - 1, -1, -1):
         start = i * (i + 1) // 2
-        value = z[i] / w.low[start + i]
+        value = z[i] / w.cholesky[start + i]
         z[i] = value
-        head = head_of(w, i)
+        head = row_begin_of(w, i)
         for k in range(head, i):
-            z[k] -= w.low[start + k] * value
+            z[k] -= w.cholesky[start + k] * value

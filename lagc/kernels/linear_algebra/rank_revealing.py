@@ -1,7 +1,7 @@
 """[M G^T; G 0] whatever the rank of G.
 
 L^-1 G^T = Q F diag(lengths) by modified Gram-Schmidt with pivoting, each vector cleaned twice; rows
-order[rank..] depend on the others.  w.b holds Q by rows.
+order[rank..] depend on the others.  w.q_rows holds Q by rows.
 """
 
 from __future__ import annotations
@@ -14,92 +14,92 @@ from lagc.kernels.language.sizes import NC, NG, NV, NX
 from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR_MASS
 from lagc.kernels.language.tolerances import CONTRADICTION, TINY
 from lagc.kernels.language.words import Params, Real, Status, Vec, quotient, root
-from lagc.kernels.linear_algebra.cholesky import cholesky, lower, upper
+from lagc.kernels.linear_algebra.cholesky import cholesky, solve_lower, solve_upper
 
 
-def remove(w: Work, i: int, along: int) -> Real:
+def orthogonalise_row(w: Work, i: int, along: int) -> Real:
     """Take the part of row i of b along another row away; its size."""
-    v = w.b[i]
-    q = w.b[along]
-    begin = w.begins[along]
-    stop = w.stops[along]
+    v = w.q_rows[i]
+    q = w.q_rows[along]
+    begin = w.q_begin[along]
+    stop = w.q_end[along]
     share = 0.0
     for j in range(begin, stop):
         share += v[j] * q[j]
     if share != 0.0:
         for j in range(begin, stop):
             v[j] -= share * q[j]
-        if begin < w.begins[i]:
-            w.begins[i] = begin
-        if stop > w.stops[i]:
-            w.stops[i] = stop
+        if begin < w.q_begin[i]:
+            w.q_begin[i] = begin
+        if stop > w.q_end[i]:
+            w.q_end[i] = stop
     return share
 
 
-def square(w: Work, i: int) -> Real:
+def squared_length(w: Work, i: int) -> Real:
     """Of the length of row i of b."""
-    v = w.b[i]
-    begin = w.begins[i]
-    stop = w.stops[i]
+    v = w.q_rows[i]
+    begin = w.q_begin[i]
+    stop = w.q_end[i]
     value = 0.0
     for j in range(begin, stop):
         value += v[j] * v[j]
     return value
 
 
-def divide(w: Work, i: int, length: Real) -> None:
+def divide_row(w: Work, i: int, length: Real) -> None:
     """Row i of b over a length."""
-    v = w.b[i]
-    begin = w.begins[i]
-    stop = w.stops[i]
+    v = w.q_rows[i]
+    begin = w.q_begin[i]
+    stop = w.q_end[i]
     for j in range(begin, stop):
         v[j] = v[j] / length
 
 
-def unit_row(w: Work, i: int) -> None:
+def normalise_row(w: Work, i: int) -> None:
     """Row i of G as a unit vector in the metric of M, and its length."""
-    row = w.b[i]
+    row = w.q_rows[i]
     for j in range(NV):
         row[j] = w.G[i * NV + j]
-    lower(w, row)
-    w.begins[i] = 0
-    w.stops[i] = 0
+    solve_lower(w, row)
+    w.q_begin[i] = 0
+    w.q_end[i] = 0
     for j in range(NV):
         if row[j] != 0.0:
-            if w.stops[i] == 0:
-                w.begins[i] = j
-            w.stops[i] = j + 1
-    length = sqrt(square(w, i))
+            if w.q_end[i] == 0:
+                w.q_begin[i] = j
+            w.q_end[i] = j + 1
+    length = sqrt(squared_length(w, i))
     if length > 0.0:
-        length = quotient(length, w.slight[i])
-    w.lengths[i] = length
+        length = quotient(length, w.regularity[i])
+    w.row_lengths[i] = length
     if length > 0.0:
-        divide(w, i, length)
+        divide_row(w, i, length)
 
 
-def steadiness(w: Work, i: int) -> Real:
+def gamma_ratio(w: Work, i: int) -> Real:
     """Of how much larger terms the right-hand side of a row is made than its length tells."""
-    if w.lengths[i] > 0.0:
-        return w.sizes[i] / w.lengths[i]
+    if w.row_lengths[i] > 0.0:
+        return w.gamma_sizes[i] / w.row_lengths[i]
     return inf
 
 
 def next_row(w: Work, k: int, longest: Real) -> int:
-    """The place in w.order, from k on, of the next vector: the first row that is long enough, not the
+    """The place in w.row_order, from k on, of the next vector: the first row that is long enough, not the
     longest, so that it is always the same rows that are said to depend on those before.  Rows are passed by
     whose gamma is made of much larger terms for their length than that of others: near where a gradient
     vanishes, those that tell the same are better."""
     steadiest = inf
     for j in range(k, NC):
-        i = w.order[j]
-        if w.free[i] >= 0.1 * longest and steadiness(w, i) < steadiest:
-            steadiest = steadiness(w, i)
+        i = w.row_order[j]
+        if w.row_room[i] >= 0.1 * longest and gamma_ratio(w, i) < steadiest:
+            steadiest = gamma_ratio(w, i)
     best = -1
     for j in range(k, NC):
-        i = w.order[j]
-        if w.free[i] < 0.1 * longest or steadiness(w, i) > 100.0 * steadiest:
+        i = w.row_order[j]
+        if w.row_room[i] < 0.1 * longest or gamma_ratio(w, i) > 100.0 * steadiest:
             continue
-        if best < 0 or i < w.order[best]:
+        if best < 0 or i < w.row_order[best]:
             best = j
     return best
 
@@ -107,41 +107,41 @@ def next_row(w: Work, k: int, longest: Real) -> int:
 def orthogonalise(w: Work, dependent: Real) -> None:
     """Q, F, lengths, order and rank; `dependent` is the share below which a row depends on those before."""
     for i in range(NC):
-        unit_row(w, i)
-        w.order[i] = i
+        normalise_row(w, i)
+        w.row_order[i] = i
     for k in range(NC):
         longest = 0.0
         for j in range(k, NC):
-            value = square(w, w.order[j])
-            w.free[w.order[j]] = value
+            value = squared_length(w, w.row_order[j])
+            w.row_room[w.row_order[j]] = value
             if value > longest:
                 longest = value
         if not longest > dependent * dependent:
             w.rank = k
             return
         best = next_row(w, k, longest)
-        row = w.order[best]
-        w.order[best] = w.order[k]
-        w.order[k] = row
+        row = w.row_order[best]
+        w.row_order[best] = w.row_order[k]
+        w.row_order[k] = row
         for j in range(k):
-            w.f[j][row] += remove(w, row, w.order[j])
-        length = sqrt(square(w, row))
-        w.f[k][row] = length
-        divide(w, row, length)
+            w.q_factor[j][row] += orthogonalise_row(w, row, w.row_order[j])
+        length = sqrt(squared_length(w, row))
+        w.q_factor[k][row] = length
+        divide_row(w, row, length)
         for j in range(k + 1, NC):
-            w.f[k][w.order[j]] = remove(w, w.order[j], row)
+            w.q_factor[k][w.row_order[j]] = orthogonalise_row(w, w.row_order[j], row)
     w.rank = NC
 
 
-def factor_fallback(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
+def factor_rank_revealing(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
     """From M and G in w.  Rows count as dependent below the share `least` that is their own.  A row whose
     gradient all but vanishes has a direction that says little: it counts for less than one (`slight`).
     Where M alone is singular or very uneven, M + weight G^T G takes its place: the same solution, as G a
     is given."""
-    w.weight = 0.0
+    w.penalty = 0.0
     for i in range(NC):
-        w.sizes[i] = 0.0
-    if not w.lost:
+        w.gamma_sizes[i] = 0.0
+    if not w.rank_deficient:
         if cholesky(w):
             orthogonalise(w, least)
             if w.rank == NC:
@@ -153,118 +153,118 @@ def factor_fallback(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Sta
     for i in range(NG):
         squares += w.G[i] * w.G[i]
     if squares > 0.0:
-        w.weight = trace / squares if trace > 0.0 else 1.0 / squares
+        w.penalty = trace / squares if trace > 0.0 else 1.0 / squares
     if not cholesky(w):
         return SINGULAR_MASS
-    fn_gamma_sizes(p, t, x, w.sizes)
+    fn_gamma_sizes(p, t, x, w.gamma_sizes)
     orthogonalise(w, least)
     if w.rank == NC:
         return OK
-    w.culprit = w.order[w.rank]
+    w.culprit = w.row_order[w.rank]
     return REDUNDANT
 
 
-def triangle(w: Work, c: Vec[NC]) -> None:
+def solve_triangle(w: Work, c: Vec[NC]) -> None:
     """c = diag(1/lengths) F^-1 c over the independent rows"""
     rank = w.rank
     for k in range(rank - 1, -1, -1):
         value = c[k]
         for j in range(k + 1, rank):
-            value -= w.f[k][w.order[j]] * c[j]
-        c[k] = value / w.f[k][w.order[k]]
+            value -= w.q_factor[k][w.row_order[j]] * c[j]
+        c[k] = value / w.q_factor[k][w.row_order[k]]
     for k in range(rank):
-        c[k] = c[k] / w.lengths[w.order[k]]
+        c[k] = c[k] / w.row_lengths[w.row_order[k]]
 
 
-def multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
+def shortest_multipliers(w: Work, c: Vec[NC], lam: Vec[NC]) -> None:
     """The shortest lam whose forces are those of c; free ones y minimise |c - T y|^2 + |y|^2."""
     rank = w.rank
     count = NC - w.rank
-    y = w.free
-    triangle(w, c)
+    y = w.row_room
+    solve_triangle(w, c)
     for k in range(rank):
-        lam[w.order[k]] = c[k]
+        lam[w.row_order[k]] = c[k]
     for f in range(count):
-        i = w.order[rank + f]
+        i = w.row_order[rank + f]
         for k in range(rank):
-            w.table[f][k] = w.f[k][i] * w.lengths[i]
-        triangle(w, w.table[f])
+            w.dependence[f][k] = w.q_factor[k][i] * w.row_lengths[i]
+        solve_triangle(w, w.dependence[f])
     for f in range(count):
-        column = w.table[f]
+        column = w.dependence[f]
         for e in range(f + 1):
-            other = w.table[e]
+            other = w.dependence[e]
             value = 1.0 if e == f else 0.0
             for k in range(rank):
                 value += column[k] * other[k]
             for k in range(e):
-                value -= w.normal[f][k] * w.normal[e][k]
-            w.normal[f][e] = quotient(value, w.normal[e][e]) if e < f else root(value)
+                value -= w.normal_matrix[f][k] * w.normal_matrix[e][k]
+            w.normal_matrix[f][e] = quotient(value, w.normal_matrix[e][e]) if e < f else root(value)
         total = 0.0
         for k in range(rank):
             total += column[k] * c[k]
         for k in range(f):
-            total -= w.normal[f][k] * y[k]
-        y[f] = quotient(total, w.normal[f][f])
+            total -= w.normal_matrix[f][k] * y[k]
+        y[f] = quotient(total, w.normal_matrix[f][f])
     for f in range(count - 1, -1, -1):
-        column = w.table[f]
+        column = w.dependence[f]
         total = y[f]
         for k in range(f + 1, count):
-            total -= w.normal[k][f] * y[k]
-        y[f] = quotient(total, w.normal[f][f])
-        lam[w.order[rank + f]] = y[f]
+            total -= w.normal_matrix[k][f] * y[k]
+        y[f] = quotient(total, w.normal_matrix[f][f])
+        lam[w.row_order[rank + f]] = y[f]
         for k in range(rank):
-            lam[w.order[k]] -= column[k] * y[f]
+            lam[w.row_order[k]] -= column[k] * y[f]
 
 
-def solve_fallback(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Status:
+def solve_rank_revealing(w: Work, r2: Vec[NC], z: Vec[NV], lam: Vec[NC]) -> Status:
     """M z - G^T lam = r1, G z = r2; z holds r1 at first.  A row that depends on others contradicts them
     where it misses r2 by more than a share of what r2 is made of: of the accelerations, and of the
     terms of gamma, which are all that is left where its gradient vanishes."""
     rank = w.rank
     status = OK if w.rank == NC else REDUNDANT
-    c = w.found
-    if w.weight > 0.0:
+    c = w.row_room2
+    if w.penalty > 0.0:
         for i in range(NC):
-            factor = w.weight * r2[i]
+            factor = w.penalty * r2[i]
             for j in range(NV):
                 z[j] += factor * w.G[i * NV + j]
-    lower(w, z)
+    solve_lower(w, z)
     size = 0.0
     for j in range(NV):
         size += z[j] * z[j]
     longest = 0.0
     for k in range(rank):
-        row = w.order[k]
-        value = r2[row] / w.lengths[row]
+        row = w.row_order[k]
+        value = r2[row] / w.row_lengths[row]
         for j in range(k):
-            value -= w.f[j][row] * c[j]
-        c[k] = value / w.f[k][row]
+            value -= w.q_factor[j][row] * c[j]
+        c[k] = value / w.q_factor[k][row]
         size += c[k] * c[k]
-        if w.lengths[row] > longest:
-            longest = w.lengths[row]
+        if w.row_lengths[row] > longest:
+            longest = w.row_lengths[row]
     size = longest * sqrt(size)
     worst = CONTRADICTION
     for k in range(rank, NC):
-        row = w.order[k]
+        row = w.row_order[k]
         value = 0.0
         for j in range(rank):
-            value += w.f[j][row] * c[j]
-        value = r2[row] - w.lengths[row] * value
-        share = fabs(value) / (fabs(r2[row]) + size + w.sizes[row] + TINY)
+            value += w.q_factor[j][row] * c[j]
+        value = r2[row] - w.row_lengths[row] * value
+        share = fabs(value) / (fabs(r2[row]) + size + w.gamma_sizes[row] + TINY)
         if share > worst:
             status = INCONSISTENT
             w.culprit = row
             worst = share
     for k in range(rank):
-        q = w.b[w.order[k]]
+        q = w.q_rows[w.row_order[k]]
         value = c[k]
         for j in range(NV):
             value -= q[j] * z[j]
         c[k] = value
     for k in range(rank):
-        q = w.b[w.order[k]]
+        q = w.q_rows[w.row_order[k]]
         for j in range(NV):
             z[j] += q[j] * c[k]
-    upper(w, z)
-    multipliers(w, c, lam)
+    solve_upper(w, z)
+    shortest_multipliers(w, c, lam)
     return status

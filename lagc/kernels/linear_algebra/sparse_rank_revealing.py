@@ -25,124 +25,124 @@ from lagc.kernels.language.statuses import INCONSISTENT, OK, REDUNDANT, SINGULAR
 from lagc.kernels.language.tolerances import CONTRADICTION, DEPENDENT, LEAST_PIVOT, SINGULAR, SPACING, TINY
 from lagc.kernels.language.words import Params, Real, Status, Vec, by_type, part, size
 
-MORE_THAN_ALL = 2.0  # a share that no row has of its own
-DISTINCT = 0.3  # the share of its own of a row that is well apart from others
+NEVER_KEPT = 2.0  # a share that no row has of its own
+WELL_SEPARATED = 0.3  # the share of its own of a row that is well apart from others
 # Shares by which rows are damped: always those that give a pivot to a speed without inertia; all.
 BARELY_DAMPED = by_type(1e-6, 1.5e-14, "1e-32")
 DAMPED = by_type(1e-4, 1e-9, "1e-18")
-MOST_DAMPED = 12  # times
-MOST_SHORTENED = 30  # times
-SHORTENED = by_type(1e-12, 1e-30, "1e-60")  # square of what is left to shorten
+MOST_PROJECTIONS = 12  # times
+MOST_CG_STEPS = 30  # times
+CG_CONVERGED = by_type(1e-12, 1e-30, "1e-60")  # square of what is left to shorten
 
 
 def row_size(w: Work, i: int) -> Real:
     """Without the rows before it."""
-    return w.entries[NWORK - 2 - 3 * NC + i]
+    return w.kkt_entries[NWORK - 2 - 3 * NC + i]
 
 
-def own_part(w: Work, i: int) -> Real:
+def independent_part(w: Work, i: int) -> Real:
     """Of a row that is kept, beside its size; 0 of one that is left out."""
-    return w.entries[NWORK - 2 - 2 * NC + i]
+    return w.kkt_entries[NWORK - 2 - 2 * NC + i]
 
 
-def factor_with(share: Real, w: Work) -> int:
+def factor_with_damping(share: Real, w: Work) -> int:
     """The factors of the entries in w; how many rows are kept."""
-    w.entries[NWORK - 2] = share
-    w.entries[NWORK - 1] = share if share > BARELY_DAMPED else BARELY_DAMPED
-    fn_factor(w.entries, w.health)
+    w.kkt_entries[NWORK - 2] = share
+    w.kkt_entries[NWORK - 1] = share if share > BARELY_DAMPED else BARELY_DAMPED
+    fn_factor(w.kkt_entries, w.health)
     kept = 0
     for i in range(NC):
-        if own_part(w, i) > 0.0:
+        if independent_part(w, i) > 0.0:
             kept += 1
     return kept
 
 
-def factor_apart(least: Real, w: Work) -> int:
+def factor_independent_rows(least: Real, w: Work) -> int:
     """The same, where rows are kept of which more than `least` is their own.  A row whose gradient all but
     vanishes has a direction that says little (`slight`)."""
     for i in range(NC):
-        limit = least / w.slight[i]
-        w.entries[NWORK - 2 - NC + i] = limit * limit
-    return factor_with(0.0, w)
+        limit = least / w.regularity[i]
+        w.kkt_entries[NWORK - 2 - NC + i] = limit * limit
+    return factor_with_damping(0.0, w)
 
 
-def finest(w: Work) -> Real:
+def least_independent_part(w: Work) -> Real:
     """The least part of its own of a row that is kept."""
     least = 1.0
     for i in range(NC):
-        own = own_part(w, i)
+        own = independent_part(w, i)
         if own > 0.0 and own < least:
             least = own
     return least
 
 
-def factor_whole(w: Work) -> bool:
+def factor_all_rows(w: Work) -> bool:
     """The factors of the entries in w with all rows; whether they can be trusted."""
     for i in range(NC):
-        w.slight[i] = 1.0
-    kept = factor_apart(DEPENDENT, w)
-    return kept == NC and finest(w) >= LEAST_PIVOT and w.health[0] >= LEAST_PIVOT
+        w.regularity[i] = 1.0
+    kept = factor_independent_rows(DEPENDENT, w)
+    return kept == NC and least_independent_part(w) >= LEAST_PIVOT and w.health[0] >= LEAST_PIVOT
 
 
-def well_apart(w: Work) -> bool:
+def are_well_separated(w: Work) -> bool:
     """Whether the rows that are kept are."""
     for i in range(NC):
-        own = own_part(w, i) * w.slight[i] * w.slight[i]
-        if own > 0.0 and own < DISTINCT * DISTINCT:
+        own = independent_part(w, i) * w.regularity[i] * w.regularity[i]
+        if own > 0.0 and own < WELL_SEPARATED * WELL_SEPARATED:
             return False
     return True
 
 
-def factor_damped(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
+def factor_sparse(p: Params, t: Real, x: Vec[NX], least: Real, w: Work) -> Status:
     """From the entries in w.  Of rows that depend on each other those are kept that are as far apart as their
     number allows."""
-    rank = factor_apart(least, w)
-    if rank < NC and not well_apart(w):
-        apart = DISTINCT
-        while apart > least and factor_apart(apart, w) < rank:
+    rank = factor_independent_rows(least, w)
+    if rank < NC and not are_well_separated(w):
+        apart = WELL_SEPARATED
+        while apart > least and factor_independent_rows(apart, w) < rank:
             apart *= 0.1
         if not apart > least:
-            rank = factor_apart(least, w)
+            rank = factor_independent_rows(least, w)
     if not w.health[0] > SINGULAR:
         w.culprit = size(NV)
         return SINGULAR_MASS
-    fn_gamma_sizes(p, t, x, w.sizes)
+    fn_gamma_sizes(p, t, x, w.gamma_sizes)
     status = OK
     for i in range(NC):
-        if not own_part(w, i) > 0.0:
+        if not independent_part(w, i) > 0.0:
             w.redundant[i] = 1
             w.culprit = i
             status = REDUNDANT
     return status
 
 
-def refine(r: Vec[NR], s: Vec[NR], w: Work) -> None:
+def refine_solution(r: Vec[NR], s: Vec[NR], w: Work) -> None:
     """One step of iterative refinement."""
-    fn_rest(w.entries, r, s, w.rest)
-    fn_solve(w.entries, w.rest, w.change)
+    fn_rest(w.kkt_entries, r, s, w.kkt_residual)
+    fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
     for i in range(NR):
-        s[i] += w.change[i]
+        s[i] += w.kkt_correction[i]
 
 
-def contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
+def find_contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     """A row that is left out contradicts others where it misses r2 by more than a share of what r2 is made
     of: of the accelerations and forces, and of the terms of gamma, which are all that is left where its
     gradient vanishes."""
     power = 0.0  # a M a
     forces = 0.0
     for j in range(NV):
-        power += s[j] * (r[j] - w.rest[j])
+        power += s[j] * (r[j] - w.kkt_residual[j])
     for i in range(NC):
-        power += s[NV + i] * (r[NV + i] - w.rest[NV + i])
+        power += s[NV + i] * (r[NV + i] - w.kkt_residual[NV + i])
         forces += row_size(w, i) * s[NV + i] * s[NV + i]
     extent = sqrt(fabs(power)) + sqrt(forces)
     status = OK
     worst = CONTRADICTION
     for i in range(NC):
-        if own_part(w, i) > 0.0:
+        if independent_part(w, i) > 0.0:
             continue
-        terms = sqrt(row_size(w, i)) / w.slight[i] * extent + w.sizes[i]
-        missed = fabs(w.rest[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
+        terms = sqrt(row_size(w, i)) / w.regularity[i] * extent + w.gamma_sizes[i]
+        missed = fabs(w.kkt_residual[NV + i]) / (fabs(r[NV + i]) + terms + TINY)
         if missed > worst:
             status = INCONSISTENT
             w.culprit = i
@@ -150,11 +150,11 @@ def contradiction(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     return status
 
 
-def keep_all(w: Work) -> None:
+def factor_all_damped(w: Work) -> None:
     """The factors with all rows, damped, but for those whose gradient is rounding."""
     for i in range(NC):
-        w.entries[NWORK - 2 - NC + i] = -1.0 if w.slight[i] > DEPENDENT else MORE_THAN_ALL
-    factor_with(DAMPED, w)
+        w.kkt_entries[NWORK - 2 - NC + i] = -1.0 if w.regularity[i] > DEPENDENT else NEVER_KEPT
+    factor_with_damping(DAMPED, w)
 
 
 def size_of_forces(lam: Vec[NC], w: Work) -> Real:
@@ -165,22 +165,22 @@ def size_of_forces(lam: Vec[NC], w: Work) -> Real:
     return total
 
 
-def damp(missed: Real, lam: Vec[NC], w: Work) -> Real:
+def project_to_null_space(missed: Real, lam: Vec[NC], w: Work) -> Real:
     """lam by what of it makes no force; the square of its size, 0 where that is rounding.  Of what makes a
     force a share of `missed` is left each time."""
     whole = size_of_forces(lam, w)
     left = whole
     spare = whole
     for j in range(NV):
-        w.rest[j] = 0.0
-    for n in range(MOST_DAMPED):
+        w.kkt_residual[j] = 0.0
+    for n in range(MOST_PROJECTIONS):
         for i in range(NC):
-            w.rest[NV + i] = DAMPED * row_size(w, i) * lam[i]
-        fn_solve(w.entries, w.rest, w.change)
-        lam[:] = part(w.change, NV, NV + NC)
+            w.kkt_residual[NV + i] = DAMPED * row_size(w, i) * lam[i]
+        fn_solve(w.kkt_entries, w.kkt_residual, w.kkt_correction)
+        lam[:] = part(w.kkt_correction, NV, NV + NC)
         spare = size_of_forces(lam, w)
         left *= missed * missed
-        if not spare > SHORTENED * whole:
+        if not spare > CG_CONVERGED * whole:
             return 0.0
         if left <= SPACING * SPACING * spare:
             break
@@ -190,34 +190,34 @@ def damp(missed: Real, lam: Vec[NC], w: Work) -> Real:
 def shorten_multipliers(s: Vec[NR], w: Work) -> None:
     """s2 by the shortest with the same forces: conjugate gradients, in the measure of the sizes, among those
     that make none."""
-    missed = DAMPED / (DAMPED + finest(w))
-    keep_all(w)
+    missed = DAMPED / (DAMPED + least_independent_part(w))
+    factor_all_damped(w)
     before = 1.0
-    for n in range(MOST_SHORTENED):
+    for n in range(MOST_CG_STEPS):
         for i in range(NC):
             extent = row_size(w, i)
-            w.found[i] = s[NV + i] / extent if extent > 0.0 else 0.0
-        spare = damp(missed, w.found, w)
+            w.row_room2[i] = s[NV + i] / extent if extent > 0.0 else 0.0
+        spare = project_to_null_space(missed, w.row_room2, w)
         if spare == 0.0:
             break
         norm = 0.0
         for i in range(NC):
-            w.free[i] = w.found[i] + (spare / before * w.free[i] if n > 0 else 0.0)
-            norm += w.free[i] * w.free[i]
+            w.row_room[i] = w.row_room2[i] + (spare / before * w.row_room[i] if n > 0 else 0.0)
+            norm += w.row_room[i] * w.row_room[i]
         for i in range(NC):
-            s[NV + i] -= spare / norm * w.free[i]
+            s[NV + i] -= spare / norm * w.row_room[i]
         before = spare
 
 
-def solve_damped(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
+def solve_sparse(r: Vec[NR], s: Vec[NR], w: Work) -> Status:
     """M s1 - G^T s2 = r1, G s1 = r2."""
-    fn_solve(w.entries, r, s)
-    refine(r, s, w)
-    refine(r, s, w)
-    if not w.lost:
+    fn_solve(w.kkt_entries, r, s)
+    refine_solution(r, s, w)
+    refine_solution(r, s, w)
+    if not w.rank_deficient:
         return OK
-    fn_rest(w.entries, r, s, w.rest)
-    status = contradiction(r, s, w)
+    fn_rest(w.kkt_entries, r, s, w.kkt_residual)
+    status = find_contradiction(r, s, w)
     if status != OK:
         return status
     shorten_multipliers(s, w)

@@ -15,12 +15,12 @@ from lagc.symbolic.graph import Node
 
 
 def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> list[Function]:
-    """`modes` by the state alone; `sides`, `own` modes and `side_rates` on the branches that modes tell;
+    """`modes` by the state alone; `indicators`, `own_modes` and `indicator_rates` on the branches that modes tell;
     `edges` of those that count, `slopes` of those that time alone moves; `enclosure` of the others.  None
     where there are no switches."""
     if not switches:
         return []
-    found = [_modes(natural, switches), _sides(along, switches), _own(along, switches)]
+    found = [_modes(natural, switches), _indicators(along, switches), _own(along, switches)]
     found.append(_rates(along, switches))
     if any(switch.edges for switch in switches):
         found.append(_edges(along, switches))
@@ -36,26 +36,26 @@ def switching(natural: Places, along: Places, switches: Sequence[Switch]) -> lis
 def _modes(natural: Places, switches: Sequence[Switch]) -> Function:
     values = [switch.natural for switch in switches]
     words = [switch.words for switch in switches]
-    return made(
-        natural, "modes", STATE, (("modes", values),), "which side of each switch the state is on", words
-    )
+    return made(natural, "modes", STATE, (("modes", values),), "mode of each relation", words)
 
 
-def _sides(along: Places, switches: Sequence[Switch]) -> Function:
+def _indicators(along: Places, switches: Sequence[Switch]) -> Function:
     values = [switch.side for switch in switches]
-    return made(along, "sides", along.state, (("e", values),), "what each switch changes at", seldom=True)
+    return made(along, "indicators", along.state, (("e", values),), "event indicators", seldom=True)
 
 
 def _own(along: Places, switches: Sequence[Switch]) -> Function:
     values = [switch.own for switch in switches]
-    return made(along, "own", along.state, (("e", values),), "the mode that each side tells", seldom=True)
+    return made(
+        along, "own_modes", along.state, (("e", values),), "the mode that each indicator gives", seldom=True
+    )
 
 
 def _edges(along: Places, switches: Sequence[Switch]) -> Function:
     """Of those that count; else zeros."""
     zero = along.graph.zero
     values = [end for switch in switches for end in switch.edges or (zero, zero)]
-    return made(along, "edges", ("modes",), (("e", values),), "between which they change", seldom=True)
+    return made(along, "edges", ("modes",), (("e", values),), "edges of the modes", seldom=True)
 
 
 def _rates(along: Places, switches: Sequence[Switch]) -> Function:
@@ -67,13 +67,15 @@ def _rates(along: Places, switches: Sequence[Switch]) -> Function:
     values = tangent(graph, [switch.side for switch in switches], seeds)
     more = replace(along, arrays={**along.arrays, **{node: ("d", k) for k, node in enumerate(rates)}})
     inputs = (*along.state, "d")
-    return made(more, "side_rates", inputs, (("e", values),), "the rates of these", seldom=True)
+    return made(
+        more, "indicator_rates", inputs, (("e", values),), "rates of the event indicators", seldom=True
+    )
 
 
 def _slopes(along: Places, timed: Sequence[Switch]) -> Function:
     values = [switch.slope for switch in timed if switch.slope is not None]
     return made(
-        along, "slopes", ("p", "modes"), (("e", values),), "of those that time alone moves", seldom=True
+        along, "slopes", ("p", "modes"), (("e", values),), "slopes of indicators of time alone", seldom=True
     )
 
 
@@ -84,7 +86,7 @@ def _enclosure(along: Places, others: Sequence[Switch]) -> Function:
     ends = enclosures(along.graph, [switch.side for switch in others], boxes)
     values = [end for pair in ends for end in pair]
     inputs = ("p", "modes", "box")
-    return made(more, "enclosure", inputs, (("e", values),), "what these keep to in a box", seldom=True)
+    return made(more, "enclosure", inputs, (("e", values),), "bounds of indicators in a box", seldom=True)
 
 
 def boxed(along: Places) -> tuple[Places, dict[Node, Ends]]:
@@ -107,7 +109,7 @@ def in_boxes(along: Places, found: Sequence[Node], name: str, about: str) -> lis
     places, boxes = boxed(along)
     ends = [end for pair in enclosures(along.graph, found, boxes) for end in pair]
     inputs = ("p", *along.state[3:], "box")
-    bounds = "what these keep to in a box"
+    bounds = "bounds of indicators in a box"
     return [
         made(along, f"{name}s", along.state, (("e", found),), about, seldom=True),
         made(places, f"{name}_bounds", inputs, (("e", ends),), bounds, seldom=True),

@@ -222,7 +222,7 @@ class CSystem(CompiledSystem):
                 if len(corners) < MOST_CORNERS:
                     x = state.x[:]
                     jumped = whens and state.jumps > len(jumps)
-                    corners.append((state.t, state.x_left[:] if jumped else x, x))
+                    corners.append((state.t, state.x_before_event[:] if jumped else x, x))
                 if whens:
                     events.extend((state.t, switches + k) for k in state.acted[: state.acts])
                     jumps.extend([state.t] * (state.jumps - len(jumps)))
@@ -240,7 +240,7 @@ class CSystem(CompiledSystem):
                 step=state.t - state.t_old, fallbacks=head.fallbacks,
                 redundant_rows=tuple([i for i, lost in enumerate(rows) if lost]),
                 position_drift=state.position_drift, velocity_drift=state.velocity_drift,
-                sizes=state.sizes[:], jolts=state.jolts[:] if self.interface.switches else (),
+                sizes=state.sizes[:], event_roundoff=state.event_roundoff[:] if self.interface.switches else (),
                 events=events, jumps=jumps, corners=corners,
                 changes=state.changes if self.interface.switches else 0,
             )  # fmt: skip
@@ -301,12 +301,12 @@ def _state_type(nx: int, kinds: int, switches: int, acts: int) -> type[Any]:
             ("velocity_drift", c_double), ("steps", c_long), ("rejected", c_long), ("rhs", c_long),
             ("culprit", c_int), ("sizes", c_double * kinds),
             *(
-                (("changes", c_long), ("changed", c_int * switches), ("jolts", c_double * nx))
+                (("changes", c_long), ("changed", c_int * switches), ("event_roundoff", c_double * nx))
                 if switches
                 else ()
             ),
             *(
-                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long), ("x_left", c_double * nx))
+                (("acts", c_int), ("acted", c_int * acts), ("jumps", c_long), ("x_before_event", c_double * nx))
                 if acts
                 else ()
             ),

@@ -96,7 +96,7 @@ class NumpySystem(CompiledSystem):
 
     def _held(self, desk: _Desk, branch: Branch) -> None:
         work = desk.equations.work
-        work.modes[:], work.held = branch, True
+        work.modes[:], work.modes_fixed = branch, True
 
     @once
     def _p(self) -> list[float]:
@@ -122,7 +122,7 @@ class NumpySystem(CompiledSystem):
 
     def assemble(self, t: float, x: Vector) -> int:
         work = self._own.desk.equations.work
-        work.lost = False
+        work.rank_deficient = False
         status: int = self.model.module["assemble_at"](self._p, t, x, work)
         return status
 
@@ -140,13 +140,13 @@ class NumpySystem(CompiledSystem):
         on = () if not self.interface.switches else (self.modes(t, x) if modes is None else modes,)
         if not self.nc:
             module = self.model.module
-            module["fn_assemble_on" if on else "fn_assemble"](self._p, t, x, *on, work.entries)
-            module["fn_factor"](work.entries, work.health)
-            return work.entries[:] if work.health[0] >= module["SINGULAR"] else None
+            module["fn_assemble_on" if on else "fn_assemble"](self._p, t, x, *on, work.kkt_entries)
+            module["fn_factor"](work.kkt_entries, work.health)
+            return work.kkt_entries[:] if work.health[0] >= module["SINGULAR"] else None
         with self._on(*on):
             safely = work.fallbacks
             status = self.assemble(t, x)
-        return work.entries[:] if status == OK and work.fallbacks == safely else None
+        return work.kkt_entries[:] if status == OK and work.fallbacks == safely else None
 
     def solved(self, factors: Vector, right: Any) -> Any:
         """The columns s of M s1 - G^T s2 = r1, G s1 = r2 for those of `right`, with one step of refinement
@@ -197,10 +197,10 @@ class NumpySystem(CompiledSystem):
             yield
             return
         work = self._own.desk.equations.work
-        before, held = work.modes[:], work.held
-        work.modes[:], work.held = modes, True
+        before, held = work.modes[:], work.modes_fixed
+        work.modes[:], work.modes_fixed = modes, True
         yield
-        work.modes[:], work.held = before, held
+        work.modes[:], work.modes_fixed = before, held
 
     def stack(self, t: float, x: Vector, a: Vector, lam: Vector, modes: Vector | None = None) -> list[float]:
         """What is differentiated (`lagc.lowering.jacobians`), of a program with derivatives; without

@@ -85,7 +85,7 @@ def quick_bound(system: System, trajectory: Trajectory, groups: Sizes, changes: 
 def jolted(system: System, trajectory: Trajectory, groups: Sizes) -> float:
     """What is due to times at which switches changed being told to their last place, relative to the sizes of
     the states: in speeds, and in coordinates by these over the time."""
-    jolts, nq = trajectory.jolts, system.nq
+    jolts, nq = trajectory.event_roundoff, system.nq
     if not any(jolts):
         return 0.0
     span = abs(trajectory.times[-1] - trajectory.times[0])

@@ -33,7 +33,7 @@ def branches(point: Point, sizes: Array) -> tuple[list[float] | None, list[Branc
         return None, []
     ways = {}
     for k in at:
-        slope = point.partial("side", "state")[k] * sizes
+        slope = point.partial("indicator", "state")[k] * sizes
         if slope.any():
             ways[k] = sizes * slope / np.abs(slope).max()
     if not ways:
@@ -55,8 +55,8 @@ def _changing(point: Point) -> list[int]:
     system, interface = point.system, point.system.interface
     if not interface.switches:
         return []
-    sides, modes = point.value("side"), system.modes(point.t, point.x)
-    rows, n = interface.stack["side"], len(interface.switches)
+    sides, modes = point.value("indicator"), system.modes(point.t, point.x)
+    rows, n = interface.stack["indicator"], len(interface.switches)
     doubt = np.zeros(n)
     for other in point.beside:
         there = other.system.stack(other.t, other.x, other.a, other.lam, modes)[rows.start : rows.stop]

@@ -56,10 +56,10 @@ class Changes:
     def refuse_at_start(self, point: Point, now: Array) -> None:
         """Where a motion begins on the change of a condition, and what is varied moves it off, its derivative
         is another on each side."""
-        interface, sides = self.system.interface, point.value("side")
-        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
+        interface, sides = self.system.interface, point.value("indicator")
+        by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
         terms = np.abs(by_x) @ np.abs(np.array(point.x)) + np.abs(by_t * point.t)
-        terms += np.abs(point.partial("side", "parameter")) @ np.abs(np.array(self.system.parameters))
+        terms += np.abs(point.partial("indicator", "parameter")) @ np.abs(np.array(self.system.parameters))
         moved, sizes = self._moved(point, now)
         for k, counted in enumerate(interface.counted_switches):
             touches = not counted and abs(sides[k]) <= ROUNDED * terms[k]
@@ -83,7 +83,7 @@ class Changes:
 
     def _moved(self, point: Point, now: Array) -> tuple[Array, Array]:
         """What the sides are moved by, and the sizes of its terms."""
-        by_x, by_p = point.partial("side", "state"), point.partial("side", "parameter")
+        by_x, by_p = point.partial("indicator", "state"), point.partial("indicator", "parameter")
         moved, sizes = by_x @ now, np.abs(by_x) @ np.abs(now)
         if self.columns:
             moved[:, self.by_p] += by_p[:, self.columns]
@@ -93,7 +93,7 @@ class Changes:
     def _way(self, point: Point, now: Array, rates: Array, s: Any) -> Array:
         """What the time of a change is moved by."""
         interface = self.system.interface
-        by_x, by_t = point.partial("side", "state"), point.partial("side", "time")[:, 0]
+        by_x, by_t = point.partial("indicator", "state"), point.partial("indicator", "time")[:, 0]
         moved, sizes = self._moved(point, now)
         own = self._causes(point, by_x @ rates + by_t, s)
         names, ways, spans = [interface.switches[k] for k in own], [], []
@@ -115,13 +115,13 @@ class Changes:
     def _causes(self, point: Point, rates: Array, s: Any) -> list[int]:
         """The switches that have changed by themselves, of sides with these rates: others jump with them, or
         with new values, which may move these too."""
-        work, sides = s.problem.work, point.value("side")
+        work, sides = s.problem.work, point.value("indicator")
         late = LOCATED * abs(s.h_old) * np.abs(rates)
         counted = self.system.interface.counted_switches
         return [
             k
             for k, crossed in enumerate(work.crossed)
-            if crossed and (not work.jumped[k] or counted[k] or abs(sides[k]) <= late[k])
+            if crossed and (not work.indicator_jumped[k] or counted[k] or abs(sides[k]) <= late[k])
         ]
 
     def _renewed(
@@ -159,5 +159,5 @@ class Changes:
 
 def end_of_step(s: Any, system: NumpySystem) -> list[float]:
     """Where the last step of `s` ended, before states took new values."""
-    found: list[float] = s.x_left if system.interface.whens else s.x
+    found: list[float] = s.x_before_event if system.interface.whens else s.x
     return found

@@ -78,7 +78,7 @@ class Trajectory:
     took new values; `corners`: the first MOST_CORNERS times of changes, with the states before and behind.
     Where a clause ended the run, its time and state are the last of `times`, `states`.
     `changes`: how often switches changed.
-    `jolts`: what the last place of the times at which switches changed is worth in each state, in all.
+    `event_roundoff`: what the last place of the times at which switches changed is worth in each state, in all.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class Trajectory:
         position_drift: float = 0.0,
         velocity_drift: float = 0.0,
         sizes: Sequence[float] = (),
-        jolts: Sequence[float] = (),
+        event_roundoff: Sequence[float] = (),
         events: Sequence[tuple[float, int]] = (),
         jumps: Sequence[float] = (),
         corners: Sequence[tuple[float, list[float], list[float]]] = (),
@@ -111,7 +111,7 @@ class Trajectory:
         self.step = step
         self.redundant_rows = redundant_rows
         self.position_drift, self.velocity_drift = position_drift, velocity_drift
-        self.sizes, self.jolts, self.events, self.jumps = sizes, jolts, events, jumps
+        self.sizes, self.event_roundoff, self.events, self.jumps = sizes, event_roundoff, events, jumps
         self.corners = corners
         self.changes = changes
         if status == TERMINATED and (not times or times[-1] != t):

@@ -12,7 +12,7 @@ Dense output: stages EXTRA after the rate at the new state, and
 
 The size of the next step is h / clip(err^EXPONENT err_old^-BETA / 0.9, 1/GROW, 1/SHRINK).
 EXPONENT and BETA are sums of powers of 1/2: with an error of order q, EXPONENT + 3/4 BETA is about 1/(q + 1).
-USES_NEW: whether the error needs the rate at the new state.
+USES_END_RATE: whether the error needs the rate at the new state.
 """
 
 from __future__ import annotations

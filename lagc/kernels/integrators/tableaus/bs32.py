@@ -8,7 +8,7 @@ from __future__ import annotations
 
 TITLE = "Bogacki and Shampine 3(2)"
 ORDER = 3
-USES_NEW = 1
+USES_END_RATE = 1
 EXPONENT, BETA = "21/64", "0"
 SHRINK, GROW = "1/5", "5"
 C = ("0", "1/2", "3/4")

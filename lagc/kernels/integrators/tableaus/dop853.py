@@ -8,7 +8,7 @@ from __future__ import annotations
 # fmt: off
 TITLE = "Dormand and Prince 8(5,3)"
 ORDER = 8
-USES_NEW = 0
+USES_END_RATE = 0
 EXPONENT, BETA = "1/8", "0"
 SHRINK, GROW = "333/1000", "6"
 C = (

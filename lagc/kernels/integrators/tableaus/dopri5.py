@@ -8,7 +8,7 @@ from __future__ import annotations
 # fmt: off
 TITLE = "Dormand and Prince 5(4)"
 ORDER = 5
-USES_NEW = 1
+USES_END_RATE = 1
 EXPONENT, BETA = "11/64", "5/128"
 SHRINK, GROW = "1/5", "10"
 C = (

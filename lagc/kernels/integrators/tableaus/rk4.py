@@ -7,7 +7,7 @@ from __future__ import annotations
 
 TITLE = "Classical Runge-Kutta 4, fixed steps"
 ORDER = 4
-USES_NEW = 0
+USES_END_RATE = 0
 EXPONENT, BETA = "1/4", "0"
 SHRINK, GROW = "1/5", "5"
 C = ("0", "1/2", "1/2", "1")
