@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -30,43 +31,59 @@ def test_rooms_import_only_what_comes_before_them() -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+# A circle that is still to be cut, with the imports that close it; an entry goes once its circle is gone.
+KNOWN_CIRCLES: tuple[frozenset[str], ...] = (
+    frozenset({
+        "lagc.simulation.formats", "lagc.simulation.sensitivity.sensitivity", "lagc.simulation.simulate",
+        "lagc.simulation.solution",
+    }),
+)  # fmt: skip
+
+
 def imports(tree: ast.AST, known: set[str]) -> Iterator[str]:
-    """The files that a file imports, within functions too; not those of which it knows types alone."""
-    for node in ast.iter_child_nodes(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            continue
+    """Yield the modules that a module imports: at the top, within functions and for type checkers alone."""
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in known)
         elif isinstance(node, ast.ImportFrom) and node.module:
             names = {f"{node.module}.{alias.name}" for alias in node.names}
             yield from (names & known) or ({node.module} & known)
-        yield from imports(node, known)
 
 
-def circle(files: dict[str, str]) -> list[str]:
-    """Files, by name and text, that import one another around; none where none do."""
-    needs = {name: set(imports(ast.parse(text), set(files))) for name, text in files.items()}
-    try:
-        TopologicalSorter(needs).prepare()
-    except CycleError as error:
-        return list(error.args[1])
-    return []
+def circles(files: dict[str, str]) -> list[frozenset[str]]:
+    """Return the sets of modules, given by name and text, that import one another in a circle."""
+    needs = {name: set(imports(ast.parse(text), set(files))) - {name} for name, text in files.items()}
+    found: set[frozenset[str]] = set()
+    while True:
+        try:
+            TopologicalSorter(needs).prepare()
+            return sorted(found, key=sorted)
+        except CycleError as error:
+            circle = error.args[1]  # each module, and behind it one that imports it
+            found.add(frozenset(circle))
+            for imported, importer in pairwise(circle):
+                needs[importer].discard(imported)
 
 
-def test_no_file_imports_one_that_imports_it() -> None:
+def modules() -> dict[str, str]:
     paths = [path for path in (ROOT / "lagc").rglob("*.py") if "support" not in path.parts]
     names = {path: ".".join(path.relative_to(ROOT).with_suffix("").parts) for path in paths}
-    files = {name.removesuffix(".__init__"): path.read_text() for path, name in names.items()}
-    assert not circle(files)
+    return {name.removesuffix(".__init__"): path.read_text() for path, name in names.items()}
 
 
-def test_circles_of_imports_are_seen() -> None:
+def test_no_modules_import_one_another_in_a_circle() -> None:
+    new = [found for found in circles(modules()) if not any(found <= known for known in KNOWN_CIRCLES)]
+    assert not new
+
+
+def test_circles_of_imports_are_found() -> None:
     late = "def f():\n    from lagc.b import g\n"
-    assert circle({"lagc.a": late, "lagc.b": "import lagc.a"})
-    assert circle(
-        {"lagc.a": late, "lagc.b": "from lagc import c", "lagc.c": "if True:\n    from lagc.a import f"}
-    )
-    assert not circle({"lagc.a": late, "lagc.b": "if TYPE_CHECKING:\n    import lagc.a"})
+    both = [frozenset({"lagc.a", "lagc.b"})]
+    assert circles({"lagc.a": late, "lagc.b": "import lagc.a"}) == both
+    assert circles({"lagc.a": late, "lagc.b": "if TYPE_CHECKING:\n    import lagc.a"}) == both
+    deep = {"lagc.a": late, "lagc.b": "from lagc import c", "lagc.c": "if True:\n    from lagc.a import f"}
+    assert circles(deep) == [frozenset({"lagc.a", "lagc.b", "lagc.c"})]
+    assert not circles({"lagc.a": late, "lagc.b": "import os"})
 
 
 @pytest.mark.parametrize("forbidden", ["numpy", "lark", "sympy", "scipy", "matplotlib"])

@@ -10,9 +10,9 @@ from lagc.diagnostics.faults import Fault, Refused, Span
 from lagc.semantics.model import Frame, Table
 from lagc.semantics.names.effects import Uses
 from lagc.semantics.names.namespace import Importer
-from lagc.semantics.names.scope import LARGEST, Entry, Environment
-from lagc.semantics.names.values import Poisoned, Value, Wrong
+from lagc.semantics.names.scope import LARGEST, Entry, Environment, Value
 from lagc.semantics.time_derivatives import Clock
+from lagc.semantics.types.refusals import Poisoned, Wrong
 from lagc.symbolic.graph import Graph, Node
 from lagc.symbolic.vectors import Matrix, Vector
 from lagc.syntax import tree

@@ -16,8 +16,8 @@ from lagc.semantics.declarations.actions import (
 )
 from lagc.semantics.declarations.bodies import declare_body, declare_gravity
 from lagc.semantics.declarations.quantities import declare_quantity
-from lagc.semantics.names.scope import Entry
-from lagc.semantics.names.values import Thing, Value, Wrong
+from lagc.semantics.names.scope import Entry, Thing, Value
+from lagc.semantics.types.refusals import Wrong
 
 
 def _function(context: Context, entry: Entry) -> Value:

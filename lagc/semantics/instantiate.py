@@ -8,19 +8,25 @@ from lagc.base.records import dataclass, replace
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
-from lagc.semantics.names.modifications import Extended, modifiers_of, outermost_first, subscripts
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import (
     DEEPEST,
     Entry,
     Environment,
+    Extended,
+    Indexed,
     Instance,
     Item,
     Modifier,
     Modifiers,
+    Part,
+    Scalar,
     Source,
+    modifiers_of,
+    outermost_first,
+    subscripts,
 )
-from lagc.semantics.names.values import Indexed, Part, Scalar, Wrong
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import NONE
 from lagc.semantics.values.evaluate import integer, integers
 from lagc.semantics.values.members import MOST_NAMED

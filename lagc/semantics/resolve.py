@@ -16,7 +16,6 @@ from lagc.semantics.instantiate import Builder
 from lagc.semantics.names.effects import Uses
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import Environment, Instance
-from lagc.semantics.names.values import Wrong
 from lagc.semantics.scenes.choice import (
     Inputs,
     Numbers,
@@ -31,6 +30,7 @@ from lagc.semantics.scenes.choice import (
     scenes_of,
 )
 from lagc.semantics.time_derivatives import MOVING
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.calls import look_at_uncalled
 from lagc.semantics.values.expressions import HOW
 from lagc.syntax import tree

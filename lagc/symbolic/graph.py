@@ -94,9 +94,8 @@ class Node:
         return self.graph.pow(self, self.graph.lift(other))
 
     def __repr__(self) -> str:
-        from lagc.symbolic.text import text
-
-        return text(self)
+        arguments = ", ".join(f"#{a.index}" for a in self.args)
+        return f"#{self.index} {self.op}({arguments})" + ("" if self.value is None else f" {self.value}")
 
     @property
     def record(self) -> Symbol:
@@ -375,6 +374,18 @@ class Graph:
 
     def sqrt(self, x: Node) -> Node:
         return self.unary("sqrt", x)
+
+    def is_of_parameters(self, x: Node) -> bool:
+        """Return whether all symbols below `x` are parameters."""
+        seen, stack = {x}, [x]
+        while stack:
+            node = stack.pop()
+            if node.op == "symbol" and node.value.kind != "parameter":
+                return False
+            new = [a for a in node.args if a not in seen]
+            seen.update(new)
+            stack += new
+        return True
 
     def twin(self, x: Node) -> Node | None:
         """cos(u) for x = sin(u), sin(u) for cos(u)."""

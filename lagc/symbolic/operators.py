@@ -88,12 +88,10 @@ def _sign(x: float) -> float:
 
 
 def _power_slopes(graph: Any, node: Any, x: Any, y: Any) -> tuple[Any, ...]:
-    from lagc.symbolic.walk import symbols
-
     dx = graph.mul(y, graph.pow(x, y - 1.0))
     if y.is_const:
         return (dx, graph.zero)
-    if all([symbol.value.kind == "parameter" for symbol in symbols([y])]):
+    if graph.is_of_parameters(y):
         x = graph.select(graph.binary("eq", node, graph.zero), graph.one, x)  # where 0^p is 0 its slope is
     return (dx, graph.mul(node, graph.unary("log", x)))
 

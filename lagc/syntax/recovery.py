@@ -50,7 +50,7 @@ class Recovery:
                 brackets.append(value)
             elif type(value) is Token and value.kind == SYMBOL and value.text in ")]}" and brackets:
                 brackets.pop()
-        found = explain(Where(self, begin, brackets))
+        found = explain(Where(machine, self.accepts, begin, brackets))
         machine.report(found.fault, machine.tokens[begin])
         if found.repair is None or not self._repair(found.repair):
             self._give_up(bottom, begin)

@@ -8,13 +8,13 @@ from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import no_rates
 from lagc.semantics.model import Body, Frame
-from lagc.semantics.names.scope import Entry, Environment
-from lagc.semantics.names.values import (
+from lagc.semantics.names.scope import (
     Array,
+    Entry,
+    Environment,
     Scalar,
     Thing,
     Value,
-    Wrong,
     expect,
     kind,
     scalar_of,
@@ -22,6 +22,7 @@ from lagc.semantics.names.values import (
     vector_value,
 )
 from lagc.semantics.time_derivatives import LATE, VELOCITY
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import describe
 from lagc.semantics.types.units import ENERGY, FORCE, NONE, POWER, Dimension, M, si_text
 from lagc.semantics.values.evaluate import all_values, both, each, evaluate, evaluate_as

@@ -9,9 +9,9 @@ from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context, Given
 from lagc.semantics.model import DECLARED, FIXED, RUN, SCENE, UNSTATED, Statement
-from lagc.semantics.names.scope import Entry, Modifier
-from lagc.semantics.names.values import Array, Scalar, Truth, Value, Wrong, expect, flat, kind, shape
+from lagc.semantics.names.scope import Array, Entry, Modifier, Scalar, Truth, Value, expect, flat, kind, shape
 from lagc.semantics.time_derivatives import LATE, MOVING, VELOCITY
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import Dimension, UnknownUnit, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as
 from lagc.semantics.values.tables import over_time

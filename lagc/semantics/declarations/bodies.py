@@ -10,13 +10,12 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import given_scalar
-from lagc.semantics.names.scope import Entry
-from lagc.semantics.names.values import (
+from lagc.semantics.names.scope import (
     Array,
+    Entry,
     Scalar,
     Thing,
     Value,
-    Wrong,
     expect,
     flat,
     kind,
@@ -24,6 +23,7 @@ from lagc.semantics.names.values import (
     vector_of,
 )
 from lagc.semantics.time_derivatives import LATE, VELOCITY
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import KG, NONE, M, S, dimension, over
 from lagc.semantics.values.calls import look_at_arguments, match
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as

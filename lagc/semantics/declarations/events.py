@@ -10,9 +10,9 @@ from lagc.diagnostics.faults import Source
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Environment
-from lagc.semantics.names.values import Scalar, Truth, Wrong, flat, kind, shape
+from lagc.semantics.names.scope import Environment, Scalar, Truth, flat, kind, shape
 from lagc.semantics.time_derivatives import LATE, MOVING
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import describe
 from lagc.semantics.types.units import NONE
 from lagc.semantics.values.evaluate import each, evaluate, evaluate_as

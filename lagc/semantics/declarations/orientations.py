@@ -16,8 +16,8 @@ from lagc.semantics.declarations.attributes import (
     still,
 )
 from lagc.semantics.model import Orientation, Statement
-from lagc.semantics.names.scope import Entry, Modifier
-from lagc.semantics.names.values import Value, Wrong, expect, flat
+from lagc.semantics.names.scope import Entry, Modifier, Value, expect, flat
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import NONE, Dimension, S, over
 from lagc.semantics.values.evaluate import evaluate_as
 from lagc.symbolic.graph import Node

@@ -30,11 +30,21 @@ from lagc.semantics.declarations.quantity import (
     value_span,
     values_of,
 )
-from lagc.semantics.names.modifications import subscripts
-from lagc.semantics.names.scope import Entry, Modifier
+from lagc.semantics.names.scope import (
+    Entry,
+    Modifier,
+    Scalar,
+    Text,
+    Value,
+    expect,
+    flat,
+    kind,
+    shape,
+    subscripts,
+)
 from lagc.semantics.names.type_names import type_of
-from lagc.semantics.names.values import Poisoned, Scalar, Text, Value, Wrong, expect, flat, kind, shape
 from lagc.semantics.time_derivatives import LATE
+from lagc.semantics.types.refusals import Poisoned, Wrong
 from lagc.semantics.types.types import QuantityType
 from lagc.semantics.types.units import Dimension, S, UnknownUnit, over, unit
 from lagc.semantics.values.evaluate import evaluate, evaluate_as, integer, whole

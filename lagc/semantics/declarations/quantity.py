@@ -8,9 +8,8 @@ from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.declarations.attributes import elements, given_elements, given_scalar, written_value
-from lagc.semantics.names.modifications import subscripts
-from lagc.semantics.names.scope import Entry, Modifier
-from lagc.semantics.names.values import Scalar, Wrong
+from lagc.semantics.names.scope import Entry, Modifier, Scalar, subscripts
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import QuantityType
 from lagc.semantics.values.evaluate import evaluate
 from lagc.symbolic.text import number as number_text

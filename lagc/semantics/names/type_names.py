@@ -5,7 +5,7 @@ from __future__ import annotations
 from lagc.base.records import replace
 from lagc.diagnostics.suggest import did_you_mean, foreign_type
 from lagc.semantics.names.namespace import Namespace
-from lagc.semantics.names.values import Wrong
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import TYPES, QuantityType, quantity_type
 from lagc.semantics.types.units import UnknownUnit, si_text, unit
 from lagc.syntax import tree

@@ -11,8 +11,8 @@ from lagc.semantics.context import Context, Given, Points
 from lagc.semantics.names.effects import Uses, keys, without_subscripts
 from lagc.semantics.names.namespace import Namespace
 from lagc.semantics.names.scope import DEEPEST, Environment
-from lagc.semantics.names.values import Wrong
 from lagc.semantics.scenes.settings import Settings
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.evaluate import integer
 from lagc.symbolic.leaves import derived, underived
 from lagc.syntax import tree

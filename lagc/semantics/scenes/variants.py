@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from lagc.base.records import dataclass
 from lagc.semantics.names.namespace import Importer, Namespace
 from lagc.semantics.names.scope import DEEPEST
-from lagc.semantics.names.values import Wrong
+from lagc.semantics.types.refusals import Wrong
 from lagc.syntax import tree
 
 

@@ -7,9 +7,9 @@ from functools import partial
 
 from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Entry, Environment
+from lagc.semantics.names.scope import Entry, Environment, Scalar, Value, expect, flat
 from lagc.semantics.names.type_names import type_of
-from lagc.semantics.names.values import Poisoned, Scalar, Value, Wrong, expect, flat
+from lagc.semantics.types.refusals import Poisoned, Wrong
 from lagc.semantics.types.types import QuantityType
 from lagc.semantics.values import functions, kinematics, rotations, tables
 from lagc.semantics.values.constants import dotted, space_only

@@ -5,9 +5,9 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.names.namespace import Declared, Namespace
-from lagc.semantics.names.scope import Environment, Instance
+from lagc.semantics.names.scope import Environment, Instance, Value, expect, flat
 from lagc.semantics.names.type_names import type_of
-from lagc.semantics.names.values import Value, Wrong, expect, flat
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.evaluate import evaluate_as
 from lagc.syntax import tree
 

@@ -8,8 +8,19 @@ from collections.abc import Callable, Sequence
 from lagc.diagnostics.faults import Span
 from lagc.diagnostics.suggest import did_you_mean, foreign
 from lagc.semantics.context import Context
-from lagc.semantics.names.scope import Environment, Instance
-from lagc.semantics.names.values import Array, Poisoned, Scalar, Text, Truth, Value, Wrong, flat, kind, shape
+from lagc.semantics.names.scope import (
+    Array,
+    Environment,
+    Instance,
+    Scalar,
+    Text,
+    Truth,
+    Value,
+    flat,
+    kind,
+    shape,
+)
+from lagc.semantics.types.refusals import Poisoned, Wrong
 from lagc.semantics.types.types import CONSTANTS, describe
 from lagc.semantics.types.units import NONE, Dimension, S, UnknownUnit, unit
 from lagc.semantics.values.arithmetic import binary, negative, select

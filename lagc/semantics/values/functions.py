@@ -9,12 +9,11 @@ from typing import TypeAlias
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
-from lagc.semantics.names.values import (
+from lagc.semantics.names.scope import (
     Array,
     Indexed,
     Scalar,
     Value,
-    Wrong,
     constant,
     numbers_of,
     scalar_of,
@@ -22,6 +21,7 @@ from lagc.semantics.names.values import (
     vector_of,
     vector_value,
 )
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import describe
 from lagc.semantics.types.units import NONE, Dimension, raised, times
 from lagc.semantics.values.frame_vectors import length_of, unit_vector

@@ -5,12 +5,11 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Constraint, Frame, Potential
-from lagc.semantics.names.values import (
+from lagc.semantics.names.scope import (
     Array,
     Scalar,
     Thing,
     Value,
-    Wrong,
     expect,
     kind,
     scalar_of,
@@ -18,6 +17,7 @@ from lagc.semantics.names.values import (
     vector_value,
 )
 from lagc.semantics.time_derivatives import BIT, LATE, VELOCITY
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import ENERGY, KG, NONE, POWER, Dimension, M, S, dimension, over, times
 from lagc.semantics.types.units import unit as unit_of
 from lagc.semantics.values.functions import Argument, Table

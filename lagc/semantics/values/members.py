@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics.context import Context
 from lagc.semantics.model import Body, Frame, Orientation
-from lagc.semantics.names.values import Array, Indexed, Part, Scalar, Thing, Value, Wrong, kind, vector_value
+from lagc.semantics.names.scope import Array, Indexed, Part, Scalar, Thing, Value, kind, vector_value
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import KG, NONE, M, S, over
 from lagc.syntax import tree
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 from lagc.diagnostics.faults import Span
 from lagc.semantics.context import Context
 from lagc.semantics.model import Frame, Orientation
-from lagc.semantics.names.values import Value, Wrong, kind, vector_of
+from lagc.semantics.names.scope import Value, kind, vector_of
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.values.frame_vectors import direction, in_frame, known_in_frame, still
 from lagc.semantics.values.functions import Argument, Table, number
 from lagc.semantics.values.kinematics import derivative

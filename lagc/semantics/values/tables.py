@@ -13,7 +13,8 @@ from lagc.diagnostics.suggest import did_you_mean
 from lagc.semantics import model as nouns
 from lagc.semantics.context import Context, Points
 from lagc.semantics.names.data_files import Columns, Unfit
-from lagc.semantics.names.values import Array, Scalar, Text, Value, Wrong, common_dimension, kind, scalar_of
+from lagc.semantics.names.scope import Array, Scalar, Text, Value, common_dimension, kind, scalar_of
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.types import describe
 from lagc.semantics.types.units import NONE, Dimension, UnknownUnit, unit
 from lagc.semantics.values.functions import Argument, Table

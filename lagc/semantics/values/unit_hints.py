@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from lagc.semantics.names.values import Wrong, expect
+from lagc.semantics.names.scope import expect
+from lagc.semantics.types.refusals import Wrong
 from lagc.semantics.types.units import NONE, Dimension, over, si_text
 from lagc.syntax import tree
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from lagc.base.records import dataclass
 from lagc.diagnostics.faults import Fault, Span
+from lagc.syntax.lalr import Machine
 from lagc.syntax.lexer import END, SYMBOL, UNIT, WORD, Token
-
-if TYPE_CHECKING:
-    from lagc.syntax.recovery import Recovery
 
 HEADERS = frozenset(("model", "package", "effect", "scene", "for", "when"))  # words that open a block
 
@@ -34,14 +31,13 @@ class Where:
     """The place of a mistake: a token that cannot stand there, in the declaration that begins with
     token number `begin`."""
 
-    def __init__(self, recovery: Recovery, begin: int, brackets: Sequence[Token]):
-        machine = recovery.machine
+    def __init__(self, machine: Machine, accepts: Callable[..., bool], begin: int, brackets: Sequence[Token]):
         self.source = machine.source
         self.tokens = machine.tokens
         self.keywords = machine.tables.keywords
         self.signs = machine.tables.symbols
         self.block = machine.blocks[-1] if machine.blocks else None
-        self.accepts = recovery.accepts
+        self.accepts = accepts  # whether terminals can follow here, one after the other
         self.position = machine.position
         self.begin = begin
         self.brackets = brackets  # that are open
