@@ -113,6 +113,18 @@ class Run(Solution):
 
         return plot(self, names=names, path=path)
 
+    def save(self, path: str, units: bool = False) -> None:
+        """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
+
+        `units` writes them into the header of a CSV file, `theta [rad]`; the other formats, and the
+        file `PATH.json` beside a CSV file, carry them in any case, with what else is known of the run.
+        Raises `lagc.simulation.formats.CannotSave` where the ending is none of these, a package is missing
+        or the file cannot be written.
+        """
+        from lagc.simulation.formats import save
+
+        save(self, path, units)
+
     def _repr_html_(self) -> str:
         from lagc.reports.plots.html import solution_html
 
@@ -306,7 +318,7 @@ class CompiledModel(Differentiable):
         parameters = [float(value) for value in parameters]
         if not request.sensitivity:
             return self._moved(request, parameters, progress)
-        from lagc.simulation.sensitivity.directions import directions
+        from lagc.simulation.sensitivity.sensitivities import directions
         from lagc.simulation.sensitivity.sensitivity import sensitivities
 
         artifact = self.artifact

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy import float64
     from numpy.typing import NDArray
 
-    from lagc.simulation.sensitivity.sensitivity import Sensitivities
+    from lagc.simulation.sensitivity.sensitivities import Sensitivities
 
     Array: TypeAlias = NDArray[float64]
 
@@ -254,18 +254,6 @@ class Solution:
         frame = pandas.DataFrame({n: self[n] for n in self.columns}, index=pandas.Index(self.t, name="time"))
         frame.attrs.update(self.metadata())
         return frame
-
-    def save(self, path: str, units: bool = False) -> None:
-        """Write the recorded times and columns; the ending says how: .csv .npz .parquet.
-
-        `units` writes them into the header of a CSV file, `theta [rad]`; the other formats, and the
-        file `PATH.json` beside a CSV file, carry them in any case, with what else is known of the run.
-        Raises `lagc.simulation.formats.CannotSave` where the ending is none of these, a package is missing
-        or the file cannot be written.
-        """
-        from lagc.simulation.formats import save
-
-        save(self, path, units)
 
     def _fill_rates(self) -> None:
         system = self.system

@@ -411,7 +411,7 @@ def test_many_quantities_are_told_in_time_in_proportion(monkeypatch: pytest.Monk
         force f[i] = {{-k*x[i], 0, 0}} at b[i]; end for; end W;"""
     )
     run = model.compile(backend="numpy").simulate(0.5, points=2, method="rk4", step=0.01, sensitivity="k")
-    monkeypatch.setattr("lagc.simulation.sensitivity.sensitivity.quotient", counted)
+    monkeypatch.setattr("lagc.simulation.sensitivity.sensitivities.quotient", counted)
     final = run.final
     assert len(final) == 4 * n and 0 < asked[0] <= 4 * len(final)
     assert final[f"d(x[{n}])/d(k)"] == pytest.approx(-0.25 * sin(0.5), rel=1e-6)

@@ -16,7 +16,7 @@ import numpy as np
 from lagc.simulation.initialization.conflicts import conditions_of
 from lagc.simulation.initialization.solver import RUN, Consistency
 from lagc.simulation.linearization.derivatives import DEPENDENT, Array, Point
-from lagc.simulation.sensitivity.directions import Direction
+from lagc.simulation.sensitivity.sensitivities import Direction
 from lagc.simulation.system import OK
 
 if TYPE_CHECKING:

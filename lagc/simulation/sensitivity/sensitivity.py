@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lagc.base.numerals import FINEST
-from lagc.base.records import dataclass, field, replace
-from lagc.semantics.types.units import UnknownUnit, quotient
 from lagc.simulation.global_error.truncation import SAFETY, is_tied
 from lagc.simulation.global_error.verified_run import longest_step
-from lagc.simulation.linearization.derivatives import Array, Point
+from lagc.simulation.linearization.derivatives import Array
 from lagc.simulation.request import Request
-from lagc.simulation.sensitivity.directions import Direction
 from lagc.simulation.sensitivity.initial_sensitivity import start_slopes
-from lagc.simulation.sensitivity.variational_equations import FAINT, Followed, Variation
+from lagc.simulation.sensitivity.sensitivities import CLEAR, Direction, Sensitivities
+from lagc.simulation.sensitivity.variational_equations import Followed, Variation
 from lagc.simulation.simulate import by_hand
 from lagc.simulation.system import Options
-from lagc.symbolic.leaves import derived
 
 if TYPE_CHECKING:
     from lagc.simulation.backends.python import NumpySystem
@@ -30,132 +26,8 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-7  # of a run at rest, which has none
 ATTEMPTS = 4
 MORE, MOST = 100, 10_000  # steps that an integration takes, of those of the motion, and besides
-CLEAR = 10.0  # times what rounding may be: a sensitivity that counts
 
 Progress = Callable[[float], None]
-
-
-@dataclass
-class Sensitivities:
-    """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
-    none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
-    of states to the same theta; None where it is not known.  `doubts`, (nq + nv, directions): what `values`
-    may be off by, as is estimated or by rounding.  `message` says why they end early, or are not as good as
-    asked; the cost is that of all integrations."""
-
-    system: NumpySystem
-    directions: tuple[Direction, ...]
-    times: list[float]
-    states: list[list[float]]
-    values: Array
-    doubts: Array
-    estimated: float | None
-    message: str
-    interrupted: bool
-    steps: int
-    rejected: int
-    evaluations: int
-    integrations: int
-    run_s: float
-    _columns: dict[str, Array] = field(default_factory=dict, repr=False)
-    _doubts: dict[str, Array] = field(default_factory=dict, repr=False)
-
-    def __str__(self) -> str:
-        by = ", ".join([d.name for d in self.directions])
-        known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
-        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.evaluations} "
-                f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
-
-    def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
-        """The columns of these quantities, and what they are of: `d(theta)/d(l)`."""
-        return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
-
-    def units(self, units: Mapping[str, str]) -> dict[str, str]:
-        """Of the columns of quantities with these units."""
-        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
-
-    def __contains__(self, column: str) -> bool:
-        return column in self._names
-
-    def column(self, column: str) -> list[float]:
-        """Of a state, the rate of a coordinate or an output, over the recorded times."""
-        name, direction = self._names[column]
-        self._fill()
-        found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
-        return found
-
-    def doubt(self, column: str) -> float:
-        """What a column may be off by: nothing within it tells of the motion."""
-        name, direction = self._names[column]
-        self._fill()
-        return float(self._doubts[name][self.directions.index(direction)])
-
-    @cached_property
-    def _names(self) -> dict[str, tuple[str, Direction]]:
-        interface = self.system.interface
-        rates = [derived(name) for name in interface.q_names]
-        outputs = [o.name for o in interface.outputs]
-        return self.named([*interface.state_names, *rates, *outputs])
-
-    def last(self) -> Sensitivities:
-        """At the last recorded time alone."""
-        end = slice(-1, None)
-        return replace(
-            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={},
-            _doubts={},
-        )  # fmt: skip
-
-    def told(self) -> dict[str, Any]:
-        """For JSON."""
-        return {
-            "of": [d.name for d in self.directions],
-            "estimated": self.estimated,
-            "message": self.message,
-            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.evaluations,
-                     "run_s": self.run_s},
-        }  # fmt: skip
-
-    def _fill(self) -> None:
-        """The columns of rates and outputs follow from those of the states, and so do their doubts."""
-        if self._columns:
-            return
-        interface = self.system.interface
-        states = interface.state_names
-        rates = [derived(name) for name in interface.q_names]
-        outputs = [o.name for o in interface.outputs]
-        columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
-        places = [d.parameter for d in self.directions if d.parameter is not None]
-        more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
-        off, n = np.zeros(more.shape[1:]), len(states)
-        for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
-            if np.isnan(own).all():
-                continue
-            with np.errstate(all="ignore"):
-                try:
-                    point = Point(self.system, t, x[:n])
-                except ArithmeticError:
-                    continue
-                for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):
-                    by_state = point.total(part, "state")
-                    more[k, rows] = by_state @ own
-                    terms = np.abs(by_state) @ np.abs(own)
-                    if places:
-                        by_parameter = point.total(part, "parameter")[:, places]
-                        more[k, rows, columns] += by_parameter.T
-                        terms[:, columns] += np.abs(by_parameter)
-                    here = np.abs(by_state) @ self.doubts + CLEAR * FAINT * terms
-                    off[rows] = np.fmax(off[rows], here)
-        self._doubts = dict(zip((*rates, *outputs), off)) | dict(zip(states, self.doubts))
-        found = {name: self.values[:, k] for k, name in enumerate(states)}
-        found.update({name: more[:, k] for k, name in enumerate((*rates, *outputs)) if name not in found})
-        self._columns = found
-
-
-def _quotient(above: str, below: str) -> str:
-    try:
-        return quotient(above, below)
-    except UnknownUnit:  # a root has none that could be read
-        return f"({above or '1'})/({below})"
 
 
 def sensitivities(

@@ -20,8 +20,8 @@ import numpy as np
 
 from lagc.base.records import dataclass
 from lagc.simulation.linearization.derivatives import Array, Point
-from lagc.simulation.sensitivity.directions import Direction
 from lagc.simulation.sensitivity.saltation import Changes, Stopped, end_of_step
+from lagc.simulation.sensitivity.sensitivities import FAINT, Direction
 from lagc.simulation.sensitivity.tableau import combined, tableau, within
 from lagc.simulation.system import OK, TERMINATED, Options
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 SHORTEST = 1e-12  # of the time of the run: of a step that is made again
 SHAKEN = 9e-16  # of a state: four units of its last place
 FADING = 0.9  # from step to step, of the rounding that was heard
-FAINT = 1e-14  # of the terms of its rates: what of S is rounding
 STEEPEST = 20.0  # power of the time by which S departs from zero
 SAME = 1e-6  # of the time of a run: where two of its integrations end
 

@@ -1,0 +1,199 @@
+"""The sensitivities of a run as a record, and the parameters and initial values that they refer to."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagc.base.records import dataclass, field, replace
+from lagc.diagnostics.faults import Fault, Refused
+from lagc.lowering.program import Field, Interface
+from lagc.semantics.types.units import UnknownUnit, quotient
+from lagc.simulation.linearization.derivatives import Array, Point
+from lagc.simulation.request import unknown
+from lagc.symbolic.leaves import derived
+
+if TYPE_CHECKING:
+    from lagc.simulation.backends.python import NumpySystem
+
+CLEAR = 10.0  # times what rounding may be: a sensitivity that counts
+FAINT = 1e-14  # of the terms of its rates: what of S is rounding
+
+
+@dataclass(frozen=True, slots=True)
+class Direction:
+    """`parameter`: its place in p, or `state`: in x; neither, where it reaches nothing."""
+
+    name: str
+    unit: str
+    parameter: int | None = None
+    state: int | None = None
+
+
+def directions(
+    interface: Interface, names: Sequence[str], unused: Sequence[Field], built_in: Collection[str]
+) -> tuple[Direction, ...]:
+    """`l`, `start(theta)`, `start(der(theta))`, each once; of an array all its entries.  Raises Refused:
+    LAG0601, LAG0606 where a name is unknown, LAG0607 what is built into the compiled model."""
+    fields = [*interface.parameters, *interface.inputs]
+    given = {f.name: Direction(f.name, f.unit, parameter=k) for k, f in enumerate(fields)}
+    given.update((f.name, Direction(f.name, f.unit)) for f in unused)
+    states = [*zip(interface.q_names, interface.q_units), *zip(interface.v_names, interface.v_units)]
+    starts = {name: Direction(f"start({name})", unit, state=k) for k, (name, unit) in enumerate(states)}
+    faults: list[Fault] = []
+    found: dict[str, Direction] = {}
+    for word in names:
+        name = word.strip()
+        at = name[len("start(") : -1].strip() if name.startswith("start(") and name.endswith(")") else None
+        meant = _meant(name, given) if at is None else _meant(at, starts)
+        if name in built_in:
+            fault = f"`{name}` is built into the compiled model: nothing is differentiated by it"
+            faults.append(Fault("LAG0607", fault))
+        elif meant:
+            found.update((d.name, d) for d in meant)
+        elif not (name if at is None else at):
+            faults.append(Fault("LAG0601", "one of the names that a run is to be differentiated by is empty"))
+        elif at is not None:
+            faults.append(unknown(at, starts, "coordinate or speed", "LAG0606"))
+        elif name in starts:
+            fault = f"`{name}` is no parameter, and has no one value"
+            faults.append(Fault("LAG0601", fault, remedy=f"by its start: `start({name})`"))
+        else:
+            faults.append(unknown(name, given, "parameter", "LAG0601"))
+    if faults:
+        raise Refused(faults)
+    return tuple(found.values())
+
+
+def _meant(name: str, known: Mapping[str, Direction]) -> list[Direction]:
+    """What is known by a name, or as entries of an array."""
+    if name in known:
+        return [known[name]]
+    stem, closed = (name[:-1], "])") if name.startswith("der(") else (name, "]")
+    return [d for own, d in known.items() if name and own.startswith(f"{stem}[") and own.endswith(closed)]
+
+
+@dataclass
+class Sensitivities:
+    """`values`: d(q, v)/dtheta at the recorded times, (times, nq + nv, directions), SI; NaN where there are
+    none.  `estimated`: the largest error over all times, relative to the largest sensitivity of the same kind
+    of states to the same theta; None where it is not known.  `doubts`, (nq + nv, directions): what `values`
+    may be off by, as is estimated or by rounding.  `message` says why they end early, or are not as good as
+    asked; the cost is that of all integrations."""
+
+    system: NumpySystem
+    directions: tuple[Direction, ...]
+    times: list[float]
+    states: list[list[float]]
+    values: Array
+    doubts: Array
+    estimated: float | None
+    message: str
+    interrupted: bool
+    steps: int
+    rejected: int
+    evaluations: int
+    integrations: int
+    run_s: float
+    _columns: dict[str, Array] = field(default_factory=dict, repr=False)
+    _doubts: dict[str, Array] = field(default_factory=dict, repr=False)
+
+    def __str__(self) -> str:
+        by = ", ".join([d.name for d in self.directions])
+        known = "not verified" if self.estimated is None else f"estimated {self.estimated:.1e}"
+        return (f"to {by}: {known}; {self.steps} steps ({self.rejected} rejected), {self.evaluations} "
+                f"derivatives in {self.integrations} integrations, run {self.run_s:.3g} s")  # fmt: skip
+
+    def named(self, quantities: Iterable[str]) -> dict[str, tuple[str, Direction]]:
+        """The columns of these quantities, and what they are of: `d(theta)/d(l)`."""
+        return {f"d({name})/d({d.name})": (name, d) for name in quantities for d in self.directions}
+
+    def units(self, units: Mapping[str, str]) -> dict[str, str]:
+        """Of the columns of quantities with these units."""
+        return {column: _quotient(units[name], d.unit) for column, (name, d) in self.named(units).items()}
+
+    def __contains__(self, column: str) -> bool:
+        return column in self._names
+
+    def column(self, column: str) -> list[float]:
+        """Of a state, the rate of a coordinate or an output, over the recorded times."""
+        name, direction = self._names[column]
+        self._fill()
+        found: list[float] = self._columns[name][:, self.directions.index(direction)].tolist()
+        return found
+
+    def doubt(self, column: str) -> float:
+        """What a column may be off by: nothing within it tells of the motion."""
+        name, direction = self._names[column]
+        self._fill()
+        return float(self._doubts[name][self.directions.index(direction)])
+
+    @cached_property
+    def _names(self) -> dict[str, tuple[str, Direction]]:
+        interface = self.system.interface
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        return self.named([*interface.state_names, *rates, *outputs])
+
+    def last(self) -> Sensitivities:
+        """At the last recorded time alone."""
+        end = slice(-1, None)
+        return replace(
+            self, times=self.times[end], states=self.states[end], values=self.values[end], _columns={},
+            _doubts={},
+        )  # fmt: skip
+
+    def told(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "of": [d.name for d in self.directions],
+            "estimated": self.estimated,
+            "message": self.message,
+            "cost": {"steps": self.steps, "rejected": self.rejected, "derivatives": self.evaluations,
+                     "run_s": self.run_s},
+        }  # fmt: skip
+
+    def _fill(self) -> None:
+        """The columns of rates and outputs follow from those of the states, and so do their doubts."""
+        if self._columns:
+            return
+        interface = self.system.interface
+        states = interface.state_names
+        rates = [derived(name) for name in interface.q_names]
+        outputs = [o.name for o in interface.outputs]
+        columns = [k for k, d in enumerate(self.directions) if d.parameter is not None]
+        places = [d.parameter for d in self.directions if d.parameter is not None]
+        more = np.full((len(self.times), len(rates) + len(outputs), len(self.directions)), np.nan)
+        off, n = np.zeros(more.shape[1:]), len(states)
+        for k, (t, x, own) in enumerate(zip(self.times, self.states, self.values)):
+            if np.isnan(own).all():
+                continue
+            with np.errstate(all="ignore"):
+                try:
+                    point = Point(self.system, t, x[:n])
+                except ArithmeticError:
+                    continue
+                for part, rows in (("qdot", slice(len(rates))), ("output", slice(len(rates), None))):
+                    by_state = point.total(part, "state")
+                    more[k, rows] = by_state @ own
+                    terms = np.abs(by_state) @ np.abs(own)
+                    if places:
+                        by_parameter = point.total(part, "parameter")[:, places]
+                        more[k, rows, columns] += by_parameter.T
+                        terms[:, columns] += np.abs(by_parameter)
+                    here = np.abs(by_state) @ self.doubts + CLEAR * FAINT * terms
+                    off[rows] = np.fmax(off[rows], here)
+        self._doubts = dict(zip((*rates, *outputs), off)) | dict(zip(states, self.doubts))
+        found = {name: self.values[:, k] for k, name in enumerate(states)}
+        found.update({name: more[:, k] for k, name in enumerate((*rates, *outputs)) if name not in found})
+        self._columns = found
+
+
+def _quotient(above: str, below: str) -> str:
+    try:
+        return quotient(above, below)
+    except UnknownUnit:  # a root has none that could be read
+        return f"({above or '1'})/({below})"
