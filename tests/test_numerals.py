@@ -10,8 +10,8 @@ import pytest
 
 import lagc
 from lagc.base.numerals import number, seconds, whole
-from lagc.cli.exits import Usage
 from lagc.cli.options import assignments, quantity
+from lagc.cli.output import Usage
 from lagc.semantics.types.units import UnknownUnit, unit
 from lagc.syntax.lexer import _PATTERN as TOKEN
 

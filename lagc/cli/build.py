@@ -8,11 +8,10 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc.cli.exits import DONE, Usage, cannot_write
+from lagc.cli.deliver import spare
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_json, say, show
+from lagc.cli.output import DONE, Usage, cannot_write, print_json, say, show
 from lagc.cli.signals import SIGNALS
-from lagc.cli.spare import spare
 from lagc.host.atomic_write import Files, folder, no_folder
 
 

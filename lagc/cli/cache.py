@@ -9,9 +9,8 @@ import argparse
 from typing import Any
 
 from lagc.base.printable import one_line
-from lagc.cli.exits import DONE, REFUSED
 from lagc.cli.options import add_general_options
-from lagc.cli.output import print_json, show
+from lagc.cli.output import DONE, REFUSED, print_json, show
 from lagc.host import cache
 from lagc.host.cache import upkeep
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from lagc.cli.exits import DONE, Usage, code_of
 from lagc.cli.options import add_general_options, add_limit_options, add_parameter_option, quantities
-from lagc.cli.output import print_faults, print_json, say, show
+from lagc.cli.output import DONE, Usage, code_of, print_faults, print_json, say, show
 from lagc.diagnostics.faults import Fault, Refused
 
 if TYPE_CHECKING:

@@ -10,14 +10,14 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from typing import TYPE_CHECKING
 
-from lagc.cli.exits import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN
-from lagc.cli.output import print_json, say, show
+from lagc.cli.output import DONE, FAILED, INTERRUPTED, LIMITED, UNWRITTEN, Usage, print_json, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host.atomic_write import output
 from lagc.host.budgets import reached, rest
 
 if TYPE_CHECKING:
     from lagc.api import Run
+    from lagc.compiler.pipeline import Compilation
     from lagc.lowering.program import Interface
 
 
@@ -127,3 +127,20 @@ def _reason(path: str, error: Exception) -> str:
     if isinstance(error, OSError):
         return f"`{path}` cannot be written: {error.strerror or error}"
     return str(error)
+
+
+def spare(compilation: Compilation, *paths: str | None) -> None:
+    """Raises Usage where one of these is the file of the model, or one that it reads, links followed."""
+    files = [compilation.source.name, *(compilation.read.paths if compilation.read else ())]
+    read = set(map(_real, files))
+    for path in paths:
+        if path and _real(path) in read:
+            raise Usage(f"`{path}` is read by the model, and not written over: name another file")
+
+
+def _real(path: str) -> str:
+    """Itself where the folder that it is relative to is gone."""
+    try:
+        return os.path.realpath(path)
+    except OSError:
+        return path

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import argparse
 
-from lagc.cli.exits import DONE
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_faults, print_json, say, show
+from lagc.cli.output import DONE, print_faults, print_json, say, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

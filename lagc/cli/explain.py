@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import argparse
 
-from lagc.cli.exits import DONE
 from lagc.cli.options import add_general_options, add_model_options, choice_of
-from lagc.cli.output import print_json, show
+from lagc.cli.output import DONE, print_json, show
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -8,9 +8,8 @@ from __future__ import annotations
 import argparse
 import os
 
-from lagc.cli.exits import DONE, REFUSED, Usage, cannot_write
 from lagc.cli.options import add_general_options, add_limit_options
-from lagc.cli.output import say, show
+from lagc.cli.output import DONE, REFUSED, Usage, cannot_write, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host import atomic_write, model_library
 

@@ -10,7 +10,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING, Any
 
-from lagc.cli.exits import DONE, FAILED, UNWRITTEN, Usage
+from lagc.cli.deliver import spare
 from lagc.cli.options import (
     add_general_options,
     add_model_options,
@@ -18,8 +18,7 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.output import print_json, say, show
-from lagc.cli.spare import spare
+from lagc.cli.output import DONE, FAILED, UNWRITTEN, Usage, print_json, say, show
 
 if TYPE_CHECKING:
     from lagc.api import CompiledModel
@@ -90,7 +89,7 @@ def _about(
     """The motion to that time is followed as by `lagc sim`, which refuses one that takes too long."""
     if not time:
         return model.linearize(starts=starts)
-    from lagc.cli.progress import Bar
+    from lagc.cli.output import Bar
     from lagc.simulation.supervision.forecast import Forecast
 
     with Bar(time, quiet=options.quiet or options.json) as bar:

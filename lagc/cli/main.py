@@ -9,8 +9,22 @@ import sys
 from contextlib import suppress
 from typing import NoReturn
 
-from lagc.cli.exits import DONE, INTERNAL, INTERRUPTED, UNWRITTEN, USAGE, Unwritten, Usage, code_of
-from lagc.cli.output import begin, code, print_faults, print_json, say, show
+from lagc.cli.output import (
+    DONE,
+    INTERNAL,
+    INTERRUPTED,
+    UNWRITTEN,
+    USAGE,
+    Unwritten,
+    Usage,
+    begin,
+    code,
+    code_of,
+    print_faults,
+    print_json,
+    say,
+    show,
+)
 from lagc.cli.signals import SIGNALS
 from lagc.diagnostics.faults import Refused
 from lagc.version import __version__
@@ -29,7 +43,7 @@ COMMANDS = {
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one command; the exit code (`lagc.cli.exits`)."""
+    """Run one command; the exit code (`lagc.cli.output`)."""
     words = sys.argv[1:] if arguments is None else list(arguments)
     verbose = "-v" in words or "--verbose" in words
     begin()

@@ -7,9 +7,8 @@ import argparse
 import os
 import re
 
-from lagc.cli.exits import DONE, Usage, cannot_write
 from lagc.cli.options import add_general_options
-from lagc.cli.output import say, show
+from lagc.cli.output import DONE, Usage, cannot_write, say, show
 from lagc.cli.signals import SIGNALS
 from lagc.host import atomic_write, model_library
 

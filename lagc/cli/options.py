@@ -8,7 +8,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from lagc.base.numerals import number, seconds, size
-from lagc.cli.exits import Usage
+from lagc.cli.output import Usage
 
 if TYPE_CHECKING:
     from lagc.compiler.pipeline import Choice

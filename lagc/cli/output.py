@@ -6,15 +6,59 @@ never fails: what standard output did not take is remembered, and told at the en
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Iterable
 from contextlib import suppress
+from time import perf_counter
 from typing import TextIO
 
 from lagc.base.printable import json_text, one_line, printable
-from lagc.cli.exits import DONE, UNWRITTEN
+from lagc.cli.signals import SIGNALS
 from lagc.diagnostics.faults import Fault
+
+DONE = 0
+REFUSED = 1
+USAGE = 2
+FAILED = 3
+LIMITED = 4  # a limit of time or memory was reached, or would be
+INTERNAL = 70  # an error of lagc itself (EX_SOFTWARE of sysexits.h)
+UNWRITTEN = 74  # a file or standard output could not be written (EX_IOERR)
+INTERRUPTED = 130  # by Ctrl-C; 128 + its number by another signal
+
+# What the user can see before: there is no such folder, it is a file, it may not be written.
+_WRONG_PATH = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EEXIST, errno.EACCES, errno.EPERM,
+               errno.EROFS, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL}  # fmt: skip
+
+
+def code_of(faults: Iterable[Fault]) -> int:
+    """LIMITED where a limit was reached; REFUSED where a fault is the model's: it has a place in its text, or
+    is one of its mechanics, its generated code, or its start.  Else what was asked for is wrong: USAGE."""
+    faults = tuple(faults)
+    if any(f.code.startswith("LAG08") for f in faults):
+        return LIMITED
+    return REFUSED if any(map(_of_model, faults)) else USAGE
+
+
+def _of_model(fault: Fault) -> bool:
+    placed = fault.span is not None and not fault.span.source.asked
+    return placed or fault.code.startswith(("LAG04", "LAG05", "LAG061"))
+
+
+class Usage(Exception):
+    """The command line is wrong; the message says how."""
+
+
+class Unwritten(Exception):
+    """A file could not be written, though it was asked for rightly; the message says which."""
+
+
+def cannot_write(path: str, error: OSError) -> Usage | Unwritten:
+    """What is wrong where `path` cannot be written: the path, or the disk."""
+    message = f"`{path}` cannot be written: {error.strerror or error}"
+    return Usage(message) if error.errno in _WRONG_PATH else Unwritten(message)
+
 
 _lost: list[str] = []  # why standard output took no more, where that is a fault
 
@@ -115,3 +159,43 @@ def _silence(stream: TextIO) -> None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
         os.close(nowhere)
+
+
+PATIENCE = 1.0  # s before the bar appears
+REDRAW = 0.1  # s between two drawings
+WIDTH = 30
+
+
+class Bar:
+    """Called with the time reached.  A run may begin again from 0: the bar follows.
+
+    A signal waits for the next call, so that the run ends with all that it computed; the second one
+    does not wait, nor one that comes where nothing was computed yet.
+    """
+
+    def __init__(self, stop: float, quiet: bool = False):
+        self.stop = stop
+        self.shown = False
+        self.wanted = not quiet and sys.stderr is not None and sys.stderr.isatty()
+        self.next = perf_counter() + PATIENCE
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        SIGNALS.patient = False
+        if self.shown:
+            draw("\r\033[K")
+
+    def __call__(self, t: float) -> None:
+        if SIGNALS.noted:
+            raise KeyboardInterrupt
+        SIGNALS.patient = t > 0.0
+        if not self.wanted or perf_counter() < self.next:
+            return
+        self.next = perf_counter() + REDRAW
+        self.shown = True
+        part = min(max(t / self.stop, 0.0), 1.0) if self.stop > 0.0 else 1.0
+        done = int(WIDTH * part)
+        bar = "#" * done + "." * (WIDTH - done)
+        draw(f"\r[{bar}] {100 * part:3.0f} %  t = {t:.4g} s of {self.stop:.4g} s\033[K")

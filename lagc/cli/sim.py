@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 from lagc.base.numerals import whole
 from lagc.base.records import replace
-from lagc.cli.deliver import deliver, picture_of
-from lagc.cli.exits import Unwritten, Usage
+from lagc.cli.deliver import deliver, picture_of, spare
 from lagc.cli.options import (
     add_backend_option,
     add_general_options,
@@ -23,7 +22,7 @@ from lagc.cli.options import (
     quantities,
     quantity,
 )
-from lagc.cli.spare import spare
+from lagc.cli.output import Unwritten, Usage
 from lagc.kernels import METHODS
 
 if TYPE_CHECKING:
@@ -82,7 +81,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     from lagc.api import CompiledModel
-    from lagc.cli.progress import Bar
+    from lagc.cli.output import Bar
     from lagc.compiler.pipeline import Compilation
     from lagc.host import model_library
     from lagc.simulation.backends.compile import CannotCompile

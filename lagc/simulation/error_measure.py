@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from math import inf, isfinite
+from itertools import pairwise
+from math import ceil, inf, isfinite
 from operator import sub
 
 from lagc.lowering.program import Interface
@@ -115,3 +116,23 @@ def _apart_in_time(a: Trajectory, b: Trajectory) -> float:
     span = max((abs(run.times[-1] - run.times[0]) for run in (a, b)), default=0.0)
     far = max((abs(t - u) for t, u in pairs), default=0.0)
     return far / span if span > 0.0 else 0.0
+
+
+ENOUGH = 32  # parts of the time, at whose ends runs are compared at least
+
+
+class Watched:
+    """`times` are all of them, in order."""
+
+    def __init__(self, asked: Sequence[float]):
+        self.parts = parts = ceil(
+            ENOUGH / max(len(asked) - 1, 1)
+        )  # of the time between two that are asked for
+        self.times = [a + (b - a) * (k / parts) for a, b in pairwise(asked) for k in range(parts)]
+        self.times += asked[-1:]
+
+    def told(self, run: Trajectory) -> Trajectory:
+        """`run` at the times that are asked for."""
+        if self.parts == 1:
+            return run
+        return run.changed(times=run.times[:: self.parts], states=run.states[:: self.parts])

@@ -6,17 +6,15 @@ from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any
 
-from lagc.simulation.counted import Counted
+from lagc.simulation.error_measure import Watched
 from lagc.simulation.global_error.equilibrium_start import locked, resting, rests
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.initialization.initialize import begin, demand, strange_outputs
 from lagc.simulation.initialization.result import Start
-from lagc.simulation.names import event_names
 from lagc.simulation.request import Request
 from lagc.simulation.solution import Cost, Energy, Event, Solution
-from lagc.simulation.system import FAILED, INTERRUPTED, Options, System, Trajectory
+from lagc.simulation.system import FAILED, INTERRUPTED, Counted, Options, System, Trajectory, event_names
 from lagc.simulation.verdict import Verdict, judge, redundancy, verdict
-from lagc.simulation.watched import Watched
 
 Progress = Callable[[float], None]
 RTOL = 1e-9  # by hand, where nothing is said

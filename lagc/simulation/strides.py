@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from lagc.simulation.names import row_name, speed_name, state_name
 from lagc.simulation.system import (
     INCONSISTENT,
     MAX_STEPS,
@@ -14,6 +13,9 @@ from lagc.simulation.system import (
     Options,
     System,
     Trajectory,
+    row_name,
+    speed_name,
+    state_name,
 )
 from lagc.simulation.verdict import sound, verdict
 

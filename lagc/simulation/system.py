@@ -8,7 +8,7 @@ for the equation and its names.  Statuses, options and trajectories are those of
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 from lagc.codegen.python.support.base import FAILED, FIRST_LOOK, Options, Trajectory
 from lagc.kernels.language.statuses import (
@@ -175,3 +175,72 @@ def row_gradients(system: System, t: float, x: Sequence[float]) -> list[list[flo
                 row[j] = slopes[place]
         found.append(row)
     return found
+
+
+class Counted:
+    """`system` with its functions, and how often rates or energies were asked of it."""
+
+    def __init__(self, system: System):
+        self.system, self._counts = system, [0]
+
+    @property
+    def evaluations(self) -> int:
+        return self._counts[0]
+
+    def bind(self, values: Sequence[float]) -> Counted:
+        """The system with other parameters; what it does counts here."""
+        return self._beside(self.system.bind(values))
+
+    def on(self, t: float, x: Vector) -> Counted:
+        """The system on the branch of (t, x); what it does counts here."""
+        return self._beside(self.system.on(t, x))
+
+    def _beside(self, system: System) -> Counted:
+        found = Counted(system)
+        found._counts = self._counts
+        return found
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.system, name)
+
+    def rhs(self, t: float, x: Vector, xdot: list[float], lam: list[float]) -> int:
+        self._counts[0] += 1
+        return self.system.rhs(t, x, xdot, lam)
+
+    def rounded(self, t: float, x: Vector, xdot: list[float], lam: list[float], way: int) -> int | None:
+        status = self.system.rounded(t, x, xdot, lam, way)
+        self._counts[0] += status is not None
+        return status
+
+    def energies(self, t: float, x: Vector) -> list[float]:
+        self._counts[0] += 1
+        return self.system.energies(t, x)
+
+
+def state_name(system: System, k: int) -> str:
+    """State k, an index of x."""
+    names = system.interface.state_names
+    if 0 <= k < len(names):
+        return f"`{names[k]}`"
+    return "the work of the given actions" if k == len(names) else "a state"
+
+
+def speed_name(system: System, k: int) -> str:
+    names = system.interface.v_names
+    return f"`{names[k]}`" if 0 <= k < len(names) else "some speed"
+
+
+def row_name(system: System, k: int) -> str:
+    labels = system.interface.row_labels
+    return f"constraint `{labels[k]}`" if 0 <= k < len(labels) else "a constraint"
+
+
+def more(parts: Sequence[object], most: int) -> str:
+    """What stands for those behind the first `most`."""
+    return f" and {len(parts) - most} more" if len(parts) > most else ""
+
+
+def event_names(system: System, k: int) -> tuple[str, ...]:
+    """Of a switch, or, behind these, of a clause `when`."""
+    switches = system.interface.switches
+    return (switches[k],) if k < len(switches) else system.interface.whens[k - len(switches)].names

@@ -11,7 +11,6 @@ from lagc.base.numerals import FINEST
 from lagc.base.records import dataclass
 from lagc.host.budgets import reached
 from lagc.simulation.global_error.verified_run import MEANINGLESS, Verified
-from lagc.simulation.names import event_names, more, row_name, speed_name, state_name
 from lagc.simulation.system import (
     CHATTERING,
     INCONSISTENT,
@@ -26,6 +25,11 @@ from lagc.simulation.system import (
     TERMINATED,
     System,
     Trajectory,
+    event_names,
+    more,
+    row_name,
+    speed_name,
+    state_name,
 )
 
 if TYPE_CHECKING:

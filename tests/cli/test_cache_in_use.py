@@ -18,7 +18,7 @@ import pytest
 import lagc
 from lagc.cli.main import main
 from lagc.host import cache
-from lagc.simulation.backends import shared_library
+from lagc.simulation.backends import compile as compilation
 from lagc.simulation.backends.compile import build_library, compiler
 from tests.cli.test_cache import DAMAGES
 
@@ -177,18 +177,18 @@ def test_a_library_cut_off_while_it_is_used_kills_nobody(root: Path, folder: Pat
 def test_libraries_are_told_apart(in_memory: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where the loader sees the same numbers of descriptors again, all of them in use at once."""
     if not in_memory:
-        monkeypatch.setattr(shared_library, "_sealed", lambda data: None)
+        monkeypatch.setattr(compilation, "_sealed", lambda data: None)
     built = [build_library({"n.c": f"int n(void) {{ return {k}; }}"}) for k in range(4)]
     order = [random.Random(1).randrange(len(built)) for _ in range(40)]
-    loaded = [shared_library.load(built[k]) for k in order]
+    loaded = [compilation.load(built[k]) for k in order]
     assert [found.n() for found in loaded] == order
     with pytest.raises(OSError):
-        shared_library.load(b"no library")
+        compilation.load(b"no library")
 
 
 CROWD = """
 import os, random, signal, sys, time
-from lagc import cache
+from lagc.host import cache
 from lagc.host.cache import upkeep
 
 BODIES = {cache.key(str(k)): bytes([k]) * random.Random(k).randrange(1, 60_000) for k in range(24)}

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from lagc.base.numerals import number, seconds, size
-from lagc.cli.exits import Usage
 from lagc.cli.main import COMMANDS, main
 from lagc.cli.options import assignments, quantity
+from lagc.cli.output import Usage
 
 
 @pytest.mark.parametrize(

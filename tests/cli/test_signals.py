@@ -182,7 +182,7 @@ def test_a_run_that_ends_at_its_start_leaves_the_file_that_is_there(
     def end(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("lagc.cli.progress.Bar.__call__", end)
+    monkeypatch.setattr("lagc.cli.output.Bar.__call__", end)
     monkeypatch.chdir(tmp_path)
     Path("run.csv").write_bytes(OLD)
     words = "sim simple_pendulum -q --backend numpy --points 2 --stop 1000 -o run.csv --plot run.svg"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from lagc.cli.exits import DONE, FAILED, REFUSED, UNWRITTEN, USAGE
+from lagc.cli.output import DONE, FAILED, REFUSED, UNWRITTEN, USAGE
 
 pytestmark = [
     pytest.mark.usefixtures("own_cache"),
@@ -51,7 +51,8 @@ STREAMS = {
 # A process that has loaded everything runs each command in a child of its own.
 DRIVER = """
 import json, os, sys
-import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.simulation.simulate, lagc.reports.explain
+import lagc.api, lagc.semantics.resolve, lagc.lowering.lower_equations, lagc.simulation.simulate
+import lagc.reports.explain
 from lagc.cli.program import program
 (streams, commands), codes = json.loads(sys.argv[1]), []
 for number, words in enumerate(commands):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import lagc
-from lagc.simulation.linearization.spectrum import spectrum
+from lagc.simulation.linearization.stability import spectrum
 
 
 def test_slow_oscillators_beside_fast_ones() -> None:

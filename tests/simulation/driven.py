@@ -11,7 +11,7 @@ import lagc
 from lagc.codegen.identifiers import prefix
 from lagc.kernels import METHODS
 from lagc.simulation.backends.c import _Options
-from lagc.simulation.backends.shared_library import library
+from lagc.simulation.backends.compile import library
 from lagc.simulation.system import Options, System
 
 _GRAVITY = "  effect gravity\n    Gravity field(g = 9.81 [m/s2], direction = {0, 0, -1});\n  end gravity;\n"

@@ -16,13 +16,12 @@ from mpmath import mpf
 import lagc
 from lagc.api import Run
 from lagc.simulation.backends.directed_rounding import apart, control, directed
-from lagc.simulation.counted import Counted
 from lagc.simulation.error_measure import difference, sizes
 from lagc.simulation.global_error.rounding import close_look, quick_bound, quick_look, rounded_rates
 from lagc.simulation.global_error.verified_run import verified_run
 from lagc.simulation.request import Request
 from lagc.simulation.simulate import simulate
-from lagc.simulation.system import Options, Trajectory, Vector
+from lagc.simulation.system import Counted, Options, Trajectory, Vector
 from tests.simulation.integrated import Oscillator
 
 pytestmark = pytest.mark.usefixtures("no_cache")

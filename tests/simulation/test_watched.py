@@ -7,8 +7,8 @@ from random import Random
 import pytest
 
 import lagc
+from lagc.simulation.error_measure import ENOUGH, Watched
 from lagc.simulation.system import Options, Trajectory
-from lagc.simulation.watched import ENOUGH, Watched
 
 pytestmark = pytest.mark.usefixtures("no_cache")
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from ctypes import c_double, c_int, c_long, c_size_t
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeAlias
 
 from lagc.base.once import once
 from lagc.codegen.python.support.base import MOST_CORNERS, MOST_EVENTS
 from lagc.codegen.python.support.slices import recorded
 from lagc.kernels import METHODS, MOST_ACTS
+from lagc.lowering.program import Interface
 from lagc.simulation.backends.base import Branch, Compiled, CompiledSystem
-from lagc.simulation.backends.shared_library import library
-from lagc.simulation.backends.spans import Spans
+from lagc.simulation.backends.compile import library
 from lagc.simulation.system import OK, Options, Trajectory, Vector
 
 
@@ -322,3 +322,43 @@ def _head_type(nc: int) -> type[Any]:
         _fields_ = (("culprit", c_int), ("fallbacks", c_long), ("redundant", c_int * nc))
 
     return Head
+
+
+Found: TypeAlias = "tuple[list[slice], list[slice], list[slice]]"
+
+
+class Spans:
+    """Of pieces first..last-1: the unknowns in x; and with what belongs to none the conditions in c and
+    sizes, the derivatives in J."""
+
+    def __init__(self, interface: Interface):
+        self.ends = interface.condition_ends
+        self.unknowns: dict[int, list[int]] = {}  # of each piece; -1: of none
+        self.rows: dict[int, list[int]] = {}
+        for j, piece in enumerate(interface.pieces):
+            self.unknowns.setdefault(piece, []).append(j)
+        for i, piece in enumerate(interface.row_pieces):
+            self.rows.setdefault(piece, []).append(i)
+        self.known: dict[tuple[int, int], Found] = {}
+
+    def __call__(self, first: int, last: int) -> Found:
+        if (first, last) not in self.known:
+            asked, ends = range(first, last), self.ends
+            unknowns = sorted([j for piece in asked for j in self.unknowns.get(piece, ())])
+            rows = sorted([i for piece in (-1, *asked) for i in self.rows.get(piece, ())])
+            entries = [k for i in rows for k in range(ends[i - 1] if i > 0 else 0, ends[i])]
+            self.known[first, last] = slices(unknowns), slices(rows), slices(entries)
+        return self.known[first, last]
+
+
+def slices(numbers: Iterable[int]) -> list[slice]:
+    """Those that ascending numbers make where they follow each other."""
+    found: list[slice] = []
+    begin = end = -1
+    for k in numbers:
+        if k != end:
+            if begin >= 0:
+                found.append(slice(begin, end))
+            begin = k
+        end = k + 1
+    return [*found, slice(begin, end)] if begin >= 0 else found

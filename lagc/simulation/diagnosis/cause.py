@@ -16,8 +16,7 @@ from itertools import pairwise
 from math import exp, inf, isfinite, log, sqrt
 
 from lagc.simulation.error_measure import kinds, sizes
-from lagc.simulation.names import row_name, state_name
-from lagc.simulation.system import FAILED, REDUNDANT, System, Trajectory, rates_at
+from lagc.simulation.system import FAILED, REDUNDANT, System, Trajectory, rates_at, row_name, state_name
 
 NEAR = 1e3  # radians or sizes of their kind, per size of a row's terms: it loses rank nearby
 WAYS = tuple([10.0**-k for k in range(3, 11)])  # of the time, to both sides of a state

@@ -12,8 +12,7 @@ from math import isfinite
 
 from lagc.simulation.error_measure import Sizes, sizes
 from lagc.simulation.global_error.rounding import ULP, Quick, generic, picked
-from lagc.simulation.names import more, state_name
-from lagc.simulation.system import System, Trajectory, rates_at
+from lagc.simulation.system import System, Trajectory, more, rates_at, state_name
 
 FAINT = 1e4  # times the rounding of its rates over the time: a kind that goes farther soon moves
 SEVERAL = 10.0  # times what is seen at a few states is rounding

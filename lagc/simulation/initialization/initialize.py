@@ -11,9 +11,18 @@ from lagc.base.records import replace
 from lagc.diagnostics.faults import Fault, Refused
 from lagc.host.budgets import doing
 from lagc.simulation.initialization.result import Anchor, Start, told
-from lagc.simulation.names import more, row_name, speed_name, state_name
 from lagc.simulation.request import Request, keep_limits
-from lagc.simulation.system import FAILED, INCONSISTENT, SINGULAR_MASS, System, Trajectory
+from lagc.simulation.system import (
+    FAILED,
+    INCONSISTENT,
+    SINGULAR_MASS,
+    System,
+    Trajectory,
+    more,
+    row_name,
+    speed_name,
+    state_name,
+)
 
 MOST_NAMED = 12  # conditions of a conflict
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TypeAlias
 
 from lagc.base.records import dataclass
-from lagc.simulation.names import more
+from lagc.simulation.system import more
 
 _MOST_FOUND = 6  # values or conditions that are named in one note
 _MOST_ALIKE = 2  # conditions of a family that are named one by one

@@ -20,10 +20,8 @@ import numpy as np
 
 from lagc.base.records import dataclass, replace
 from lagc.simulation.linearization.derivatives import ROUNDING, Array, Point, largest_beside, rounded
-from lagc.simulation.linearization.halted import is_halted
-from lagc.simulation.linearization.independent_states import independent
-from lagc.simulation.linearization.spectrum import Spectrum, spectrum
-from lagc.simulation.linearization.stability import is_least
+from lagc.simulation.linearization.independent_states import independent, is_halted
+from lagc.simulation.linearization.stability import Spectrum, is_least, spectrum
 from lagc.simulation.system import OK, Options
 
 if TYPE_CHECKING:
