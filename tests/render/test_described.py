@@ -88,7 +88,7 @@ def test_docs_name_what_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
     own = prefix(program.interface.model)
     names = set(re.findall(r"`(?:NAME)?_([a-z]\w*)", generated))
     assert len(names) > 10
-    for name in names - {"by_time", "along", "hold"}:  # nothing in this one depends on time, or has conditions
+    for name in names - {"by_time", "along", "hold"}:  # it has no time and no conditions
         assert re.search(rf"\b{own}_{name}\b", header), name
     monkeypatch.setattr(derivatives, "MOST", 0)
     large = render(of_model.__wrapped__("course/string_pendulum", derivatives=True))

@@ -90,7 +90,10 @@ def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
             assert main([*shlex.split(line, comments=True)[1:], "--no-color"]) == 0, line
 
 
-@pytest.mark.parametrize("command", "check fmt explain equations sim linearize build new cache".split())
+COMMANDS = ["check", "fmt", "explain", "equations", "sim", "linearize", "build", "new", "cache"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
 def test_options_are_those_of_the_commands(command: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Every option of `--help` is described, and a command has each option that its section describes."""
     text = (ROOT / "docs" / "reference" / "commands.md").read_text(encoding="utf-8")
