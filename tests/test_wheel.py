@@ -118,7 +118,7 @@ def test_the_sdist_holds_what_tests_and_licence_need(built: Path) -> None:
         "LICENSE",
         "SECURITY.md",
         "requirements-dev.lock",
-        "docs/embedding.md",
+        "docs/how-to/embed-the-c.md",
         "tests/conftest.py",
     } <= names
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)

@@ -19,7 +19,8 @@ from tests.simulation.driven import InC, InPython
 from tests.simulation.test_generated import BACKENDS
 
 pytestmark = pytest.mark.usefixtures("own_cache")
-TEXT = (Path(__file__).parents[2] / "docs" / "embedding.md").read_text(encoding="utf-8")
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "embed-the-c.md"
+TEXT = PAGE.read_text(encoding="utf-8")
 CALLS = 3000
 STEPS = CALLS + 2  # at most: the cart's sizes at rest are none, so that the first call takes three
 
