@@ -25,6 +25,7 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, *arguments], cwd=ROOT, capture_output=True, text=True, timeout=240)
 
 
+@pytest.mark.full
 def test_rooms_import_only_what_comes_before_them() -> None:
     pytest.importorskip("importlinter")
     done = python("-c", IMPORT_LINTER)
@@ -92,6 +93,7 @@ def test_the_package_imports_nothing_heavy(forbidden: str) -> None:
     assert python("-c", program).returncode == 0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("arguments", ["ruff check", "ruff format --check lagc tests", "mypy"])
 def test_the_checkers_have_nothing_to_say(arguments: str) -> None:
     program, *rest = arguments.split()

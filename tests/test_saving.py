@@ -114,6 +114,7 @@ def test_whatever_fails_targets_are_whole_and_nothing_is_left(
     assert failed > 40
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes")
 def test_whenever_it_ends_every_target_is_whole(tmp_path: Path) -> None:
     at, ended = 0, False
@@ -152,6 +153,7 @@ def test_an_old_file_keeps_its_mode_and_a_new_one_has_the_usual(tmp_path: Path) 
         os.umask(old)
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="other users")
 def test_no_group_gets_what_was_granted_to_another(tmp_path: Path) -> None:
     """Written by each user, in the group of the file or not, what is granted stays granted to the same

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.full  # they build the package
+
 ROOT = Path(__file__).resolve().parents[1]
 HATCH = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]
 SHIPPED = ["/pyproject.toml", "/.gitignore", *HATCH["build"]["targets"]["sdist"]["include"]]

@@ -210,6 +210,7 @@ def test_what_is_built_in_belongs_to_no_run() -> None:
     assert derived.bind({"idle": 3.0, "m": 4.0}).rhs(0.0, [1.0, 0.0])[1] == -2.0 / 8.0
 
 
+@pytest.mark.full
 def test_a_data_frame(pendulum: lagc.CompiledModel) -> None:
     pytest.importorskip("pandas")
     frame = pendulum.simulate(stop=1, points=5).to_pandas()
@@ -303,6 +304,7 @@ def test_a_compiler_that_fails_is_quoted(monkeypatch: pytest.MonkeyPatch, tmp_pa
         c_compiler.build_library({"x.c": "int main( {"})
 
 
+@pytest.mark.full
 @needs_c
 def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     import subprocess
@@ -316,6 +318,7 @@ def test_concurrent_runs_share_a_library(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert not list(tmp_path.rglob("*.tmp"))
 
 
+@pytest.mark.full
 def test_what_a_console_shows_is_one_line() -> None:
     pendulum = lagc.load("simple_pendulum")
     system = pendulum.compile(backend="numpy")

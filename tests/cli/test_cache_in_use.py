@@ -105,6 +105,7 @@ def test_damaged_entries_change_no_result(
     assert motion(folder, "numpy") == truth
 
 
+@pytest.mark.full
 @needs_c
 def test_entries_exchanged_are_noticed(root: Path, folder: Path, truth: list[list[float]]) -> None:
     """All entries of a kind change places with those of another model, with another spring."""
@@ -129,6 +130,7 @@ def test_entries_exchanged_are_noticed(root: Path, folder: Path, truth: list[lis
         assert len([note for note in cache.notes if kind in note]) == 2 * len(ours)
 
 
+@pytest.mark.full
 @needs_c
 def test_the_command_tells_of_damage_when_asked(
     root: Path, folder: Path, capsys: pytest.CaptureFixture[str]
@@ -165,6 +167,7 @@ assert system.bind({"m": 3.0}).simulate(stop=1.0).states != first
 """
 
 
+@pytest.mark.full
 @only_posix
 @needs_c
 def test_a_library_cut_off_while_it_is_used_kills_nobody(root: Path, folder: Path) -> None:
@@ -243,6 +246,7 @@ with cache.opened() as place:
 """
 
 
+@pytest.mark.full
 @only_posix
 @pytest.mark.parametrize("seed", range(TIMES))
 def test_processes_that_are_killed_leave_nothing_half_written(seed: int, tmp_path: Path) -> None:
@@ -255,6 +259,7 @@ def test_processes_that_are_killed_leave_nothing_half_written(seed: int, tmp_pat
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.full
 @only_posix
 @needs_c
 def test_runs_that_are_killed_spoil_no_other(

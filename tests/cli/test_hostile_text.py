@@ -63,6 +63,7 @@ def test_every_character_that_is_not_printable_is_escaped_and_told_apart() -> No
         assert json_text({"a": char}, encoding="ascii").isascii()
 
 
+@pytest.mark.full
 def test_nothing_that_the_command_line_says_steers_the_terminal(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
@@ -88,6 +89,7 @@ def test_nothing_that_the_command_line_says_steers_the_terminal(
                 json.loads(out)
 
 
+@pytest.mark.full
 def test_nothing_in_a_model_steers_the_terminal_or_breaks_a_file(tmp_path: Path, capsys: Capture) -> None:
     pytest.importorskip("matplotlib")
     for number, text in enumerate(texts(12, seed=2)):

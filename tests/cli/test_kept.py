@@ -53,7 +53,7 @@ def kept(here: Path, said: str) -> Path:
     return Path(found[1])
 
 
-@pytest.mark.parametrize("ending", [".csv", ".npz", ".parquet", ".svg"])
+@pytest.mark.parametrize("ending", [".csv", ".npz", ".svg", pytest.param(".parquet", marks=pytest.mark.full)])
 def test_a_folder_that_goes_while_it_is_computed(
     ending: str, here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
@@ -157,6 +157,7 @@ def test_a_full_disk_is_no_wrong_usage(
     assert {p.name for p in Path().iterdir()} == {"ugly.lag"}
 
 
+@pytest.mark.full
 def test_files_that_are_named_after_a_model_have_a_name_however_long_that_is(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:

@@ -61,6 +61,7 @@ def endless(*_: object, **__: object) -> None:
         pass
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("given", [True, False], ids=["max-time", "of the stage"])
 @pytest.mark.parametrize(("place", "command", "doing"), STAGES, ids=[s[0] for s in STAGES])
 def test_a_stage_that_never_ends_is_ended_and_named(
@@ -84,6 +85,7 @@ def test_a_stage_that_never_ends_is_ended_and_named(
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("given", [False, True])
 def test_a_start_that_takes_long_is_no_fault_of_the_model(
     spring: str, given: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -122,6 +124,7 @@ def test_what_comes_after_a_stage_that_had_no_more_time_has_its_own() -> None:
             raise
 
 
+@pytest.mark.full
 def test_a_run_that_is_ended_keeps_what_it_computed(
     spring: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -149,6 +152,7 @@ def test_the_time_of_a_block_is_that_of_all_in_it() -> None:
             endless()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("stage_of", [None, "outer", "inner"])
 def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> None:
     """Whose limit ends it, and where the stage began, changes nothing."""
@@ -162,6 +166,7 @@ def test_a_block_in_a_block_does_what_is_done_there(stage_of: str | None) -> Non
                 endless()
 
 
+@pytest.mark.full
 def test_a_run_in_python_ends_with_what_it_has() -> None:
     system = lagc.loads(SPRING).compile(backend="numpy")
     with lagc.Limits(time=1.5):
@@ -192,6 +197,7 @@ def test_less_memory_than_is_taken_is_refused_before_anything_is_done() -> None:
         bytearray(10_000_000)
 
 
+@pytest.mark.full
 @pytest.mark.skipif(compiler() is None or sys.platform != "linux", reason="limits of memory")
 @pytest.mark.parametrize("words", [["--backend", "c"], ["--backend", "auto"], ["--plot", "a.svg"]])
 def test_any_limit_of_memory_is_kept_or_reached(spring: str, words: list[str], tmp_path: Path) -> None:
@@ -212,6 +218,7 @@ def test_any_limit_of_memory_is_kept_or_reached(spring: str, words: list[str], t
     assert codes[:2] == [4, 0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("outer", "inner", "ended"),
     [
@@ -369,6 +376,7 @@ def test_more_points_than_any_list_has_are_wrong_usage(spring: str, words: list[
     assert main(["sim", spring, *words, "--max-memory", "none"]) == 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("start", ["1e-320", "-5e-324", "1e-310", "1e-303"])
 def test_states_that_leave_no_digits_are_no_internal_error(spring: str, start: str) -> None:
     assert main(["sim", spring, "--backend", "numpy", "--start", f"x={start}", "--json"]) in (0, 3)
@@ -428,6 +436,7 @@ def test_a_run_is_ended_where_two_looks_say_that_it_takes_too_long(monkeypatch: 
         assert reached
 
 
+@pytest.mark.full
 def test_what_is_recorded_takes_the_memory_that_is_foretold() -> None:
     system = lagc.loads(SPRING).compile(backend="numpy")
     for points in (4000, 16000):
@@ -440,6 +449,7 @@ def test_what_is_recorded_takes_the_memory_that_is_foretold() -> None:
         assert 0.5 * taken < request.size() * (forecast.POINT + forecast.NUMBER * 2) < 2.0 * taken
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("words", "code"),
     [

@@ -29,6 +29,7 @@ def test_equilibria_are_told_with_their_modes(capsys: Capture) -> None:
     assert f"0 +- 4.42944692i      {frequency:.8g}" in shown and "theta 1" in shown
 
 
+@pytest.mark.full
 def test_of_many_eigenvalues_the_first_are_told(capsys: Capture) -> None:
     words = ["linearize", "chain", "-p", "n=20"]
     assert main(words) == 0
@@ -40,6 +41,7 @@ def test_of_many_eigenvalues_the_first_are_told(capsys: Capture) -> None:
     assert len(told) == 12 and told == [line for line in everything.splitlines() if " +- " in line][:12]
 
 
+@pytest.mark.full
 def test_a_limit_of_time_ends_the_motion_to_it(capsys: Capture) -> None:
     words = ["--at", "1e9", "--max-time", "0.5", "--json"]
     assert main(["linearize", "simple_pendulum", *words]) == 4
@@ -71,6 +73,7 @@ def test_about_a_motion(capsys: Capture) -> None:
     assert linear["A"][1][0] == pytest.approx(-9.81 / 0.5 * np.cos(x["theta"]))
 
 
+@pytest.mark.full
 @pytest.mark.skipif(compiler() is None, reason="no C compiler")
 def test_a_long_motion_is_followed_in_c(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """5,000 periods; the cache keeps what was compiled for them."""
@@ -81,6 +84,7 @@ def test_a_long_motion_is_followed_in_c(tmp_path: Path, monkeypatch: pytest.Monk
     assert any(name.startswith("library") for name in os.listdir(tmp_path / "cache"))
 
 
+@pytest.mark.full
 def test_a_motion_that_takes_too_long_is_refused(tmp_path: Path, capsys: Capture) -> None:
     """As by `lagc sim`; 1e10 periods."""
     text = "model M coordinate Length x(start = 1); body b = Particle(mass = 1 [kg], at = {x, 0, 0});"
@@ -101,6 +105,7 @@ def test_matrices_are_written(tmp_path: Path, capsys: Capture) -> None:
     assert arrays["eigenvalues"] == pytest.approx(np.roots([1.0, 0.2, 4.0]))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("model", ["simple_pendulum", "classic/chain", "classic/spring_chain"])
 def test_modes_are_drawn(model: str, tmp_path: Path, capsys: Capture) -> None:
     pytest.importorskip("matplotlib")
@@ -216,6 +221,7 @@ def test_a_motion_that_gets_nowhere_in_any_finite_time(tmp_path: Path, capsys: C
     assert {abs(value["real"]) + abs(value["imag"]) for value in linear["eigenvalues"]} == {0.0}
 
 
+@pytest.mark.full
 def test_of_many_equilibria_of_large_models_some_are_shown(capsys: Capture) -> None:
     command = ["linearize", "classic/chain", "-p", "n=20", "--equilibrium"]
     assert main(command) == 0

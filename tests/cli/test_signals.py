@@ -75,6 +75,7 @@ def environment(**more: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": ROOT, "MPLBACKEND": "agg", "LAGC_CACHE": "", **more}
 
 
+@pytest.mark.full
 def test_a_signal_at_any_time_loses_nothing(tmp_path: Path) -> None:
     commands = [c for c in COMMANDS if "plot" not in c or _has("matplotlib")]
     commands = [c for c in commands if "parquet" not in c or _has("pyarrow")]
@@ -160,6 +161,7 @@ def told_in_the_end(terminal: int) -> str:
     return shown.decode()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_run_that_is_ended_keeps_what_was_computed(name: str, tmp_path: Path) -> None:
     out, number = tmp_path / "run.csv", getattr(signal, name)
@@ -190,6 +192,7 @@ def test_a_run_that_ends_at_its_start_leaves_the_file_that_is_there(
     assert Path("run.csv").read_bytes() == OLD and os.listdir() == ["run.csv"]
 
 
+@pytest.mark.full
 def test_a_signal_that_was_ignored_stays_ignored(tmp_path: Path) -> None:
     command = f"trap '' HUP; exec {sys.executable} -m lagc sim simple_pendulum -q --backend numpy --stop 200"
     process = subprocess.Popen(["bash", "-c", command], stdout=subprocess.PIPE, env=environment())
@@ -208,6 +211,7 @@ def lives(state: Path) -> bool:
         return False
 
 
+@pytest.mark.full
 def test_the_compiler_goes_too_with_all_that_it_started(tmp_path: Path) -> None:
     compiler, pid = tmp_path / "cc", tmp_path / "pid"
     compiler.write_text(f"#!/bin/sh\necho x > $TMPDIR/left\nsleep 100 &\necho $! > {pid}\nwait\n")
@@ -227,6 +231,7 @@ def test_the_compiler_goes_too_with_all_that_it_started(tmp_path: Path) -> None:
     assert not lives(state)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 @pytest.mark.parametrize("reader", [False, True])
 def test_a_pipe_that_nobody_reads_is_given_up_and_its_content_kept(
@@ -304,6 +309,7 @@ sys.exit(program.program())
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("lost", ["raised", "lost"])
 def test_two_signals_leave_no_traceback(lost: str) -> None:
     number, came = 0, True

@@ -133,6 +133,7 @@ def test_an_npz_file_holds_columns_and_metadata(tmp_path: Path) -> None:
         assert json.loads(str(found["metadata"]))["scene"] == "vacuum"
 
 
+@pytest.mark.full
 def test_a_parquet_file_reads_back(tmp_path: Path) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
     path = tmp_path / "run.parquet"
@@ -142,6 +143,7 @@ def test_a_parquet_file_reads_back(tmp_path: Path) -> None:
     assert table.schema.field("theta").metadata[b"unit"] == b"rad"
 
 
+@pytest.mark.full
 def test_a_picture_is_drawn(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     path = tmp_path / "run.png"
@@ -178,6 +180,7 @@ def test_a_failed_run_keeps_and_writes_what_was_computed(
     assert float(said[1]) ** 2 + float(said[2]) ** 2 == pytest.approx(1.0, rel=1e-5)
 
 
+@pytest.mark.full
 def test_where_sensitivities_alone_fail_the_end_is_the_last_time(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -281,6 +284,7 @@ def test_no_cache_is_no_obstacle(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sim(PENDULUM, "-q") == 0
 
 
+@pytest.mark.full
 @pytest.mark.skipif(sys.platform == "win32", reason="signals")
 def test_ctrl_c_keeps_what_was_computed(tmp_path: Path) -> None:
     out = tmp_path / "run.csv"

@@ -86,6 +86,7 @@ def environment() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2]), "MPLBACKEND": "agg"}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("streams", STREAMS)
 def test_every_command_does_its_work_and_says_what_was_not_printed(streams: str, tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
@@ -120,6 +121,7 @@ def test_what_is_said_never_goes_among_the_results(tmp_path: Path) -> None:
     assert json.loads(done.stdout)["status"] == "ok"
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not os.path.exists("/dev/stdout"), reason="no name for the standard output")
 def test_the_standard_output_takes_the_numbers_and_nothing_else(tmp_path: Path) -> None:
     command = f"{sys.executable} -m lagc sim simple_pendulum --points 3 -o /dev/stdout"
@@ -133,6 +135,7 @@ def test_the_standard_output_takes_the_numbers_and_nothing_else(tmp_path: Path) 
     assert [p.name for p in tmp_path.iterdir()] == ["run"]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1", "utf-8"])
 def test_letters_that_a_terminal_has_not_are_escaped(encoding: str, tmp_path: Path) -> None:
     name = "p\N{GREEK SMALL LETTER THETA}\N{GRINNING FACE}.lag"

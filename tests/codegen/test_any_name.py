@@ -85,6 +85,7 @@ def every() -> list[str]:
     return [*OURS, *of_python(), *LATEX, *of_chance(1, 2000), *of_headers()]
 
 
+@pytest.mark.full
 def test_each_name_is_given_at_once_and_once() -> None:
     words = every()
     for variables in (False, True):
@@ -130,6 +131,7 @@ def test_no_macro_of_the_standard_headers_is_given(target: str, tmp_path: Path) 
     assert [name for name in objects if not is_reserved(name) and name != "OpenBSD7_8"] == []
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("compiler", ["gcc", "g++"])
 def test_compilers_take_all_of_them(compiler: str, tmp_path: Path) -> None:
     """As members of a struct after every header of C, and as variables after those of the generated C."""
@@ -169,6 +171,7 @@ end {0};
 WELL_KNOWN = [*OURS, *of_python(), *LATEX]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(6))
 def test_models_with_such_names_are_built_and_run(seed: int, tmp_path: Path) -> None:
     """In each role; what the language refuses, it refuses with a reason."""

@@ -63,6 +63,7 @@ PROGRAMS = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_compiles_without_a_warning(name: str, compiler: str, tmp_path: Path) -> None:
@@ -113,6 +114,7 @@ def test_nothing_unused_is_written() -> None:
     assert "_sign" not in free and "_min(" not in free
 
 
+@pytest.mark.full
 def test_public_names_carry_the_prefix(tmp_path: Path) -> None:
     if not present("gcc"):
         pytest.skip("no gcc")
@@ -129,6 +131,7 @@ def test_public_names_carry_the_prefix(tmp_path: Path) -> None:
                          "__stack_chk_fail"}  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["free", "loop", "quaternion", "lifted", "looped"])
 def test_sanitizers_find_nothing(name: str, tmp_path: Path) -> None:
     """A whole run with all public functions, from a main of its own."""
@@ -205,6 +208,7 @@ int main(void)
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("target", ["c", "python"])
 def test_the_same_bytes_whatever_the_hash_seed(target: str) -> None:
     code = (

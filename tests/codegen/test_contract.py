@@ -247,6 +247,7 @@ def text_of_main(name: str) -> str:
     return text.replace("@@", own.upper()).replace("@", own)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize("compiler_", ["gcc", "zig"])
 def test_c_tells_nonsense_from_sense(name: str, compiler_: str, tmp_path: Path) -> None:

@@ -38,6 +38,7 @@ def said(folder: Path, *words: str) -> str:
     return subprocess.run(command, cwd=folder, capture_output=True, text=True).stderr
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("real", TYPES)
 def test_arithmetic_that_is_not_of_the_type_is_refused(real: str, tmp_path: Path) -> None:
     write(render(of_model("course/simple_pendulum"), real=TYPES[real]), tmp_path)
@@ -76,6 +77,7 @@ int main(void)
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(not wide(), reason="no gcc for x87 here")
 @pytest.mark.parametrize("words", WIDER)
 def test_whoever_knows_gets_the_motion_in_wider_arithmetic(words: str, tmp_path: Path) -> None:
@@ -101,6 +103,7 @@ def compilers() -> dict[str, list[str]]:
     return {**there, "clang": [*(clang() or ()), "-std=c99", "-ffp-contract=on"]} if clang() else there
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["gcc", "g++", "clang"])
 def test_no_product_is_fused_with_a_sum(name: str, tmp_path: Path) -> None:
     if name not in compilers():

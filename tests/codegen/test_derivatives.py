@@ -94,6 +94,7 @@ def _both(program: Program, folder: Path, seed: str) -> Both:
     return Both(interface, module, ctypes.CDLL(str(library)), files[".c"].stem, (t, x, a, lam))
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
 @pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
@@ -115,6 +116,7 @@ def test_c_and_python_agree(name: str, tmp_path: Path) -> None:
         assert tuple(zip(rows[:count], columns[:count])) == pattern
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not present("gcc"), reason="no gcc")
 @pytest.mark.parametrize("name", [*NAMES, "looped", "switched"])
 def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,6 +144,7 @@ def test_very_many_are_along_directions(name: str, tmp_path: Path, monkeypatch: 
     assert np.abs(table @ d - s).max() <= rounding * np.sqrt(width)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*NAMES[:3], "switched"])
 def test_it_compiles_as_cpp_without_a_warning(name: str, tmp_path: Path) -> None:
     if not present("g++"):

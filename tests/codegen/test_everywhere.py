@@ -16,6 +16,7 @@ from tests.codegen.tools import STRICT, of_model
 EXTREME = [LEVELS[0], LEVELS[-1]]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("model", "levels"),
     [("classic/double_pendulum", LEVELS), ("classic/four_bar", EXTREME), ("classic/gyroscope", EXTREME)],
@@ -45,6 +46,7 @@ def test_the_same_bits_on_every_machine(model: str, tmp_path: Path) -> None:
         assert printed(machine.compile_, units, tmp_path, machine.under) == here, name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", tools())
 def test_checkers_have_nothing_to_say(name: str, tmp_path: Path) -> None:
     tool = tools()[name]

@@ -105,6 +105,7 @@ def both(
     return bits(y), bits(list(out))
 
 
+@pytest.mark.full
 @needs_gcc
 def test_random_functions_agree_bitwise(tmp_path: Path) -> None:
     functions = [random_function(seed, name=f"f{seed}") for seed in range(30)]
@@ -117,6 +118,7 @@ def test_random_functions_agree_bitwise(tmp_path: Path) -> None:
             assert ours == theirs, (f.name, values)
 
 
+@pytest.mark.sample(1)
 @needs_gcc
 @pytest.mark.parametrize("length", [1, 7, 40])
 def test_long_functions_in_parts_are_the_same(

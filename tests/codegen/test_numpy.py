@@ -67,6 +67,7 @@ def states(python: Any, count: int) -> list[list[float]]:
     return [[v + rng.gauss(0, 0.3) for v in start] for _ in range(count)]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*MODELS, "classic/chain"])
 def test_every_public_function_agrees_bitwise(name: str, tmp_path: Path) -> None:
     made = of_model(name, n=30) if name == "classic/chain" else of_model(name)
@@ -166,6 +167,7 @@ def test_parameters_of_each_state() -> None:
     assert numpy.allclose(found[:, 1], -9.81 / lengths * math.sin(1.0), rtol=1e-15)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["pendulum", "tricky", "loop", "quaternion", "lifted", "looped"])
 def test_module_needs_nothing(name: str, tmp_path: Path) -> None:
     """An isolated interpreter, without lagc and without NumPy on its path."""
@@ -216,6 +218,7 @@ def test_where_python_would_raise_the_value_is_that_of_c(tmp_path: Path) -> None
             python.rhs(0.0, [theta, 1.0], p)
 
 
+@pytest.mark.full
 def test_one_evaluation_of_a_large_function_is_compiled_quickly() -> None:
     """Time grows in proportion: twice the operations, about twice the time of compile()."""
     from time import process_time

@@ -59,6 +59,7 @@ def kepler(e: str, t: str) -> list[mpmath.mpf]:
     return [mpmath.cos(u) - e_, short * mpmath.sin(u), -mpmath.sin(u) * rate, short * mpmath.cos(u) * rate]
 
 
+@pytest.mark.full
 def test_quad_follows_a_closed_form_to_25_digits(tmp_path: Path) -> None:
     run = built("classic/kepler", QUAD, tmp_path)
     with mpmath.workdps(50):
@@ -67,6 +68,7 @@ def test_quad_follows_a_closed_form_to_25_digits(tmp_path: Path) -> None:
         assert max(abs(a - b) for a, b in zip(found, truth)) < 1e-25
 
 
+@pytest.mark.full
 def test_quad_keeps_a_constrained_motion_on_its_constraint(tmp_path: Path) -> None:
     """A mass on a string of 0.5 m, from rest at x = 0.3 m: its length and its energy."""
     run = built("course/string_pendulum", QUAD, tmp_path)
@@ -80,6 +82,7 @@ def test_quad_keeps_a_constrained_motion_on_its_constraint(tmp_path: Path) -> No
 NAMES = sorted(p.stem for p in (MODELS / "classic").glob("*.lag"))[:: 1 if os.environ.get("LAGC_ALL") else 6]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", NAMES)
 def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path) -> None:
     """A part of the motion of a scene, with floats to 1e-5: the states of doubles to a few 1e-3 of the
@@ -99,6 +102,7 @@ def test_float_runs_the_library_on_its_own_tolerances(name: str, tmp_path: Path)
         assert abs(a - b) <= 5e-3 * size[kind]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("real", TYPES)
 @pytest.mark.parametrize("over", ["time", "y/1 [m/s]"])
 def test_tables_that_bend_are_of_every_type(real: str, over: str, tmp_path: Path) -> None:
@@ -135,6 +139,7 @@ def as_c_and_cpp(program: Program, real: Arithmetic, folder: Path) -> None:
         call(*words, *WARNINGS, *more, "-fsyntax-only", files[".c"])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SAMPLE)
 def test_every_type_compiles_as_c_and_as_cpp(name: str, tmp_path: Path) -> None:
     for real in TYPES.values():
@@ -173,6 +178,7 @@ def bounded(low: str, high: str, value: str) -> Program:
     return pipeline.optimize(pipeline.derive(model), True)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("real", TYPES)
 def test_a_value_on_its_bound_is_within(real: str, tmp_path: Path) -> None:
     """Bounds are of the type, as values are: 0.1, 1/3, none at all, and those that a float does not hold."""
@@ -199,6 +205,7 @@ def test_what_a_float_does_not_hold_is_refused(value: str) -> None:
         render(program, real=SINGLE)
 
 
+@pytest.mark.full
 def test_quad_has_all_digits_of_numbers_that_are_meant() -> None:
     """Decimals of 12 digits, quotients of whole numbers, and such multiples of powers of pi, as doubles."""
     chance = random.Random(5)

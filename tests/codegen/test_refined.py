@@ -44,6 +44,7 @@ def _library(made: Program, folder: Path) -> tuple[ctypes.CDLL, str]:
     return ctypes.CDLL(str(folder / "made.so")), files[".c"].stem
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("work", [True, False])
 @pytest.mark.parametrize("name", MODELS)
 def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bool, tmp_path: Path) -> None:
@@ -72,6 +73,7 @@ def test_refined_is_the_same_up_to_rounding_and_bitwise_in_c(name: str, work: bo
         assert bits(out) == bits(better[0]) and bits(lam) == bits(better[1])
 
 
+@pytest.mark.full
 def test_rounding_of_long_sums_is_no_reason_to_refine() -> None:
     """In a ladder of n rungs that turns, rows sum forces that grow as n^2: the residual grows as n does, and
     what refinement would change remains what a last place of the state changes."""

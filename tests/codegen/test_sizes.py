@@ -29,6 +29,7 @@ FAMILIES = [
 ]  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("name", "few", "many", "most"), FAMILIES, ids=[family[0] for family in FAMILIES])
 def test_operations_grow_as_bodies_do_and_code_does_not_faster(
     name: str, few: int, many: int, most: float
@@ -47,6 +48,7 @@ def accesses(found: list[Segment]) -> int:
     return sum([count * ((a.array == KEPT) + (a.stride is None)) for a, count in loops])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "n"), [("large/lattice", 500), ("large/net", 12), ("classic/spring_chain", 300)]
 )
@@ -65,6 +67,7 @@ def test_what_is_stored_is_not_kept_for_that(name: str, n: int) -> None:
     assert copies and not [access for s in copies for access in s.reads if access.array == KEPT]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("written", [render, in_python])
 def test_many_unknowns_of_conditions_are_written_as_stretches(
     written: Callable[[Program], Mapping[str, str]],

@@ -85,6 +85,7 @@ def error(got: float, value: mpmath.mpf) -> float:
     return float(abs(mpmath.mpf(got) - value) / mpmath.mpf(math.ulp(float(value))))
 
 
+@pytest.mark.full
 def test_the_constants_are_those_of_the_script() -> None:
     spec = importlib.util.spec_from_file_location("constants", ROOT / "tools" / "trigonometry.py")
     assert spec is not None and spec.loader is not None
@@ -152,6 +153,7 @@ def test_no_value_is_further_than_one_unit(tmp_path: Path) -> None:
         assert float(sine) < 0.85 and float(cosine) < 0.85, line
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(not wide(), reason="no gcc for x87 here")
 @pytest.mark.parametrize(
     "words",
@@ -167,6 +169,7 @@ def test_wider_arithmetic_is_no_further_off_than_rounding_twice(words: str, tmp_
         assert float(sine) < 2.3 and float(cosine) < 2.3, line
 
 
+@pytest.mark.full
 def test_the_same_bits_under_every_compiler_and_in_python(tmp_path: Path) -> None:
     if not compilers():
         pytest.skip("neither gcc nor clang is here")
@@ -214,6 +217,7 @@ def angles(count: int, calls: int) -> Function:
     return Function("f", ("x",), (("y", calls),), tuple(operations), tuple(stores))
 
 
+@pytest.mark.full
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not there")
 @pytest.mark.parametrize("calls", [1, 5, 40, 700, 2000])
 def test_functions_of_a_model_call_it_once_an_angle(calls: int, tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ def trials(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Trials]:
         yield Trials(tmp_path_factory.mktemp("fuzz"), compiled=0.0, jobs=1)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if kind == "disturbed" and not (sys.platform == "linux" and shutil.which("cc")):
@@ -60,6 +61,7 @@ def test_nothing_stumbles(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert main(words) == 0
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", CORPUS, ids=lambda path: path.stem)
 def test_what_was_found_once_is_mended(path: Path, trials: Trials) -> None:
     assert trials.stumbles(Case(path.read_text(encoding="utf-8")), 0) == []
@@ -72,6 +74,7 @@ def test_noise_is_refused(seed: int, trials: Trials) -> None:
     assert trials.stumbles(Case(text), seed) == []
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "text",
     [
@@ -113,6 +116,7 @@ def test_texts_are_made_by_their_seed() -> None:
         assert make(7) == make(7) != make(8)
 
 
+@pytest.mark.full
 def test_most_models_are_sound_and_use_the_whole_grammar() -> None:
     sound, cases = 0, [model(seed) for seed in range(100) if not model(seed).files]
     for case in cases:
@@ -136,6 +140,7 @@ def _fill() -> None:
     del hoard
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     ("act", "how"),
     [

@@ -29,6 +29,7 @@ def _kepler(t: numpy.ndarray, e: float) -> tuple[numpy.ndarray, ...]:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-8, 1e-9])
 def test_reported_error_of_kepler_is_the_true_one(accuracy: float) -> None:
     run = lagc.load("classic/kepler").compile("comet").simulate(20.0 * math.pi, accuracy=accuracy)
@@ -103,6 +104,7 @@ def _double_pendulum(t: float) -> tuple[float, float]:
     return float(now[0] / one), float(now[1] / one)
 
 
+@pytest.mark.full
 def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
     run = lagc.load("classic/double_pendulum").compile("chaotic").simulate(100.0, accuracy=1e-6)
     assert run.status != "ok"
@@ -114,6 +116,7 @@ def test_chaotic_motion_is_told_only_as_far_as_it_can_be_known() -> None:
         assert abs(run[name][-1] - value) <= 1e-6 * max(abs(run["theta1"]).max(), abs(run["theta2"]).max())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_what_has_settled_stays_where_tolerances_are_below_rounding(method: str) -> None:
     """Steps there are as long as the method is stable, errors some 30 times the tolerance where it is above

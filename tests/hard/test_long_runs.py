@@ -60,6 +60,7 @@ def test_sleigh_runs_straight_for_half_an_hour() -> None:
     assert abs(final["y"] - path(1)) <= 1e-8 * distance
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["euler_top", "racket_flip"])
 def test_free_solid_over_ten_thousand_turns(name: str) -> None:
     turns = 10_000 if FAST else 100

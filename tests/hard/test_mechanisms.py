@@ -185,6 +185,7 @@ end Bennett;
 """
 
 
+@pytest.mark.full
 def test_overconstrained_spatial_mechanism_moves() -> None:
     run = _run(lagc.loads(BENNETT).compile(), 10.0, 1e-10)
     energy = run.energy

@@ -285,6 +285,7 @@ end Many;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("row", "touches"), [("1 - cos(x[n]/(1 [m])) = 0", True), ("1 - cos(x[n]/(1 [m])) = 0.5", False)]
 )

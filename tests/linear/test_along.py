@@ -31,6 +31,7 @@ end Drag;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("no_cache")
 @pytest.mark.parametrize("name, t", AT.items())
 def test_both_ways_agree(name: str, t: float, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -64,6 +64,7 @@ end Bowl;
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("energy", "more", "verdict"),
     [
@@ -524,6 +525,7 @@ end Panels;
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", (1, 2))
 def test_a_panel_is_no_pair_of_pendulums(n: int) -> None:
     """Its rods allow it to be twisted to first order, and no further: a pendulum has the frequency sqrt(g/d),
@@ -538,6 +540,7 @@ def test_a_panel_is_no_pair_of_pendulums(n: int) -> None:
         assert min(abs(z - sqrt(square * G)) for z in hanging) < 1e-6
 
 
+@pytest.mark.full
 def test_rows_that_are_redundant_everywhere_halt_nothing() -> None:
     text = """model Platform
   coordinate Length x, z;

@@ -44,6 +44,7 @@ def accelerations(q: list[mpf], v: list[mpf]) -> list[mpf]:
     return [found[i] - (found[i - 1] if i else 0) for i in range(n)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [10, 40])
 def test_accelerations_of_a_long_chain_keep_their_derivatives(n: int) -> None:
     chance = Random(n)
@@ -61,6 +62,7 @@ def test_accelerations_of_a_long_chain_keep_their_derivatives(n: int) -> None:
     assert np.abs(found - expected).max() <= 2e-12 * np.abs(expected).max()
 
 
+@pytest.mark.full
 def test_a_long_chain_hangs_with_its_frequencies() -> None:
     n = 40
     with mpmath.workdps(30):
@@ -74,6 +76,7 @@ def test_a_long_chain_hangs_with_its_frequencies() -> None:
     assert np.sort(values.imag)[n:].tolist() == pytest.approx(expected, rel=6e-12)
 
 
+@pytest.mark.full
 def test_energy_of_a_longer_chain_is_least_where_it_hangs() -> None:
     n = 80
     assert chain(n).linearize(x=[0.0] * 2 * n).stability == "stable: energy is least there"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 import random
 
 import numpy as np
@@ -45,6 +46,7 @@ def _compiled(table: str, forces: str) -> lagc.CompiledModel:
     return lagc.loads(LINKAGE.replace("TABLE", table).replace("FORCES", forces)).compile(backend="numpy")
 
 
+@pytest.mark.full
 def test_it_is_that_of_inertial_forces_and_at_no_time_another() -> None:
     """What is rounding beside other derivatives does not depend on time."""
     ours, theirs = (model.equilibria()[0] for model in (turning(), _compiled("world", INERTIAL)))

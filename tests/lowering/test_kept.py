@@ -54,6 +54,7 @@ def keeping(e: EquationsOfMotion) -> Solver | None:
     return Solver(system, plan)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(60))
 def test_random_systems(seed: int) -> None:
     e = derive(model(random_system(seed)))
@@ -81,6 +82,7 @@ def test_loops(masses: str, n: int) -> None:
     assert np.abs(found - wanted).max() <= 1e-15 * condition * np.abs(wanted).max()
 
 
+@pytest.mark.full
 def test_work_grows_as_the_number_of_loops() -> None:
     """Of a ladder, whose rungs close a loop each; the form that is taken."""
     found = []
@@ -92,6 +94,7 @@ def test_work_grows_as_the_number_of_loops() -> None:
     assert steps[1] <= 1.05 * steps[0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("text", [large.STRIP, large.TRAILERS], ids=["strip", "trailers"])
 def test_work_grows_as_the_number_of_rows(text: str) -> None:
     """Of particles and rods alone no velocity is shared, and nothing is lifted; trailers that do not slip are

@@ -46,6 +46,7 @@ def truth(nodes: list[Node], leaves: list[Node], state: dict[Node, float]) -> li
         return [[float((a[k] - b[k]) / (2 * STEP)) for a, b in pairs] for k in range(len(nodes))]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("positive", [True, False], ids=["positive", "any"])
 @pytest.mark.parametrize("seed", range(3))
 def test_lengths_of_gradients(seed: int, positive: bool) -> None:
@@ -101,6 +102,7 @@ def ladder(n: int) -> Places:
     return places(pipeline.derive(model), model.parameters)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("make", [functions.scales, functions.gamma_sizes, functions.gradient_sizes,
                                   functions.gradients, functions.reaches],
                          ids=lambda make: make.__name__)  # fmt: skip

@@ -101,6 +101,7 @@ def dense(e: EquationsOfMotion, state: Mapping[Node, float]) -> tuple[np.ndarray
     return np.array([float(x) for x in found]), condition
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(60))
 def test_every_form_gives_the_motion_of_random_systems(seed: int) -> None:
     """Rounding of a backward stable elimination, times what the pivots say that it grows by."""
@@ -191,6 +192,7 @@ MOST = {  # operations of one more link or body, with the pivots watched
 }  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("family", MOST)
 def test_work_grows_as_the_number_of_bodies(family: str) -> None:
     text = large.TREES[family]
@@ -261,6 +263,7 @@ end M;
 """
 
 
+@pytest.mark.full
 def test_many_forces_make_no_solve_dense() -> None:
     """Operations for each pair of bodies, with a mass matrix that is diagonal."""
     found = []

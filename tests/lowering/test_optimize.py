@@ -208,6 +208,7 @@ def test_conditions_of_the_start_and_their_derivatives() -> None:
     assert found == {"c": [18.0], "J": [4.0, 5.0, 3.0], "sizes": [20.0]}
 
 
+@pytest.mark.full
 def test_what_is_entangled_is_solved_in_a_loop_with_operations_in_proportion_to_n_squared() -> None:
     costs = []
     for n in (25, 50):
@@ -250,6 +251,7 @@ def digest() -> str:
     return text.hexdigest()
 
 
+@pytest.mark.full
 def test_programs_do_not_depend_on_the_hash_seed() -> None:
     script = "from tests.lowering.test_optimize import digest; print(digest())"
     found = {

@@ -31,6 +31,7 @@ def length(f: Function) -> int:
     return sum([run.period for run in f.runs]) if f.runs else len(f.operations) + len(f.stores)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("family", "n"), [("chain", 60), ("relative", 40), ("spherical", 40), ("balls", 20)])
 def test_the_code_of_a_chain_does_not_grow_with_it(family: str, n: int) -> None:
     """But for tables of indices, of which there are few."""
@@ -40,18 +41,21 @@ def test_the_code_of_a_chain_does_not_grow_with_it(family: str, n: int) -> None:
     assert length(more) < 0.15 * more.cost
 
 
+@pytest.mark.full
 def test_what_grows_with_a_chain_is_little() -> None:
     """Names, kinds of states, and a line of `bind` while that is straight: bytes of C a link."""
     less, more = (len("".join(render(program("chain", n)).values())) for n in (150, 300))
     assert more - less < 150 * 350
 
 
+@pytest.mark.full
 def test_the_code_of_trees_grows_slowly() -> None:
     """With their depth."""
     less, more = (length(program("tree", n).functions["rhs"]) for n in (127, 255))
     assert more < 1.6 * less
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("family", sorted({*large.TREES} - {"balls_relative"}))
 def test_runs_cover_all_operations(family: str) -> None:
     found = program(family, 31)
@@ -64,6 +68,7 @@ def test_runs_cover_all_operations(family: str) -> None:
             assert ends[-1] == len(f.operations) + len(f.stores)
 
 
+@pytest.mark.full
 def test_what_is_done_to_a_part_is_done_at_once() -> None:
     """Of the 46 operations that a knot of a net takes the values of few are kept from loop to loop."""
     n = 12

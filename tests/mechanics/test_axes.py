@@ -151,6 +151,7 @@ def lagrange(chain: tuple[Turn, Turn, Turn], q: Sequence[Any], v: Sequence[Any])
     return [float(x) for x in mp.lu_solve(mass, right)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", CHAINS)
 def test_frames_and_accelerations_are_those_of_rodrigues_formula(name: str) -> None:
     chain = CHAINS[name]
@@ -214,6 +215,7 @@ def test_lengths_of_what_stands_in_a_frame_are_numbers() -> None:
     assert vector([distance], random_state(e, 1)) == pytest.approx(13.0**0.5)
 
 
+@pytest.mark.full
 def test_the_search_for_bends_asks_each_root_once() -> None:
     """Roots that no interval bounds away from zero, each of all coordinates before it."""
 

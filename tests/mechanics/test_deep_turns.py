@@ -34,6 +34,7 @@ TIP = "constraint tip: P[n].z = 0.1 [m];"
 AGAIN = "constraint again: 2*dot(P[n] - P[0], world.z) = 0.2 [m];"
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [3, 9, 20])
 def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
     found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=DRAG)))
@@ -41,6 +42,7 @@ def test_springs_and_drag_leave_nothing_conserved(n: int) -> None:
     assert not found.cyclic and not found.conserved
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [9, 20])
 def test_a_row_at_the_tip_takes_one_freedom(n: int) -> None:
     found = analyse(equations_of(CHAIN.format(n=n, each=SPRING, more=TIP)))
@@ -49,6 +51,7 @@ def test_a_row_at_the_tip_takes_one_freedom(n: int) -> None:
     assert twice.degrees_of_freedom == n - 1 and len(twice.redundant) == 1
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("n", [3, 16])
 def test_a_friction_that_may_drive_is_warned_of(n: int) -> None:
     push = "force air = -0.05 [kg/s]*velocity(b[n-1]) at b[n];"

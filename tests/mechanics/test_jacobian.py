@@ -65,6 +65,7 @@ def by_sums(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sections, "_MANY", 0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems(seed: int, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     plain = derive(model(random_system(seed)))
@@ -98,6 +99,7 @@ def ladder(n: int, length: float = 0.3, more: str = "") -> Model:
     return resolve(parse(Source("m.lag", LADDER.format(n=n, length=length, more=more))), Choice())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("length", [0.3, 1e-9, 1e9])
 def test_rank_of_a_long_ladder_whatever_its_unit(length: float) -> None:
     """Twice the same rung, and one rung more than has room."""
@@ -108,6 +110,7 @@ def test_rank_of_a_long_ladder_whatever_its_unit(length: float) -> None:
     assert [(r.row, r.others) for r in found] == [(60, (57,))]
 
 
+@pytest.mark.full
 def test_rows_are_made_of_what_they_depend_on() -> None:
     """By the combination that is found the dense rows add up, which the sums say nothing of."""
     e = derive(ladder(50, more="constraint again: norm(P[n-2] - Q[n-2]) = d;"))
@@ -123,6 +126,7 @@ def test_rows_are_made_of_what_they_depend_on() -> None:
             table.add(line, left, factors)
 
 
+@pytest.mark.full
 def test_bases_stay_short() -> None:
     """Work in proportion to the ladder: no line is reduced by many, and none is long."""
     work = {}
@@ -144,6 +148,7 @@ ACTIONS = {
 }
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ACTIONS)
 def test_actions_along_a_chain_are_derived_in_proportion(name: str) -> None:
     """As many nodes for each link, however long the chain; and the forces are those of differences."""
@@ -162,6 +167,7 @@ def test_actions_along_a_chain_are_derived_in_proportion(name: str) -> None:
     assert vector(e.given_forces, state) @ vector(e.v, state) == pytest.approx(total, rel=1e-9)
 
 
+@pytest.mark.full
 def test_entries_are_formed_when_asked_for() -> None:
     e = derive(ladder(60))
     assert len(formed_of([row.jacobian for row in e.rows])) < 30 * 60

@@ -211,6 +211,7 @@ def by_differences(e: EquationsOfMotion) -> int:
     return len(e.q) - int(np.sum(sizes > 1e-6))  # central differences err by about 1e-10
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("kind", range(len(KINDS)))
 def test_mobility_of_loops(kind: int, seed: int) -> None:
@@ -223,6 +224,7 @@ def test_mobility_of_loops(kind: int, seed: int) -> None:
     assert by_differences(e) == truth
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", [0, 2, 4, 5, 6, 7])
 def test_mobility_is_told(kind: int) -> None:
     b, truth = KINDS[kind](random.Random(kind))
@@ -231,6 +233,7 @@ def test_mobility_is_told(kind: int) -> None:
     assert len(a.redundant) == a.rows - (a.speeds - truth)
 
 
+@pytest.mark.full
 def test_what_is_redundant_where_the_loop_is_closed_only_seems_so() -> None:
     for made in (bennett, cranks):
         b, _ = made(random.Random(5))
@@ -261,6 +264,7 @@ def test_a_posture_that_adds_a_freedom_is_told() -> None:
     assert (a.degrees_of_freedom, a.more_at_start, a.redundant) == (1, 1, ())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("rolls", [False, True])
 def test_velocity_rows_beside_a_loop_with_redundant_rows(rolls: bool) -> None:
     """A disc that rolls at the end of a Bennett linkage's joint adds a coordinate and a relation; one that

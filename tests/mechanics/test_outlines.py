@@ -62,6 +62,7 @@ def calls(n: int) -> int:
     return int(vars(pstats.Stats(profile))["total_calls"])
 
 
+@pytest.mark.full
 def test_the_work_of_looking_for_breaks_grows_as_the_rows_do() -> None:
     few, many = 40, 80
     assert calls(many) / calls(few) < 2.0**1.1

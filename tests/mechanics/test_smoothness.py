@@ -112,6 +112,7 @@ def codes(line: str, head: str = HEAD) -> set[str]:
     return {f.code for f in faults if f.severity == "error" and not f.code.startswith("LAG061")}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("place", range(len(PLACES)))
 def test_a_break_is_refused_where_the_mechanics_cannot_hold_it(place: int) -> None:
     chance = Random(place)
@@ -202,6 +203,7 @@ UNSPELT_PLACES = [
 ]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("u, w", UNSPELT)
 def test_kinks_and_jumps_that_no_word_tells_of(u: str, w: str) -> None:
     for kind, forms in ((KINK, bends), (JUMP, jumps), (SMOOTH, smooth)):
@@ -284,6 +286,7 @@ ROUND = (  # that have one, or do not hold
 )  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("u, w", [("x", "y"), ("(x - l)", "(y + z0)"), ("(x - y)", "(x + 3*y)")])
 def test_rows_without_a_gradient_at_a_point(u: str, w: str) -> None:
     head = HEAD.replace("{x, y, 0}", "{x, y, z}")

@@ -15,6 +15,7 @@ SCENES = scenes()
 IDS = [f"{name}-{scene}" for name, scene in SCENES]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", library_models())
 def test_model_has_no_faults_in_any_scene(name: str) -> None:
     assert lagc.load(name).check() == []

@@ -91,6 +91,7 @@ def assert_true(e: EquationsOfMotion) -> None:
     assert not (tries and kept)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_claims_over_the_library(path: Path) -> None:
     name = str(path.relative_to(MODELS).with_suffix(""))
@@ -98,6 +99,7 @@ def test_claims_over_the_library(path: Path) -> None:
         assert_true(derived(name, scene))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(16))
 def test_claims_over_random_systems(seed: int) -> None:
     e = derive(model(random_system(seed)))
@@ -105,6 +107,7 @@ def test_claims_over_random_systems(seed: int) -> None:
         assert_true(e)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(16))
 def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
     """Without drives, friction and given loads: energy is claimed."""
@@ -118,6 +121,7 @@ def test_claims_over_random_systems_that_keep_their_energy(seed: int) -> None:
         assert_true(e)
 
 
+@pytest.mark.full
 def test_nothing_in_the_library_only_seems_so() -> None:
     """But for the bicycle: brackets of its rows are too long to be formed."""
     for path in FILES:

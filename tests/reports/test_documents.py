@@ -83,6 +83,7 @@ def test_commands_are_shown_where_they_belong() -> None:
     assert {"README.md", "docs/tutorial.md", EMBEDDED} <= set(PAGES)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("document", PAGES)
 def test_commands_run_as_printed_there(saved: Path, document: str) -> None:
     for shown, line in lines():
@@ -112,6 +113,7 @@ def test_options_are_those_of_the_commands(command: str, capsys: pytest.CaptureF
 PROGRAMS = [b for b in blocks("python") if not b[0].startswith(EMBEDDED)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("where", "text"), PROGRAMS, ids=[where for where, _ in PROGRAMS])
 def test_python_runs_as_printed_there(saved: Path, where: str, text: str) -> None:
     exec(compile(text, where, "exec"), {})

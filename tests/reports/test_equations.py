@@ -75,6 +75,7 @@ def test_kinematics_of_declared_speeds_are_written() -> None:
     assert "x' = cos(theta)*u - sin(theta)*s" in text
 
 
+@pytest.mark.full
 def test_long_equations_are_written_with_named_parts() -> None:
     """A power of a sum of 24 terms has some 80,000 of them: it is not multiplied out."""
     text = write(equations_of(LONG))
@@ -130,6 +131,7 @@ def test_the_script_runs_with_sympy() -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [3, 5, 7, 21, 100])
 def test_what_is_made_of_whole_numbers_is_written_so(n: int) -> None:
     """Their quotients are rounded, and so are products and sums of these."""
@@ -175,6 +177,7 @@ def test_squares_of_sine_and_cosine_are_one_below_lines_and_under_roots() -> Non
         assert "^2*sin" not in write(derived(name)).replace("'^2*sin", "")
 
 
+@pytest.mark.full
 def test_joint_angles_add_up() -> None:
     """Along an arm each frame is turned against the one before."""
     text = write(derived("large/relative_chain"))
@@ -220,6 +223,7 @@ end Reserved;
 """
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "name",
     [

@@ -73,6 +73,7 @@ def test_scripts_have_the_events_of_the_library(name: str) -> None:
         assert_same(derived(name, scene), full=True)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("value", VALUES)
 @pytest.mark.parametrize("full", [True, False])
 def test_scripts_have_the_events_of_loops(value: str, full: bool) -> None:

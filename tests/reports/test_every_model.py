@@ -53,6 +53,7 @@ def motion_terms(equations: EquationsOfMotion, state: Mapping[Node, float]) -> l
     return rows
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", FILES, ids=lambda p: p.stem)
 def test_written_equations_are_the_derived_ones(path: Path) -> None:
     """In every scene."""
@@ -61,11 +62,13 @@ def test_written_equations_are_the_derived_ones(path: Path) -> None:
         assert_same(derived(name, scene))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("text", [EVERYTHING, LONG], ids=["every function", "named parts"])
 def test_unusual_equations_are_the_derived_ones(text: str) -> None:
     assert_same(equations_of(text))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(24))
 def test_equations_of_random_systems_are_the_derived_ones(seed: int) -> None:
     assert_same(derive(model(random_system(seed))))

@@ -74,6 +74,7 @@ def test_operations_are_those_of_the_program() -> None:
     assert found["operations"]["functions"]["rhs"] == program.functions["rhs"].cost
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("path", sorted(MODELS.rglob("*.lag")), ids=lambda p: p.stem)
 def test_every_model_is_explained(path: Path) -> None:
     name = str(path.relative_to(MODELS).with_suffix(""))
@@ -151,6 +152,7 @@ end Idle;
     assert "dropped, as nothing depends on them: spare, gone, turn" in text(found)
 
 
+@pytest.mark.full
 def test_long_expressions_are_written_by_their_rule_or_whole(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["explain", "classic/chain", "-p", "n=30"]) == 0
     said = capsys.readouterr().out

@@ -40,6 +40,7 @@ def value(text: str, at: dict[str, float]) -> float:
     raise AssertionError(text)
 
 
+@pytest.mark.full
 def test_powers_and_products_of_sums_have_the_value_of_what_was_meant() -> None:
     chance = random.Random(3)
     for _ in range(25):

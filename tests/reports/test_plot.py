@@ -120,6 +120,7 @@ def test_corners_are_the_same_in_c() -> None:
     assert one.corners and one.corners == other.corners
 
 
+@pytest.mark.full
 def test_no_corner_lies_behind_what_is_told() -> None:
     """The run ends where it can be foretold no longer."""
     run = (
@@ -174,6 +175,7 @@ def test_what_is_small_and_no_rounding_fills_its_axis() -> None:
     assert high - low < 2.5 * max(abs(run["x"])) < 1e-4
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("by_hand", [False, True])
 def test_what_a_sensitivity_is_off_by_does_not_fill_an_axis(by_hand: bool) -> None:
     """The mass cancels; the energy changes with the length by m*g*cos(theta0), all the time."""
@@ -191,6 +193,7 @@ def test_what_a_sensitivity_is_off_by_does_not_fill_an_axis(by_hand: bool) -> No
         assert not axes["d(E)/d(l)"].yaxis.get_major_formatter().get_useOffset()
 
 
+@pytest.mark.full
 def test_what_a_sensitivity_is_off_by_covers_what_it_is() -> None:
     """Rates and outputs have the doubts of what they are made of."""
     model = lagc.load(str(MODELS / "course/simple_pendulum.lag")).compile(backend="numpy")
@@ -223,6 +226,7 @@ def test_many_orientations_share_an_axis() -> None:
     assert len(plot(run.simulate(0.01, points=3)).axes) == 3
 
 
+@pytest.mark.full
 def test_of_many_coordinates_every_second_is_named(tmp_path: Path) -> None:
     chain = lagc.load(str(MODELS / "classic/spring_chain.lag")).compile(parameters={"n": 50}, backend="numpy")
     figure = plot_modes(chain.linearize(), "modes")

@@ -29,6 +29,7 @@ def test_ranges(lines: list[str], shown: list[str]) -> None:
     assert ranged(lines) == shown
 
 
+@pytest.mark.full
 def test_what_is_too_much_is_not_examined() -> None:
     """A drive's power is told by its multiplier, which is asked of small systems alone."""
     text = """model Driven

@@ -94,17 +94,20 @@ def check(equations: EquationsOfMotion) -> None:
         )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", LARGE)
 def test_equations_by_rules_are_the_derived_ones(name: str) -> None:
     check(large(name, 20))
 
 
+@pytest.mark.full
 def test_a_net_is_written_by_rules() -> None:
     equations = lagc.load("large/net").compile(parameters={"n": 7}, backend="numpy").equations
     check(equations)
     assert len(page(equations, full=False).lines) == 29
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", LARGE)
 def test_equations_fit_on_pages_whatever_their_number(name: str) -> None:
     few, many = (write(large(name, n), full=False) for n in (20, 100 if name != "n_body" else 30))
@@ -113,6 +116,7 @@ def test_equations_fit_on_pages_whatever_their_number(name: str) -> None:
         assert len(few.splitlines()) == len(many.splitlines())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("how", "most"),
     [
@@ -133,6 +137,7 @@ def test_what_breaks_the_pattern_stands_apart(how: dict[str, str], most: int) ->
         assert [x.indices for x in found if not x.counters] == [(8,), (9,)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["chain", "relative_chain", "ball_chain", "mobile", "n_body"])
 def test_compiled_accelerations_solve_equations_by_rules(name: str) -> None:
     model = lagc.load(f"{'classic' if name == 'chain' else 'large'}/{name}")
@@ -146,6 +151,7 @@ def test_compiled_accelerations_solve_equations_by_rules(name: str) -> None:
     assert all(abs(x) < 1e-9 * max(map(abs, off.values())) for x in zero.values())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["chain", "lattice", "n_body"])
 def test_a_rule_stands_for_the_terms_of_all_equations(name: str) -> None:
     equations = large(name, 14)
@@ -157,6 +163,7 @@ def test_a_rule_stands_for_the_terms_of_all_equations(name: str) -> None:
         assert _same(line, by_label[line.kind, line.indices, line.label[:6]])
 
 
+@pytest.mark.full
 def test_a_chain_of_any_length_is_one_equation(capsys: pytest.CaptureFixture[str]) -> None:
     for n in (13, 60):
         assert main(["equations", "classic/chain", "-p", f"n={n}"]) == 0
@@ -175,6 +182,7 @@ def test_a_chain_of_any_length_is_one_equation(capsys: pytest.CaptureFixture[str
     assert said.count(" = 0\n") == 30 and "sum" not in said and "more" not in said
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", LARGE)
 def test_latex_of_rules_is_read_by_another_program(name: str) -> None:
     """matplotlib's reader of formulas stands in for TeX."""
@@ -187,6 +195,7 @@ def test_latex_of_rules_is_read_by_another_program(name: str) -> None:
         assert reader.parse(formula).width > 0.0, formula
 
 
+@pytest.mark.full
 def test_the_longest_chains_are_recursions() -> None:
     equations = large("chain", 400)
     text = write(equations, full=False)
@@ -229,6 +238,7 @@ def test_linear_expressions_are_as_people_write_them(start: int, step: int) -> N
     assert "+ -" not in text and "- -" not in text and "1*k" not in text
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "name", ["chain", "relative_chain", "rope", "ball_chain", "mobile", "truss", "n_body"]
 )

@@ -160,6 +160,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(os.name != "posix", reason="the paths of the events are those of POSIX")
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_model_opens_starts_and_runs_nothing(name: str, folder: Path) -> None:
@@ -248,6 +249,7 @@ def test_the_shape_of_code_tells_more_than_words() -> None:
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("number", range(5))
 def test_generated_code_calls_nothing_but_itself_and_mathematics(number: int) -> None:
     """No input or output, no allocation, no module but those of arithmetic and types."""
@@ -278,6 +280,7 @@ def test_generated_code_calls_nothing_but_itself_and_mathematics(number: int) ->
     assert not called & {"eval", "exec", "compile", "open", "__import__", "input"}
 
 
+@pytest.mark.full
 @pytest.mark.skipif(os.name != "posix", reason="paths of POSIX")
 def test_what_is_written_names_no_folder(folder: Path) -> None:
     commands = [["build", "evil.lag", "--target", target, "-o", "../out"] for target in ("c", "numpy")]

@@ -250,6 +250,7 @@ def test_resolving_reads_each_file_once(tmp_path: Path, monkeypatch: pytest.Monk
     assert reads == [str(tmp_path / "lib.lag")]
 
 
+@pytest.mark.full
 @only_posix
 def test_standard_input_that_does_not_wait_is_waited_for(tmp_path: Path) -> None:
     """Somebody else may have set the pipe so."""
@@ -273,6 +274,7 @@ def test_what_is_no_file_is_not_laid_out(tmp_path: Path) -> None:
         assert main(["fmt", str(tmp_path / name)]) == 2
 
 
+@pytest.mark.full
 @only_posix
 def test_the_folder_where_we_are_may_be_gone(tmp_path: Path) -> None:
     """What needs none goes on; an import from there is a fault."""

@@ -58,6 +58,7 @@ def truth(
     return values[0 if x < knots[0] else -1], 0.0
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_random_tables_are_what_numpy_and_scipy_make_of_their_points(kind: str) -> None:
     rng = random.Random(f"{kind} {SEED}")
@@ -201,6 +202,7 @@ def test_rows_and_places_do_not_follow_tables_that_bend(table: str, kind: str) -
         assert f"has a {kind}" in found[0].message and "knot of a table" in found[0].message
 
 
+@pytest.mark.full
 def test_one_bend_among_many_knots_is_found() -> None:
     rng = random.Random(SEED)
     for _ in range(10):
@@ -275,6 +277,7 @@ def test_what_a_run_writes_is_a_table_with_its_units(tmp_path: Path) -> None:
     assert [system.system.outputs(t, [0.0] * 3)[0] for t in run.t] == list(run["theta"])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("units", [True, False])
 def test_each_column_that_a_run_writes_is_found(units: bool, tmp_path: Path) -> None:
     """Arrays, rates, rotations and sensitivities too."""

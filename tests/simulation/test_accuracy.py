@@ -131,6 +131,7 @@ def test_rest_stays_rest() -> None:
     assert all(x[0] == 0.0 for x in run.states)
 
 
+@pytest.mark.full
 def test_what_is_estimated_belongs_to_what_is_returned() -> None:
     run = lagc.load("classic/double_pendulum").compile("chaotic").simulate(60.0, accuracy=1e-6)
     assert run.status == "failed" and run.times[-1] < 60.0

@@ -88,6 +88,7 @@ def refused(text: str) -> list[Fault]:
     return []
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("first", range(0, 60, 20))
 def test_check_tells_what_a_run_refuses(first: int) -> None:
     seen = set()

@@ -60,6 +60,7 @@ def speeds(run: Run, n: int) -> list[float]:
     return [float(run[f"der(u[{i}])"][-1]) for i in range(1, n + 1)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("start", "potential"), [(0.0, BALLS), (0.1, BALLS), (0.0, BRANCHES)])
 @pytest.mark.parametrize("n", [3, 5, 8, 20])
 def test_a_row_of_balls_is_hit(n: int, start: float, potential: str) -> None:
@@ -70,6 +71,7 @@ def test_a_row_of_balls_is_hit(n: int, start: float, potential: str) -> None:
     assert run.cost.rhs < 1_500 * n and len(run.events) == 2 * n - 3
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("start", [0.0, 0.1])
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
 def test_it_errs_by_what_was_asked(method: str, start: float) -> None:
@@ -87,6 +89,7 @@ def test_it_is_the_same_in_c() -> None:
     assert [list(x) for x in runs[0].states] == [list(x) for x in runs[1].states]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [4, 7, 12])
 def test_balls_are_hit_from_both_sides(n: int) -> None:
     """What comes out is as symmetrical as what goes in."""
@@ -96,6 +99,7 @@ def test_balls_are_hit_from_both_sides(n: int) -> None:
     assert found == pytest.approx(truth(n, -1.0), abs=2e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [6, 12])
 def test_a_rope_that_is_just_slack_is_pulled(n: int) -> None:
     run = chain(n, ROPE).simulate(parameters={"last": 2.0})
@@ -148,6 +152,7 @@ def cradle_truth(n: int, power: float, gap: float) -> list[float]:
     return list(found.y[n:, -1])
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("gap", [0.0, 1e-6, 1e-4])
 @pytest.mark.parametrize("power", [1.5, 2.5])
 def test_a_cradle_of_many_balls(power: float, gap: float) -> None:
@@ -157,12 +162,14 @@ def test_a_cradle_of_many_balls(power: float, gap: float) -> None:
     assert run.cost.rhs < 80_000
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("law", sorted(LAWS))
 def test_however_the_force_is_written(law: str) -> None:
     run = cradle(4, law, 1.5).simulate(parameters={"gap": 1e-4})
     assert speeds(run, 4) == pytest.approx(cradle_truth(4, 1.5, 1e-4), abs=2e-6)
 
 
+@pytest.mark.full
 def test_a_cradle_is_the_same_in_c() -> None:
     systems = [cradle(12, "max", 2.5, backend=name) for name in ("c", "numpy")]
     runs = [system.simulate(method="dop853", rtol=1e-8, parameters={"gap": 1e-5}) for system in systems]
@@ -255,6 +262,7 @@ PUSHED = """model Row
 end Row;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-4, 1e-6, 1e-9])
 def test_a_row_at_rest_is_pushed(accuracy: float) -> None:
     """All begins to move at T, by powers of the time; the first attempt at a step is far too long, explodes,

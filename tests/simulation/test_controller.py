@@ -74,12 +74,14 @@ def printed(program: str, folder: Path, real: str = "double") -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.full
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 def test_the_program_in_c_of_floats(tmp_path: Path) -> None:
     x, theta, *_ = printed(block("c"), tmp_path, "float")
     assert [float(x), float(theta)] == pytest.approx(by_scipy()[:2], rel=1e-2, abs=1e-4)
 
 
+@pytest.mark.full
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 def test_the_program_in_c(tmp_path: Path) -> None:
     x, theta, steps, evaluations = printed(block("c"), tmp_path)
@@ -88,6 +90,7 @@ def test_the_program_in_c(tmp_path: Path) -> None:
     assert CALLS <= int(steps) <= STEPS and int(evaluations) <= 13 * int(steps)
 
 
+@pytest.mark.full
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="there is no gcc")
 def test_the_program_with_an_input_from_a_table(tmp_path: Path) -> None:
     found = [float(word) for word in printed(block("c", 1), tmp_path)]
@@ -109,6 +112,7 @@ def test_the_module_in_python(tmp_path: Path) -> None:
     assert CALLS <= int(words[4]) <= STEPS and int(words[5]) <= 13 * int(words[4])
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 def test_against_restarts(backend: str) -> None:
     """A new trajectory each millisecond: the motion is the same, at a fraction of the cost."""

@@ -217,6 +217,7 @@ def assert_solved(found: Solved, e: EquationsOfMotion, state: State) -> None:
         assert np.abs(found.lam - lam).max() <= 1e-8 * np.abs(lam).max()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", SPECIAL)
 def test_mechanisms(name: str) -> None:
     e, state = SPECIAL[name]
@@ -228,6 +229,7 @@ def test_mechanisms(name: str) -> None:
 RANDOM = {name: (e, state) for name, e, state in random_cases()}
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", RANDOM)
 def test_random_systems_with_rows_that_follow_from_others(name: str) -> None:
     e, state = RANDOM[name]
@@ -244,6 +246,7 @@ def test_random_systems_with_rows_that_contradict_others(name: str) -> None:
     assert solved(with_copies(e, len(name), wrong=100.0 * size), state).status == INCONSISTENT
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", list(RANDOM)[1::3])
 def test_rows_in_units_that_are_far_apart(name: str) -> None:
     """Each row times a number from 1e-6 to 1e6."""
@@ -266,6 +269,7 @@ def times(factor: float, row: Row) -> Row:
     )
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("make", [planar, spherical, bennett, general_7r, sarrus, cranks, frames])
 def test_spatial_loops(make: Callable[[random.Random], Made]) -> None:
     """At random speeds, where the loop comes to from its start."""
@@ -312,6 +316,7 @@ end Many;
 """
 
 
+@pytest.mark.full
 def test_many_spatial_loops_are_braked_to_rest(monkeypatch: pytest.MonkeyPatch) -> None:
     """Through the folded posture, where each loses another row; G. T. Bennett's relations of the angles."""
     monkeypatch.undo()
@@ -328,6 +333,7 @@ def test_many_spatial_loops_are_braked_to_rest(monkeypatch: pytest.MonkeyPatch) 
     assert abs(np.sin(first / 2.0) * np.sin(second / 2.0) - ratio * product).max() <= 1e-8
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "row", ["th[2] - th[3] = 0.2 [rad/s2]*time^2", "1e6*(th[2] - th[3]) = 0.2e6 [rad/s2]*time^2"]
 )
@@ -364,6 +370,7 @@ def test_windows_pass_the_flat_posture(n: int) -> None:
     assert all(abs(found[f"ph[{i}]"]) <= 1e-6 for i in range(1, n + 1))
 
 
+@pytest.mark.full
 def test_nothing_is_as_large_as_a_matrix(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     program = pipeline.optimize(equations(WINDOWS, N=26), work=False)

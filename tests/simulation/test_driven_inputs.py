@@ -132,6 +132,7 @@ def test_what_the_command_line_does_not_take(words: list[str], tmp_path: Path) -
     assert main(["sim", str(tmp_path / "cart.lag"), *words]) == 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["held", "linear", "cubic"])
 def test_points_are_the_table_that_is_written(kind: str) -> None:
     rng = random.Random(kind)
@@ -223,6 +224,7 @@ def test_a_row_follows_an_input_whose_course_is_smooth() -> None:
         assert found == code
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("kind", ["held", "linear"])
 def test_no_step_passes_over_what_is_short_in_a_table(kind: str, backend: str) -> None:

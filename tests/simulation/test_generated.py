@@ -86,6 +86,7 @@ def test_going_back_agrees_too(name: str) -> None:
 COMPILERS = {"gcc": ["gcc", "-std=c99", "-O1"], "g++": ["g++", "-x", "c++", "-O0"], "zig": ["zig"]}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("compile_", COMPILERS.values(), ids=COMPILERS)
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_the_text_compiles_without_a_warning(name: str, compile_: Any, tmp_path: Path) -> None:

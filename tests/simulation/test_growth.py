@@ -91,6 +91,7 @@ end Mixed;"""
     told(text, way, w, exact)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("way", [3.0, 8.0, 12.0, 16.0, 18.0, 20.0, 24.0])
 @pytest.mark.parametrize("w", [0.75, 1.7, 4.0])
 def test_a_pendulum_that_rises_to_its_top(w: float, way: float) -> None:
@@ -154,6 +155,7 @@ end Wells;"""
     assert run.status == "failed" or true <= accuracy
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("accuracy", [1e-8, 1e-9])
 def test_what_rounding_brings_does_not_depend_on_what_is_recorded(accuracy: float) -> None:
     """Arenstorf's orbit closes: its state after a period is the first one."""

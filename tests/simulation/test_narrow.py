@@ -28,6 +28,7 @@ def run(action: str, x: float, v: float, stop: float, accuracy: float = 1e-7) ->
     )  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(10))
 def test_kicks(seed: int) -> None:
     """One of 1e-5 to 0.1 s somewhere in 10 s; by symmetry it moves what a blow in its middle does."""

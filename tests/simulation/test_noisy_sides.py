@@ -36,6 +36,7 @@ def exact(t: float) -> tuple[float, float]:
     return sign * speed / frequency * math.sin(frequency * since), sign * speed * math.cos(frequency * since)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("b", [0.0, 1e3, 1e5, 1e6, 1e7])
 def test_a_wall_that_is_rough_by_rounding(b: float, backend: str) -> None:

@@ -20,6 +20,7 @@ from tests.simulation.test_generated import BACKENDS, PROGRAMS, build
 pytestmark = pytest.mark.usefixtures("own_cache")
 
 
+@pytest.mark.sample(1)
 @BACKENDS
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_a_system_comes_back(name: str, backend: str) -> None:
@@ -35,6 +36,7 @@ def test_a_system_comes_back(name: str, backend: str) -> None:
     assert both[0].compiled is both[1].compiled  # what is shared stays shared
 
 
+@pytest.mark.full
 @BACKENDS
 @pytest.mark.parametrize("name", ["simple_pendulum", "classic/four_bar"])
 def test_everything_travels(name: str, backend: str) -> None:
@@ -66,6 +68,7 @@ def test_a_model_travels_before_it_has_run(backend: str) -> None:
     assert "theta" in back._repr_latex_()
 
 
+@pytest.mark.full
 @BACKENDS
 def test_a_run_is_read_where_nothing_was_compiled(
     backend: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

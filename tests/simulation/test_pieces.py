@@ -89,6 +89,7 @@ def system(text: str, backend: str) -> System:
     return lagc.loads(text).compile(backend=backend).system
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("text, number", [(BARS, 30), (MIXED, 36), (UNLIKE, 37)])
 def test_some_at_a_time_are_what_all_are(text: str, number: int, backend: str) -> None:
@@ -142,6 +143,7 @@ end M;"""
 STRICT = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2", "-c"]
 
 
+@pytest.mark.full
 @needs_gcc
 def test_compilers_have_nothing_to_say(tmp_path: Path) -> None:
     """Of a piece in several segments one keeps what another reads, each where it is asked for."""
@@ -152,11 +154,13 @@ def test_compilers_have_nothing_to_say(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.full
 def test_what_hangs_together_has_no_pieces() -> None:
     assert not system(TIED, "numpy").interface.pieces
     assert not system(BARS.replace("n = 30", "n = 2"), "numpy").interface.pieces
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("text", [BARS, MIXED, UNLIKE], ids=["alike", "beside others", "unlike"])
 def test_a_start_is_the_same_without_them(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     with_them = system(text, "numpy")
@@ -182,6 +186,7 @@ UNEVEN = """model Uneven
 end Uneven;"""
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_loops_that_leave_some_out(backend: str) -> None:
     """Of 100 rows alike the operations come out as a loop of 99, and the stores as one of 100."""
@@ -191,6 +196,7 @@ def test_loops_that_leave_some_out(backend: str) -> None:
     assert list(many[::100]) == list(one[::2])
 
 
+@pytest.mark.full
 def test_where_arithmetic_raises_in_a_piece_it_is_as_all_together() -> None:
     """The logarithm of an angle that is guessed below zero."""
     own = system(BARS.replace("d + c*cos(s)", "d + c*cos(s)*log(2 + s)"), "numpy")
@@ -209,6 +215,7 @@ LOOKED_UP = BARS.replace(
 )
 
 
+@pytest.mark.full
 @needs_gcc
 def test_they_stand_beside_tables(tmp_path: Path) -> None:
     program = lagc.loads(LOOKED_UP).compile(backend="numpy").program
@@ -225,6 +232,7 @@ def test_they_stand_beside_tables(tmp_path: Path) -> None:
     assert list(module["rhs"](0.5, x)) == list(in_c.rhs(0.5, x))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_condition_without_slopes_is_looked_at(backend: str) -> None:
     """What is made of an unknown, but changes nowhere with it, belongs to that piece too."""
@@ -241,6 +249,7 @@ end FourBar;""",
         lagc.loads(bars.replace("= U", "= -0.3")).compile(backend=backend).start()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_conditions_by_sums_are_made_together(backend: str) -> None:
     way = """model Way

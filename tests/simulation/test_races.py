@@ -111,6 +111,7 @@ def programs() -> dict[str, Program]:
             "rolling disc": Compilation(read("classic/rolling_disc"), Choice()).program}  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not detector_works(), reason="there is no race detector")
 @pytest.mark.parametrize(
     "name", ["double pendulum", "pendulum, dense", "body", "four bars, flat", "rolling disc"]
@@ -121,6 +122,7 @@ def test_no_race(name: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr[:2000]
 
 
+@pytest.mark.full
 @pytest.mark.skipif(not detector_works(), reason="there is no race detector")
 def test_the_detector_sees_a_shared_workspace(tmp_path: Path) -> None:
     done = ran(PROGRAMS["pendulum, dense"], tmp_path, 4, shared=True)

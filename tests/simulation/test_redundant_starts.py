@@ -102,6 +102,7 @@ def near(twins: Twins, given: dict[str, float]) -> dict[str, float]:
     return values
 
 
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("seed", range(2))
 def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
@@ -120,6 +121,7 @@ def test_cranks_follow_the_one_that_is_stated(seed: int) -> None:
         assert abs(turned(found["p"])) < 1e-9
 
 
+@pytest.mark.sample(1)
 @needs_gcc
 @pytest.mark.parametrize("seed", range(2))
 def test_parallel_bars_keep_the_stated_crank(seed: int) -> None:
@@ -149,6 +151,7 @@ def test_of_stated_cranks_only_those_that_are_off_move(seed: int) -> None:
         assert "and" not in start.notes[0].replace(" and constraint", "")  # few conditions are named
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_bennetts_linkage_moves_what_is_off(seed: int) -> None:
     """t3 = -t1, t4 = -t2 and tan(t1/2) tan(t2/2) = sin((be + al)/2) / sin((be - al)/2) (G. T. Bennett, 1903);
@@ -185,6 +188,7 @@ end Disc;
 """
 
 
+@pytest.mark.sample(1)
 @needs_gcc
 @pytest.mark.parametrize("down", ("B.y", "{0, 0, 1}"))
 def test_a_stated_velocity_of_a_wheel_or_ball_asks_for_moderate_rates(down: str) -> None:
@@ -235,6 +239,7 @@ def test_a_move_behind_the_digits_that_are_shown_is_shown() -> None:
     assert start.notes[0].startswith("`c2` starts at 0.7 rad instead of 0.70000003 rad, because of")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_one_motion_is_told_from_any_stated_crank(seed: int) -> None:
     """What `explain` says: n cranks and a bar have n + 2 rows that count, parallel bars one each and one."""

@@ -258,6 +258,7 @@ end Beside;"""
     assert run["y"][-1] == pytest.approx(6.0)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(8))
 def test_no_rest_beside_what_is_pressed(seed: int) -> None:
     """A force that a wire bears is rounded by more than a gentle one that nothing bears, of the same body or

@@ -208,6 +208,7 @@ def test_forces_that_are_differences_of_near_numbers(backend: str, offset: float
     assert run.estimated > lost
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["c", "numpy"])
 @pytest.mark.parametrize("name", ["simple_pendulum", *(f"classic/{name}" for name in (
     "kepler", "four_bar", "rolling_disc", "toda_lattice", "cart_pendulum"))])  # fmt: skip
@@ -309,6 +310,7 @@ end Coincide;"""
     assert run.status == "ok" or e < 1e-4
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_c_and_python_round_alike(seed: int) -> None:
     """Where numbers of a model meet, as masses do between rows: rates, and runs rounded by turns."""

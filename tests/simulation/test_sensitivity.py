@@ -86,6 +86,7 @@ def test_the_motion_is_what_it_is_without() -> None:
     close(by_hand.sensitivity("x", "m"), fine.sensitivity("x", "m"), 1e-6)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("seed", range(16))
 def test_of_motions_under_forces_that_jump(seed: int) -> None:
     """By both start values, against differences in 40 digits of parabolas, one after the other."""
@@ -113,6 +114,7 @@ def test_of_motions_under_forces_that_jump(seed: int) -> None:
             assert far <= 1e-6 * max(1.0, np.abs(expected[:, i]).max())
 
 
+@pytest.mark.full
 def test_of_a_kick_whose_times_are_parameters_and_of_a_bounce() -> None:
     text = """model M
       parameter Time T = 0.4 [s]; parameter Time d = 0.1 [s]; parameter Force F = 3 [N];
@@ -178,6 +180,7 @@ CHECKED = [
 SHARE = 1e-3  # of a parameter: by how much differences differ
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name, stop", CHECKED)
 def test_of_the_library_by_differences(name: str, stop: float) -> None:
     """Of fourth order: what they leave out is (1e-3)^4 and less, with derivatives as large as themselves, and
@@ -232,6 +235,7 @@ def test_starts_follow_what_the_conditions_leave() -> None:
     assert [run.sensitivity(s, "start(x)")[0] for s in model.state_names] == pytest.approx(found["a"])
 
 
+@pytest.mark.full
 def test_errors_are_estimated() -> None:
     """What the coarse run says of itself is not less than what it is off by."""
     for name, asked in (("simple_pendulum", "l"), ("classic/kepler", "a")):
@@ -453,6 +457,7 @@ end Panel;
 """
 
 
+@pytest.mark.full
 def test_a_start_that_meets_redundant_rows_for_all_values_has_a_slope() -> None:
     """x = d f(t sqrt(g/d)), and so dx/dd = (x - t v/2)/d."""
     run = lagc.loads(PANEL).compile(backend="numpy").simulate(1.0, accuracy=1e-9, points=6, sensitivity="d")

@@ -32,6 +32,7 @@ def test_the_estimate_is_not_less_than_the_true_error_nor_much_more(
         assert run.estimated <= most * true
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("e, accuracy", [(0.6, 1e-6), (0.9, 1e-6), (0.9, 1e-9)])
 def test_ten_revolutions_of_a_comet(e: float, accuracy: float) -> None:
     kepler = Kepler(e)
@@ -56,6 +57,7 @@ def test_an_accuracy_beyond_double_precision_is_said_to_be() -> None:
     assert run.estimated is not None and 1e-15 < run.estimated < 1e-12
 
 
+@pytest.mark.full
 def test_a_chaotic_motion_ends_at_its_horizon() -> None:
     run = simulate(DoublePendulum(), Request(stop=60.0, accuracy=1e-6))
     assert run.status == "failed" and "until t =" in run.message

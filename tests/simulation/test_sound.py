@@ -40,6 +40,7 @@ def refused(model: lagc.api.CompiledModel, **values: float) -> bool:
     return False
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("derived", FORMS)
 def test_bounds_of_derived_parameters_hold_in_bind_and_in_checks_of_generated_code(derived: str) -> None:
     """For random values; what is derived is known in closed form."""

@@ -140,6 +140,7 @@ def test_displacements_that_are_all_zero_have_one_size(n: int) -> None:
     assert np.hypot(*np.diff(points, axis=0).T) == pytest.approx(2.0 / (n + 1), rel=1e-9)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 def test_a_rope_of_rods_is_hung_from_a_parabola(backend: str) -> None:
     """Each place of it is stated, of sizes from a link to the whole rope: a smooth curve should bend as a

@@ -110,6 +110,7 @@ def test_rows_that_share_no_unknown_are_not_multiplied() -> None:
     assert work[80] < 2.5 * work[40]
 
 
+@pytest.mark.full
 def test_rows_of_the_table_that_a_pivot_leaves_alone_are_not_looked_through_again() -> None:
     """The choice of stated values that move: of a chain, each pivot changes the rows beside its own."""
     looked = {}
@@ -135,6 +136,7 @@ def test_rows_of_the_table_that_a_pivot_leaves_alone_are_not_looked_through_agai
     assert looked[40] < 2.5 * looked[20]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", (3, 8, 16, 30))
 def test_places_that_were_rounded_cost_little(n: int) -> None:
     """One value moves for each condition, by about the rounding: an attempt or two settle it."""
@@ -232,6 +234,7 @@ def test_any_direction_is_taken_and_none_invented(
         assert found[2][first : first + 4] == pytest.approx(turned, rel=1e-15)
 
 
+@pytest.mark.full
 @needs_gcc
 def test_a_stated_rate_that_is_not_finite_is_named() -> None:
     twins = Twins(program_of(TURNED.format(rate="v/(v - 1 [m/s])*v")))

@@ -40,6 +40,7 @@ def _random(seed: int) -> tuple[str, dict[str, float]]:
     return text, values
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(-1, 12))
 def test_where_the_search_has_a_choice(seed: int) -> None:
     """By differences of fourth order of the starts themselves."""
@@ -65,6 +66,7 @@ def test_where_the_search_has_a_choice(seed: int) -> None:
         assert np.abs(found - fine).max() <= doubt, name
 
 
+@pytest.mark.full
 def test_one_without_a_derivative_leaves_the_others() -> None:
     text = SWUNG.replace("), z;", "), z(start = -0.4 [m]), w(start = 1 [m], fixed = true);").replace(
         "end M", "  body c = Particle(mass = 1 [kg], at = {0, w, 0});\n  constraint h: w = 1 [m];\nend M"

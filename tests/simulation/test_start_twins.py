@@ -19,6 +19,7 @@ LIBRARY = (
 )  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @needs_gcc
 @pytest.mark.parametrize("name", LIBRARY)
 def test_c_and_python_find_the_same_start(name: str) -> None:
@@ -55,6 +56,7 @@ STRANGE = {
 }
 
 
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("name", STRANGE)
 def test_strange_starts_are_the_same_too(name: str) -> None:
@@ -75,6 +77,7 @@ def factor(text: str, scales: tuple[float, float, float]) -> float:
     return found
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("scales", [(1.0, 2.0**50, 1.0), (1.0, 1.0, 2.0**-50), (2.0**50, 2.0**-50, 2.0**30)])
 @pytest.mark.parametrize("name", [name for name in LIBRARY if not name.endswith("_speeds")])
 def test_a_scaled_model_starts_in_the_scaled_state(name: str, scales: tuple[float, float, float]) -> None:

@@ -210,6 +210,7 @@ def moved_by_least_squares(
     return None
 
 
+@pytest.mark.full
 def test_as_few_move_as_possible_in_the_plane() -> None:
     """Triangles and chains of three points whose stated places contradict their distances.  Of nonlinear
     conditions the search may miss a solution far away: of one in ten here."""

@@ -62,6 +62,7 @@ def is_root(f: Callable[[Any], Any], x: float, y: float, size: float) -> bool:
     return bool(abs(f(u) - x) <= 2e-15 * (abs(x) + abs(slope) * (abs(u) + size / 1024)))
 
 
+@pytest.mark.full
 @needs_gcc
 @pytest.mark.parametrize("kind", ("Length", "Angle"))
 def test_what_is_stated_stays_however_far_the_other_goes(kind: str) -> None:

@@ -61,6 +61,7 @@ def column(run: Run, name: str) -> Any:
     return -run[name[1:]] if name.startswith("-") else run[name]
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("no_cache")
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("make", [carts, springs])
@@ -127,6 +128,7 @@ def pairs(stiffness: float) -> str:
     return framed(lines)
 
 
+@pytest.mark.full
 def test_a_saddle_that_rounding_leaves_is_no_rest() -> None:
     """x grows exponentially from 1e-16 m or so."""
     run = lagc.loads(pairs(-100.0)).compile(backend="numpy").simulate(8.0, accuracy=1e-6, points=81)
@@ -135,6 +137,7 @@ def test_a_saddle_that_rounding_leaves_is_no_rest() -> None:
     assert 0.0 < abs(run["x"]).max() < 1e-5
 
 
+@pytest.mark.full
 def test_a_saddle_on_which_rounding_happens_to_cancel_is_no_rest() -> None:
     run = lagc.loads(cart(0.0, -100.0)).compile(backend="numpy").simulate(8.0, accuracy=1e-6, points=81)
     assert run.status == "failed" and "until t = " in run.message
@@ -159,6 +162,7 @@ ROLLING = """model Roll
 end Roll;"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("no_cache")
 @pytest.mark.parametrize("backend", ["numpy", "c"])
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-12])

@@ -45,6 +45,7 @@ def rolling(dice: random.Random) -> tuple[str, float]:
     return text, 0.1 / rate
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("make", [stiff, strings, rolling])
 def test_a_step_that_is_too_long_is_named(make: object) -> None:
     """Whatever fails, the motion itself is determined: a verified run goes there."""

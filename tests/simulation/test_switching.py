@@ -13,6 +13,7 @@ pytestmark = pytest.mark.usefixtures("no_cache")
 TIMES = [STOP * k / 7 for k in range(8)]
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("first", range(0, 60, 15))
 def test_pulses_barriers_square_waves(first: int) -> None:
     """Forces that are constant piece by piece, kicks of 1e-5 s, barriers of 0.1 mm: no true error
@@ -38,6 +39,7 @@ def test_pulses_barriers_square_waves(first: int) -> None:
     assert known > 10
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [3, 7, 21])
 def test_both_backends_are_equal_to_the_bit(seed: int) -> None:
     runs = [

@@ -31,6 +31,7 @@ def runs(kind: str, c: float, y: float, rate: float, **options: object) -> list[
     ]  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "c", "y", "rate", "options"),
     [

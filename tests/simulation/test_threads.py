@@ -155,6 +155,7 @@ def test_an_answer_depends_on_the_question_alone(name: str, backend: str) -> Non
         assert answers() == first
 
 
+@pytest.mark.full
 @pytest.mark.usefixtures("no_cache")
 def test_many_threads_compile() -> None:
     """Several models, each more than once: the same text as from one thread."""
@@ -207,6 +208,7 @@ def test_many_threads_fill_one_entry_of_the_cache(tmp_path: Path, monkeypatch: p
     assert not list(tmp_path.glob("tmp-*"))
 
 
+@pytest.mark.full
 def test_many_threads_draw(tmp_path: Path) -> None:
     """The same picture as one thread draws, in the style that was set before."""
     matplotlib = pytest.importorskip("matplotlib")

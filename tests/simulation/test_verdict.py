@@ -65,6 +65,7 @@ def test_forces_that_jump_to_and_fro_are_found() -> None:
     assert reasons(verdict(system, run, 2.0)[1]) == {"not smooth"}
 
 
+@pytest.mark.full
 def test_exponential_growth_is_found() -> None:
     run = simulate(DoublePendulum(), Request(stop=60.0, accuracy=1e-6))
     assert run.status == "failed" and reasons(run.message) == {"chaotic"}, run.message

@@ -80,6 +80,7 @@ def test_beside_what_moves_a_row_of_nothing_contradicts_nothing() -> None:
     assert "contradict" not in found.message
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("d", [1e-2, 1e-4, 1e-5])
 def test_rods_of_which_one_is_a_little_off(d: float) -> None:
     found = run(PLATE.format(d=d), backend="c")
@@ -97,6 +98,7 @@ def test_driven_rows_move() -> None:
     assert run(POINT.format(x=0.0, y=0.0, rows=rows))["x"][-1] == pytest.approx(1.0, abs=1e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("more", "y"), [("", 0.7), ("+ x^2/l", 0.2)])
 def test_a_radius_that_vanishes_ends_the_motion(more: str, y: float) -> None:
     # the particle keeps its angular momentum and turns faster and faster

@@ -22,6 +22,7 @@ pytestmark = pytest.mark.usefixtures("no_cache")
 TIMES = [STOP * k / 7 for k in range(8)]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("first", range(0, 60, 15))
 def test_walls_kicks_limits(first: int) -> None:
     """No true error is above the estimate, no estimate above what was asked, every event is found."""
@@ -47,6 +48,7 @@ def test_walls_kicks_limits(first: int) -> None:
     assert known > 10
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [1, 4, 9])
 def test_both_backends_are_equal_to_the_bit(seed: int) -> None:
     runs = [
@@ -195,6 +197,7 @@ def test_new_values_that_do_not_are_refused() -> None:
     assert run.t[-1] > 0.5
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("restitution", [0.5, 0.8, 0.95])
 def test_bounces_that_are_ever_shorter_are_followed_to_the_end_of_numbers(restitution: float) -> None:
     """They come to t_1 (1 + e)/(1 - e), and no ball falls through."""
@@ -294,6 +297,7 @@ int main(void)
 """
 
 
+@pytest.mark.full
 def test_c_stops_where_clauses_act(tmp_path: Path) -> None:
     """x = t to 1, whence it is thrown back at twice the speed, to -1 at 2."""
     whens = (
@@ -321,6 +325,7 @@ def test_the_flights_of_a_ball() -> None:
     assert {e.name for e in run.events} == {"impact"}
 
 
+@pytest.mark.full
 def test_a_clock_comes_to_its_own_amplitude() -> None:
     """Its speed after a tick tends to k/(1 - exp(-2 pi d/sqrt(1 - d^2))), as fast as that power of it."""
     system = lagc.load("classic/clock").compile(backend="numpy")

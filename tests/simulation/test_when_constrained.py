@@ -105,6 +105,7 @@ def judged(pendulum: Pendulum, text: str, clauses: Sequence[tuple[Condition, Act
     return len(acted)
 
 
+@pytest.mark.full
 def test_on_pivots_that_move() -> None:
     """Thrown back relative to the pivot, at a place and at an angle; each once."""
     found = 0
@@ -129,6 +130,7 @@ def test_on_pivots_that_move() -> None:
     assert found > 6
 
 
+@pytest.mark.full
 def test_what_one_makes_another_do() -> None:
     """Braked at a place, which makes it slow, which drives it on: each once."""
     found = 0

@@ -185,6 +185,7 @@ CASES = [
 ]  # fmt: skip
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(("job", "make", "n"), CASES, ids=[f"{c[1].__name__}-{c[0].__name__}" for c in CASES])
 def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[int], str], n: int) -> None:
     job(make(n))  # what is loaded, and written for many objects, once
@@ -193,6 +194,7 @@ def test_work_grows_with_the_model(job: Callable[[str], None], make: Callable[[i
     assert four - two < most * (two - one)
 
 
+@pytest.mark.full
 def test_breaks_are_looked_for_in_the_pieces_of_a_model() -> None:
     """Twice as long a ladder has four times the pieces; to evaluate rungs whole is 7 times the work."""
     derived(ladder(2))
@@ -225,6 +227,7 @@ def steps_of_start(text: str) -> int:
     return count
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("radius", [1, 2], ids=["met", "moved"])
 def test_starts_of_parts_that_share_nothing_cost_the_sum_of_theirs(radius: int) -> None:
     """But for a look at each pair of rows; a dense factorisation takes 8 times as much for twice the rows."""
@@ -248,6 +251,7 @@ end Rods;
 """
 
 
+@pytest.mark.full
 def test_the_start_of_a_chain_costs_what_its_rods_do() -> None:
     """Rows overlap with those beside them alone, in whatever order coordinates were declared."""
     steps_of_start(rods(3))
@@ -269,6 +273,7 @@ def of_many(n: int) -> tuple[Graph, list[Node]]:
     return g, [g.product([(f, 1) for f in random.sample(x, 12)]) for _ in range(n)]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("job", "make"),
     [(lambda t: factored(*t), in_pairs), (lambda t: plan(t[1]), of_many)],
@@ -307,6 +312,7 @@ def peak(text: str) -> int:
         tracemalloc.stop()
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("make", [coordinates, instances])
 def test_memory_grows_with_the_coordinates(make: Callable[[int], str]) -> None:
     checked(make(40))

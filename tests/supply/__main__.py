@@ -1,6 +1,6 @@
 """`python -m tests.supply lowest|newest|generated`: what lagc is made of, and what it makes, tried at length.
 
-lowest, newest: builds sdist and wheel, installs the wheel with its extra `test` into a fresh virtual
+lowest, newest: builds sdist and wheel, installs the wheel with its extra `full` into a fresh virtual
 environment, at the lower bounds of pyproject.toml or the newest versions that it allows, and runs there, from
 the unpacked sdist, the tests that touch a dependency (`--all`: all tests).  `--python`: another interpreter.
 
@@ -40,7 +40,7 @@ def environment(which: str, python: str, tests: list[str]) -> int:
         run(python, "-m", "venv", str(folder / "venv"), cwd=folder)
         inside = str(folder / "venv" / ("Scripts" if os.name == "nt" else "bin") / "python")
         (folder / "lowest.txt").write_text("\n".join(lowest() if which == "lowest" else []))
-        wheel = f"{next(folder.glob('*.whl'))}[test]"
+        wheel = f"{next(folder.glob('*.whl'))}[full]"
         run(inside, "-m", "pip", "install", "-q", "-c", str(folder / "lowest.txt"), wheel, cwd=folder)
         run(inside, "-m", "pip", "check", cwd=folder)
         own = {**os.environ, "LAGC_CACHE": str(folder / "cache")}

@@ -16,6 +16,7 @@ from tests.symbolic.expressions import NAMES, grow, points, programs
 STEP = 1e-30  # f(x + ih) = f(x) + ih f'(x) + O(h^2): Squire & Trapp, SIAM Review 40, 1998
 
 
+@pytest.mark.full
 @settings(max_examples=300, deadline=None)
 @given(programs, points)
 def test_forward_and_reverse_agree_with_complex_steps(

@@ -153,6 +153,7 @@ def test_sums_of_numbers_are_those_of_floats(a: float, b: float) -> None:
     assert found == a + b or rounding or math.isinf(a + b)
 
 
+@pytest.mark.full
 def test_deep_graphs_need_no_recursion(graph: Graph) -> None:
     x, y, _ = leaves(graph)
     node = x

@@ -65,6 +65,7 @@ def test_no_break_spaces_are_blanks() -> None:
     assert parse(Source("x", "model\u00a0M\u2003end M;")).declarations
 
 
+@pytest.mark.full
 def test_ten_thousand_terms() -> None:
     begin = time.process_time()
     read = parse(model(" + ".join(f"a{i}*b" for i in range(10_000))))
@@ -79,6 +80,7 @@ def test_ten_thousand_terms() -> None:
     assert depth == 9_999
 
 
+@pytest.mark.full
 def test_ten_thousand_declarations() -> None:
     lines = "".join(f"  parameter Mass m{i}(min = 0) = 1 [kg];\n" for i in range(10_000))
     begin = time.process_time()
@@ -104,6 +106,7 @@ def test_depth_is_bounded(opening: str, closing: str, levels: int) -> None:
     assert fault.code == "LAG0106" and "100" in fault.message
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
     "part", ["(", "{", "[", "f(", "-", "if a then ", "not ", "for i in 1:n loop ", "effect e "]
 )
@@ -114,6 +117,7 @@ def test_absurdly_deep_files_are_refused_soon(part: str) -> None:
     assert time.process_time() - begin < 5
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("part", [".a", "[1]", ".a[2]"])
 def test_parts_of_a_name_are_bounded(part: str) -> None:
     count = part.count("a") + part.count("[")

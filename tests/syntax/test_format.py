@@ -275,6 +275,7 @@ def lines(draw: st.DrawFn, depth: int = 2) -> list[str]:
 GAPS = st.sampled_from([" ", " ", " ", "\n", "  \n\n\n", " /* c */ ", " // c\n", "\t"])
 
 
+@pytest.mark.full
 @settings(max_examples=60, deadline=None)
 @given(st.lists(lines(), max_size=5), st.data())
 def test_made_up_models(declarations: list[list[str]], data: st.DataObject) -> None:

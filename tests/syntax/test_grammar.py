@@ -34,6 +34,7 @@ def test_lark_reads_the_models(lark: Lark, path: Path) -> None:
     assert len(theirs.feed_eof().children) == len(ours.declarations)
 
 
+@pytest.mark.full
 def test_tables_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("LAGC_CACHE", str(tmp_path))
     monkeypatch.setattr(lalr_tables, "shipped_path", lambda: str(tmp_path / "none"))
