@@ -120,6 +120,7 @@ def test_names_of_people_stay() -> None:
         assert Names().give(name) == name
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("target", TARGETS)
 def test_no_macro_of_the_standard_headers_is_given(target: str, tmp_path: Path) -> None:
     if not present("zig"):

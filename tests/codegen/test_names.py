@@ -43,6 +43,7 @@ def test_every_keyword_of_python_is_reserved() -> None:
     assert set(keyword.kwlist) <= RESERVED
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("compiler", COMPILERS)
 def test_every_macro_of_the_headers_is_reserved(compiler: str, tmp_path: Path) -> None:
     if not present(compiler):

@@ -170,6 +170,7 @@ def drawn(seed: int, n: int) -> list[tuple[float, ...]]:
 CLOSE = {0.0: 1e-3, 1e-4: 0.1, 1e-9: 1e-5}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [18, 300])
 def test_walls_of_any_stiffness(n: int, tmp_path: Path) -> None:
     cases = drawn(1, n)
@@ -180,6 +181,7 @@ def test_walls_of_any_stiffness(n: int, tmp_path: Path) -> None:
             assert state == pytest.approx([x, v], rel=0.0, abs=CLOSE[case[6]] * (1.0 + abs(v))), case
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("n", [18, 300])
 def test_floors_with_loss(n: int, tmp_path: Path) -> None:
     cases = [(m, k, c**0.5, abs(z), v, *rest) for m, k, c, z, v, *rest in drawn(2, n)]
